@@ -1,0 +1,1 @@
+"""Area-preserving deformation of 3D objects."""
