@@ -62,3 +62,117 @@ def vertex_normals(U, F, out):
         length = np.sqrt(out[v, 0] ** 2 + out[v, 1] ** 2 + out[v, 2] ** 2)
         if length > 0.0:
             out[v] /= length
+
+
+@njit(cache=True, nogil=True)
+def face_areas(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Area of every triangle, (m,) float array in square mesh units."""
+    areas = np.empty(F.shape[0])
+    for t in range(F.shape[0]):
+        i, j, k = F[t]
+        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        areas[t] = 0.5 * np.sqrt(x * x + y * y + z * z)
+    return areas
+
+
+def area(U: np.ndarray, F: np.ndarray) -> float:
+    """Total surface area in square mesh units."""
+    return float(face_areas(U, F).sum())
+
+
+def vertex_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """One third of the area of the triangles around every vertex, (n,) float array."""
+    return np.bincount(F.ravel(), weights=np.repeat(face_areas(V, F) / 3.0, 3), minlength=len(V))
+
+
+@njit(cache=True, nogil=True)
+def _signed_volumes(U: np.ndarray, F: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    volumes = np.empty(F.shape[0])
+    for t in range(F.shape[0]):
+        a, b, c = U[F[t, 0]] - origin, U[F[t, 1]] - origin, U[F[t, 2]] - origin
+        volumes[t] = (
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+        ) / 6.0
+    return volumes
+
+
+def volume(U: np.ndarray, F: np.ndarray) -> float:
+    """Signed volume inside a closed surface, positive where faces point outwards, cubic mesh units.
+
+    Without meaning for a surface that is not closed: see :func:`why_no_volume`.
+    """
+    # Measured from the first vertex: far from the origin the sum would cancel away its digits.
+    return float(_signed_volumes(U, F, U[0]).sum())
+
+
+def why_no_volume(F: np.ndarray, n: int) -> str | None:
+    """Why the surface encloses no volume, as a phrase for people; None if it does.
+
+    A surface is closed when every edge is used once in each direction.
+    """
+    proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
+    a, b = proper.ravel(), np.roll(proper, -1, axis=1).ravel()
+    forward, backward = np.sort(a * n + b), np.sort(b * n + a)
+    if np.array_equal(forward, backward) and (np.diff(forward) > 0).all():
+        return None
+    uses = np.unique(np.minimum(a, b) * n + np.maximum(a, b), return_counts=True)[1]
+    border = int((uses == 1).sum())
+    if border:
+        return f"the surface is open ({border:,} border edges)"
+    if (uses > 2).any():
+        return f"the surface is not manifold ({int((uses > 2).sum()):,} edges with more than two faces)"
+    return "the faces are not oriented alike"
+
+
+def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Cotangent of the angle at every corner, (m, 3) float array; 0 in triangles without area."""
+    cot = np.zeros(F.shape)
+    for c in range(3):
+        a = V[F[:, (c + 1) % 3]] - V[F[:, c]]
+        b = V[F[:, (c + 2) % 3]] - V[F[:, c]]
+        double_area = np.linalg.norm(np.cross(a, b), axis=1)
+        np.divide((a * b).sum(axis=1), double_area, out=cot[:, c], where=double_area > 0)
+    return cot
+
+
+# Joins what the clamped weights leave unjoined, too weakly to be seen in the shape.
+_WEIGHT_FLOOR = 1e-6
+
+
+def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
+    """Symmetric matrix of the weights ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``.
+
+    Each cotangent is clamped by itself, as CGAL does; clamping the sum gives another energy. Where
+    clamping cuts a connected piece apart (needles, obtuse fans), the edges between the parts get a
+    weight that is tiny, or the Laplacian of the piece would be singular.
+
+    Returns
+    -------
+    (n, n) csr_array
+        Zero diagonal; every edge of the mesh is stored, also those of weight zero.
+    """
+    n = len(V)
+    cot = np.maximum(cotangents(V, F), 0.0)
+    i, j = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
+    w = 0.5 * cot.ravel()
+    edge = i != j
+    i, j, w = i[edge], j[edge], w[edge]
+    W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
+    W = W.tocsr()
+    W.sort_indices()
+    positive = W.copy()
+    positive.eliminate_zeros()
+    part = sp.csgraph.connected_components(positive, directed=False)[1]
+    row = np.repeat(np.arange(n), np.diff(W.indptr))
+    mean = positive.data.mean() if positive.nnz else 1.0
+    W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * mean
+    return W
+
+
+def laplacian(W: sp.csr_array) -> sp.csr_array:
+    """Positive semi-definite Laplacian ``L_ij = -w_ij`` of the weights ``W`` (n, n)."""
+    return (sp.diags_array(W.sum(axis=1)) - W).tocsr()

@@ -1,0 +1,329 @@
+"""Deform a mesh: factor once, aim, step; or all of it in one call."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.arap import Arap, RestShape
+from apd_viewer.geometry.mesh import Weld, check_mesh, frozen
+from apd_viewer.geometry.methods import LiHui, PlainArap
+from apd_viewer.geometry.operators import area, volume, why_no_volume
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+METHODS = ("paper", "arap")
+DEFAULT_METHOD = "paper"
+DEFAULT_TOLERANCE = 1e-3
+
+# An iteration that moves no vertex by more than this part of the bounding box's diagonal has settled.
+_SETTLED = 1e-5
+# Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
+_MOST_ITERATIONS = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The shape after one iteration, and its readings.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Deformed positions in the order of the file, mesh units, read-only.
+    iteration : int
+        Iterations since the targets were last set.
+    area, area_error : float
+        Total area, and ``area / rest area - 1``.
+    volume : float or None
+        Enclosed volume; None if the surface is not closed.
+    handle_drift : float
+        Distance between the centroid of the handle where it was asked for and where it is.
+    converged : bool
+        The shape has settled and its area is within the tolerance.
+    """
+
+    U: np.ndarray
+    iteration: int
+    area: float
+    area_error: float
+    volume: float | None
+    handle_drift: float
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished deformation; the fields of the command line's report.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Deformed positions in the order of the file, mesh units.
+    energy : float
+        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
+    warnings : tuple of str
+        What the user should know about the mesh or the result.
+    """
+
+    U: np.ndarray
+    method: str
+    iterations: int
+    converged: bool
+    area_rest: float
+    area: float
+    area_error: float
+    volume_rest: float | None
+    volume: float | None
+    energy: float
+    handle_drift: float
+    seconds: float
+    factor_seconds: float
+    seconds_per_iteration: float
+    warnings: tuple[str, ...]
+
+
+class RestMesh:
+    """Everything about a mesh that does not depend on what is held: computed once a mesh.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    F : (m, 3) int array, triangles
+    weld : Weld, optional
+        The maps to the vertices of the solve, where they are known already.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
+        self.V, self.F = V, F
+        self.weld = weld or Weld.of(V)
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
+        self.area = area(V, F)
+        if self.area <= 0.0:
+            raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
+        self.diagonal = float(np.linalg.norm(np.ptp(V, axis=0)))
+        self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
+        self.volume = self.volume_of(V)
+
+    def volume_of(self, U: np.ndarray) -> float | None:
+        """Volume that the mesh encloses at ``U`` (n, 3); None if it is not closed."""
+        return None if self.why_no_volume else volume(U, self.F)
+
+    def energy(self, U: np.ndarray) -> float:
+        """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
+        return self.shape.energy(U[self.weld.first])
+
+    def loose_pieces(self, fixed: np.ndarray) -> int:
+        """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
+        with_faces = np.unique(self.shape.piece[self.shape.F])
+        return len(np.setdiff1d(with_faces, self.shape.piece[self.weld.inverse[fixed]]))
+
+    def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
+        """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
+        said = []
+        loose = self.loose_pieces(fixed)
+        if loose == 1:
+            said.append("A separate piece is held by nothing; it stays where it is.")
+        elif loose:
+            said.append(f"{loose:,} separate pieces are held by nothing; they stay where they are.")
+        if self.why_no_volume:
+            said.append(f"There is no volume: {self.why_no_volume}.")
+        return tuple(said)
+
+
+class Deformation:
+    """A mesh with some vertices held, deformed one iteration at a time.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions.
+    F : (m, 3) int array
+        Triangles.
+    fixed : (k,) int array
+        Vertices that are held: base and handle together.
+    method : str
+        "arap" (as rigid as possible) or "paper" (Li & Hui: area kept to the tolerance).
+    handle : int array, optional
+        Those of ``fixed`` that are handle. "paper" needs it; without it no drift is measured.
+    tolerance : float
+        Relative error of the total area that "paper" accepts.
+    rest : RestMesh, optional
+        Of the same V and F, to save computing it again.
+
+    Raises
+    ------
+    InputError
+        If the mesh or the held vertices cannot be used; the message says why.
+    """
+
+    def __init__(
+        self,
+        V: np.ndarray,
+        F: np.ndarray,
+        fixed: np.ndarray,
+        *,
+        method: str = DEFAULT_METHOD,
+        handle: np.ndarray | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+        rest: RestMesh | None = None,
+    ) -> None:
+        if rest is None:
+            V, F = np.asarray(V, dtype=np.float64), np.asarray(F)
+            check_mesh(V, F)
+            rest = RestMesh(V, F)
+        self.rest = rest
+        self.method = method
+        self.fixed = _checked_ids(fixed, len(rest.V), "held")
+        handle = _checked_ids([] if handle is None else handle, len(rest.V), "handle")
+        self._handle = np.isin(self.fixed, handle)
+        _check_method(method, tolerance, self._handle)
+
+        solve_ids, self._chosen = np.unique(rest.weld.inverse[self.fixed], return_index=True)
+        if len(solve_ids) == len(rest.shape.V):
+            raise InputError("Every vertex is held; leave some free to deform.")
+        started = time.perf_counter()
+        self._arap = Arap(rest.shape, solve_ids)
+        if method == "paper":
+            self._method: LiHui | PlainArap = LiHui(self._arap, self._handle[self._chosen], tolerance)
+        else:
+            self._method = PlainArap(self._arap)
+        self.factor_seconds = time.perf_counter() - started
+        self.aim(rest.V[self.fixed])
+
+    def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
+        """Hold the fixed vertices at ``targets`` from now on.
+
+        Parameters
+        ----------
+        targets : (k, 3) float array
+            A position for each of ``fixed``.
+        U : (n, 3) float array, optional
+            Continue from these positions; otherwise from where the last iteration ended.
+        """
+        targets = np.asarray(targets, dtype=np.float64)
+        if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
+            raise InputError(f"Targets must be {len(self.fixed)} finite positions, one for each held vertex.")
+        if U is not None:
+            self._arap.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+        self._asked = targets[self._chosen]
+        self._method.aim(self._asked)
+        self._iteration = 0
+
+    def step(self) -> Frame:
+        """One iteration; the shape after it and its readings."""
+        before = self._method.U
+        self._method.iterate()
+        self._iteration += 1
+        moved = np.abs(self._method.U - before).max() / self.rest.diagonal
+        U = frozen(self._method.U[self.rest.weld.inverse])
+        total = area(U, self.rest.F)
+        return Frame(
+            U=U,
+            iteration=self._iteration,
+            area=total,
+            area_error=total / self.rest.area - 1.0,
+            volume=self.rest.volume_of(U),
+            handle_drift=self._drift(),
+            converged=bool(moved <= _SETTLED and self._method.within_tolerance),
+        )
+
+    def _drift(self) -> float:
+        is_handle = self._handle[self._chosen]
+        if not is_handle.any():
+            return 0.0
+        return float(np.linalg.norm((self._method.held - self._asked)[is_handle].mean(axis=0)))
+
+
+def _checked_ids(ids: np.ndarray | list[int], n: int, what: str) -> np.ndarray:
+    ids = np.asarray(ids, dtype=np.int64).ravel()
+    if len(ids) and (ids.min() < 0 or ids.max() >= n):
+        raise InputError(f"A {what} vertex does not exist: ids go from 0 to {n - 1:,}.")
+    return ids
+
+
+def _check_method(method: str, tolerance: float, is_handle: np.ndarray) -> None:
+    if method not in METHODS:
+        raise InputError(f"There is no method {method!r}; choose one of {', '.join(METHODS)}.")
+    if len(is_handle) == 0:
+        raise InputError("Nothing is held; name the vertices that stay or move as given.")
+    if method == "paper" and (is_handle.all() or not is_handle.any()):
+        raise InputError(
+            "The method 'paper' needs base and handle; name the handle's vertices among the held ones."
+        )
+    if not tolerance > 0.0:
+        raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
+
+
+def deform(
+    V: np.ndarray,
+    F: np.ndarray,
+    fixed: np.ndarray,
+    targets: np.ndarray,
+    method: str = DEFAULT_METHOD,
+    iterations: int | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+    *,
+    handle: np.ndarray | None = None,
+    progress: Callable[[Frame], None] | None = None,
+) -> Result:
+    """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
+
+    Parameters
+    ----------
+    V, F, fixed, method, tolerance, handle
+        See :class:`Deformation`.
+    targets : (k, 3) float array
+        A position for each of ``fixed``, mesh units.
+    iterations : int, optional
+        Do exactly so many plain iterations from the rest pose. Without it: until converged.
+    progress : callable, optional
+        Called with every Frame.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    if iterations is not None and iterations < 1:
+        raise InputError("The number of iterations must be at least 1.")
+    started = time.perf_counter()
+    solver = Deformation(V, F, fixed, method=method, handle=handle, tolerance=tolerance)
+    solver.aim(targets)
+    iterating = time.perf_counter()
+    while True:
+        frame = solver.step()
+        if progress:
+            progress(frame)
+        if frame.iteration == (iterations or _MOST_ITERATIONS) or (frame.converged and iterations is None):
+            break
+    ended = time.perf_counter()
+    return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
+
+
+def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+    return Result(
+        U=frame.U,
+        method=solver.method,
+        iterations=frame.iteration,
+        converged=frame.converged,
+        area_rest=solver.rest.area,
+        area=frame.area,
+        area_error=frame.area_error,
+        volume_rest=solver.rest.volume,
+        volume=frame.volume,
+        energy=solver.rest.energy(frame.U),
+        handle_drift=frame.handle_drift,
+        seconds=seconds,
+        factor_seconds=solver.factor_seconds,
+        seconds_per_iteration=seconds_per_iteration,
+        warnings=solver.rest.warnings(solver.fixed),
+    )

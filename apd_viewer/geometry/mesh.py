@@ -1,0 +1,136 @@
+"""A triangle mesh as the user's file has it, and the welded mesh that is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from apd_viewer.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """Return ``array`` marked read-only (in place: no copy)."""
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Vertices and triangles in the order of the file: never reordered, never merged.
+
+    Attributes
+    ----------
+    V : (n, 3) float64 array
+        Rest positions, mesh units, read-only.
+    F : (m, 3) int64 array
+        Triangles, counter-clockwise seen from outside, read-only.
+    path : Path or None
+        Where the mesh came from.
+    """
+
+    V: np.ndarray
+    F: np.ndarray
+    path: Path | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        V = np.array(self.V, dtype=np.float64)
+        F = np.array(self.F, dtype=np.int64)
+        check_mesh(V, F)
+        object.__setattr__(self, "V", frozen(V))
+        object.__setattr__(self, "F", frozen(F))
+
+    @cached_property
+    def weld(self) -> Weld:
+        """The maps between the file's vertices and the vertices of the solve."""
+        return Weld.of(self.V)
+
+    @property
+    def name(self) -> str:
+        """File name for people, or "mesh"."""
+        return self.path.name if self.path else "mesh"
+
+
+@dataclass(frozen=True, eq=False)
+class Weld:
+    """Which file vertices share a position and are therefore one vertex of the solve.
+
+    Files repeat vertices at texture seams, and STL repeats all of them: without welding such a
+    mesh falls apart into loose triangles. Only bitwise equal positions are joined.
+
+    Attributes
+    ----------
+    first : (k,) int array
+        For every vertex of the solve the first file vertex at its position.
+    inverse : (n,) int array
+        For every file vertex its vertex of the solve.
+    """
+
+    first: np.ndarray
+    inverse: np.ndarray
+
+    @classmethod
+    def of(cls, V: np.ndarray) -> Weld:
+        """Weld the positions ``V`` (n, 3); the order of the file is kept."""
+        order = np.lexsort((np.arange(len(V)), V[:, 2], V[:, 1], V[:, 0]))
+        new = np.ones(len(V), dtype=bool)
+        new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
+        leader = order[np.flatnonzero(new)[np.cumsum(new) - 1]]
+        representative = np.empty(len(V), dtype=np.int64)
+        representative[order] = leader
+        first, inverse = np.unique(representative, return_inverse=True)
+        return cls(frozen(first), frozen(inverse))
+
+
+def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
+    """Raise InputError unless ``V`` (n, 3) and ``F`` (m, 3) describe a triangle mesh with an area."""
+    if V.ndim != 2 or V.shape[1] != 3:
+        raise InputError(f"Vertices must be an (n, 3) array, not {V.shape}; give one row x y z a vertex.")
+    if F.ndim != 2 or F.shape[1] != 3:
+        raise InputError(
+            f"Faces must be an (m, 3) array of triangles, not {F.shape}; triangulate the mesh first."
+        )
+    if len(F) == 0:
+        raise InputError("The mesh has no faces, only points; export it as a surface mesh.")
+    bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"{_count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a number "
+            f"(the first is vertex {bad[0]}); repair the file."
+        )
+    missing = np.count_nonzero(((F < 0) | (len(V) <= F)).any(axis=1))
+    if missing:
+        raise InputError(
+            f"{_count(missing, 'face refers', 'faces refer')} to missing vertices "
+            f"(there are {len(V):,}); repair the file or export it again."
+        )
+
+
+def _count(number: int, one: str, many: str) -> str:
+    return f"{number:,} {one if number == 1 else many}"
+
+
+def pieces(F: np.ndarray, n: int) -> np.ndarray:
+    """Label of the connected piece of every vertex.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    (n,) int array
+        Equal for two vertices exactly if a path of edges joins them.
+    """
+    a, b = F[:, [0, 1]].ravel(), F[:, [1, 2]].ravel()
+    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(n, n))
+    return connected_components(graph, directed=False)[1]
