@@ -24,7 +24,7 @@ DEFAULT_TOLERANCE = 1e-3
 # An iteration that moves no vertex by more than this part of the bounding box's diagonal has settled.
 _SETTLED = 1e-5
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
-_MOST_ITERATIONS = 10_000
+MOST_ITERATIONS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +191,18 @@ class Deformation:
         if method == "paper":
             self._method: LiHui | PlainArap = LiHui(self._arap, self._handle[self._chosen], tolerance)
         else:
-            self._method = PlainArap(self._arap)
+            self._method = PlainArap(self._arap, tolerance)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
+
+    @property
+    def tolerance(self) -> float:
+        """Relative error of the total area that is accepted."""
+        return self._method.tolerance
+
+    @tolerance.setter
+    def tolerance(self, tolerance: float) -> None:
+        self._method.tolerance = tolerance
 
     def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
         """Hold the fixed vertices at ``targets`` from now on.
@@ -303,7 +312,7 @@ def deform(
         frame = solver.step()
         if progress:
             progress(frame)
-        if frame.iteration == (iterations or _MOST_ITERATIONS) or (frame.converged and iterations is None):
+        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.converged and iterations is None):
             break
     ended = time.perf_counter()
     return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)

@@ -98,22 +98,23 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
             f"Faces must be an (m, 3) array of triangles, not {F.shape}; triangulate the mesh first."
         )
     if len(F) == 0:
-        raise InputError("The mesh has no faces, only points; export it as a surface mesh.")
+        raise InputError("There are no faces in it; export the mesh as a surface.")
     bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
     if len(bad):
         raise InputError(
-            f"{_count(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a number "
+            f"{counted(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a number "
             f"(the first is vertex {bad[0]}); repair the file."
         )
-    missing = np.count_nonzero(((F < 0) | (len(V) <= F)).any(axis=1))
+    missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
     if missing:
         raise InputError(
-            f"{_count(missing, 'face refers', 'faces refer')} to missing vertices "
+            f"{counted(missing, 'face refers', 'faces refer')} to missing vertices "
             f"(there are {len(V):,}); repair the file or export it again."
         )
 
 
-def _count(number: int, one: str, many: str) -> str:
+def counted(number: int, one: str, many: str) -> str:
+    """A number with its noun and verb: ``counted(2, "face has", "faces have")`` is "2 faces have"."""
     return f"{number:,} {one if number == 1 else many}"
 
 

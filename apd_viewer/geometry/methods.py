@@ -1,7 +1,7 @@
 """The deformation methods: each turns ARAP iterations into shapes.
 
 A method has ``aim(targets)``, ``iterate()``, the shape ``U`` (n, 3), the held positions ``held``
-(k, 3) that ``U`` really has, and ``within_tolerance``.
+(k, 3) that ``U`` really has, the ``tolerance`` of the area and whether it is ``within_tolerance``.
 """
 
 from __future__ import annotations
@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 class PlainArap:
     """ARAP alone: as rigid as possible, whatever becomes of the area."""
 
+    # Nothing is asked of the area, so every tolerance is met.
     within_tolerance = True
 
-    def __init__(self, arap: Arap) -> None:
+    def __init__(self, arap: Arap, tolerance: float) -> None:
         self._arap = arap
+        self.tolerance = tolerance
 
     @property
     def U(self) -> np.ndarray:
@@ -69,7 +71,7 @@ class LiHui:
     def __init__(self, arap: Arap, is_handle: np.ndarray, tolerance: float) -> None:
         self._arap = arap
         self._is_handle = is_handle
-        self._tolerance = tolerance
+        self.tolerance = tolerance
         self._rest_area = area(arap.rest.V, arap.rest.F)
         self._m = arap.rest.masses[arap.free][:, None]
         self._blend = LinearSolver((diags_array(self._m[:, 0]) + self.KAPPA * arap.L_ff).tocsr())
@@ -78,7 +80,7 @@ class LiHui:
     @property
     def within_tolerance(self) -> bool:
         """Whether the area of ``U`` is close enough to the area at rest."""
-        return abs(self._area_error) <= self._tolerance
+        return abs(self._area_error) <= self.tolerance
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the base at its ``targets``, and start the handle from its ``targets`` (k, 3)."""

@@ -1,0 +1,175 @@
+"""The command line. Only ``apd-viewer [FILE]`` opens a window; the commands need no display."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import apd_viewer
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
+from apd_viewer.files.report import write_report
+from apd_viewer.files.selections import read_selection, read_transform
+from apd_viewer.geometry.constraints import constraints
+from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, METHODS, Frame, Result, deform
+from apd_viewer.geometry.inspection import inspect
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+_USAGE = """\
+apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
+apd-viewer deform MESH ... -o OUT    deform without a window
+apd-viewer info MESH                 say what is in a mesh file
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status, 2 after one line that begins with ``error:``."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    command = words[0] if words and words[0] in _COMMANDS else "view"
+    options = _COMMANDS[command]().parse_args(words if command == "view" else words[1:])
+    try:
+        options.run(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("stopped; nothing was written", file=sys.stderr)
+        return 130
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> None:  # type: ignore[override]
+        """Say it in one line; argparse would print the usage before it."""
+        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+
+
+def _view_parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="apd-viewer",
+        usage=_USAGE,
+        description="Area-preserving deformation of 3D objects.",
+    )
+    parser.add_argument("file", nargs="?", metavar="FILE", help="mesh to open (OBJ, PLY, STL, OFF, GLB)")
+    parser.add_argument("--version", action="version", version=f"apd-viewer {apd_viewer.__version__}")
+    parser.set_defaults(run=lambda options: apd_viewer.view(options.file))
+    return parser
+
+
+def _deform_parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="apd-viewer deform", description="Deform a mesh without a window.")
+    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument("--selection", metavar="SEL", required=True, help=".sel: 0 held, 1 free, 2 handle")
+    parser.add_argument("--transform", metavar="DEF", required=True, help="4x4 matrix that moves the handle")
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="mesh file to write")
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help="default: %(default)s")
+    parser.add_argument("--iterations", metavar="N", type=int, help="exactly N; default: until converged")
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        type=float,
+        default=DEFAULT_TOLERANCE,
+        help="of the area; 0.001 is 0.1 %%",
+    )
+    parser.add_argument("--report", metavar="R.json", type=Path, help="write the readings as JSON")
+    parser.add_argument("--picture", metavar="P.png", type=Path, help="draw the mesh before and after")
+    parser.set_defaults(run=_deform)
+    return parser
+
+
+def _info_parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="apd-viewer info", description="Say what is in a mesh file.")
+    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument("--json", action="store_true", help="for scripts")
+    parser.set_defaults(run=_info)
+    return parser
+
+
+_COMMANDS: dict[str, Callable[[], argparse.ArgumentParser]] = {
+    "view": _view_parser,
+    "deform": _deform_parser,
+    "info": _info_parser,
+}
+
+
+def _deform(options: argparse.Namespace) -> None:
+    output = check_target(options.output)
+    mesh = open_mesh(options.mesh)
+    labels = read_selection(options.selection, len(mesh.V))
+    held = constraints(labels, mesh.V, read_transform(options.transform))
+    result = deform(
+        mesh.V,
+        mesh.F,
+        held.fixed,
+        held.targets,
+        options.method,
+        options.iterations,
+        options.tolerance,
+        handle=held.handle,
+        progress=_progress(options.iterations) if sys.stderr.isatty() else None,
+    )
+    if options.picture:
+        from apd_viewer.ui.picture import draw
+
+        draw(mesh, labels, result, options.picture)
+    if options.report:
+        write_report(options.report, mesh, result)
+    save_mesh(mesh, result.U, output)
+    print(_summary(result, output))
+
+
+def _progress(iterations: int | None) -> Callable[[Frame], None]:
+    """Draw one line on the terminal, over and over, that says how far the iterations are."""
+
+    def show(frame: Frame) -> None:
+        last = frame.converged or frame.iteration == iterations
+        if frame.iteration % 20 and not last:
+            return
+        done = f"{frame.iteration:,}" + (f" of {iterations:,}" if iterations else "")
+        print(
+            f"\riteration {done}   area {100 * frame.area_error:+.3f} %   ",
+            end="\n" if last else "",
+            file=sys.stderr,
+            flush=True,
+        )
+
+    return show
+
+
+def _summary(result: Result, output: Path) -> str:
+    state = "converged" if result.converged else "not converged"
+    effort = f"{result.iterations:,} iterations in {result.seconds:.1f} s"
+    lines = [
+        f"{output}: {result.method}, {state} after {effort}",
+        f"area    {result.area:.6g} of {result.area_rest:.6g} ({100 * result.area_error:+.3f} %)",
+    ]
+    if result.volume is not None and result.volume_rest:
+        change = 100 * (result.volume / result.volume_rest - 1)
+        lines.append(f"volume  {result.volume:.6g} of {result.volume_rest:.6g} ({change:+.2f} %)")
+    lines.append(f"handle  {result.handle_drift:.4g} from where it was put")
+    return "\n".join([*lines, *result.warnings])
+
+
+def _info(options: argparse.Namespace) -> None:
+    mesh = open_mesh(options.mesh)
+    found = inspect(mesh)
+    if options.json:
+        print(json.dumps({"mesh": str(options.mesh), **asdict(found)}, indent=2))
+        return
+    size = " x ".join(f"{extent:.6g}" for extent in found.size)
+    print(f"{mesh.name}: {found.vertices:,} vertices, {found.faces:,} triangles, {found.pieces:,} piece(s)")
+    print(f"size    {size}")
+    print(f"area    {found.area:.6g}")
+    print(f"volume  {f'none: {found.why_no_volume}' if found.volume is None else f'{found.volume:.6g}'}")
+    for finding in found.findings or ("Nothing unusual was found.",):
+        print(finding)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,59 @@
+"""Write files that are either whole or not there."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a scratch file beside ``path`` to write; it takes the place of ``path`` once it is whole.
+
+    Whatever goes wrong on the way, the file that was at ``path`` before stays as it was.
+
+    Raises
+    ------
+    InputError
+        If the operating system refuses; the message says what to do.
+    """
+    scratch: Path | None = None
+    try:
+        # The suffix is kept because writers choose the format by it.
+        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+        scratch = Path(name)
+        os.close(handle)
+        yield scratch
+        _flush_to_disk(scratch)
+        scratch.chmod(_usual_mode(path))
+        scratch.replace(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"{path} cannot be written ({reason}); choose another place. Nothing was changed there."
+        ) from error
+    finally:
+        if scratch is not None:
+            scratch.unlink(missing_ok=True)
+
+
+def _flush_to_disk(path: Path) -> None:
+    with path.open("rb+") as stream:
+        os.fsync(stream.fileno())
+
+
+def _usual_mode(path: Path) -> int:
+    """Permissions of the file that is replaced, or those that any new file gets here."""
+    if path.exists():
+        return path.stat().st_mode & 0o777
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask

@@ -1,0 +1,69 @@
+"""Selections (.sel) and handle transforms (.def) in the text formats of the survey.
+
+[Botsch & Sorkine 2008, On Linear Variational Surface Deformation Methods]
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import frozen
+
+
+def read_selection(path: str | Path, n: int) -> np.ndarray:
+    """Labels of the ``n`` vertices of a mesh: 0 held (base), 1 free, 2 handle.
+
+    Returns
+    -------
+    (n,) uint8 array, read-only
+
+    Raises
+    ------
+    InputError
+        If the file does not fit the mesh or is no selection.
+    """
+    path = Path(path)
+    numbers = _numbers(path, "a selection: one integer (0 held, 1 free, 2 handle) a vertex")
+    if len(numbers) != n:
+        raise InputError(
+            f"{path.name} is for a mesh of {len(numbers):,} vertices, but this one has {n:,}; "
+            "use the selection that was made for it."
+        )
+    if not np.isin(numbers, np.arange(BASE, HANDLE + 1)).all():
+        raise InputError(f"{path.name} has a label other than 0 (held), 1 (free) and 2 (handle); correct it.")
+    return frozen(numbers.astype(np.uint8))
+
+
+def read_transform(path: str | Path) -> np.ndarray:
+    """The (4, 4) matrix in the file, acting on column vectors (x, y, z, 1).
+
+    Raises
+    ------
+    InputError
+        If the file does not hold an affine 4x4 matrix.
+    """
+    path = Path(path)
+    numbers = _numbers(path, "a transform: four rows of four numbers")
+    if len(numbers) != 16 or not np.isfinite(numbers).all():
+        raise InputError(f"{path.name} does not hold a 4x4 matrix; write four rows of four numbers.")
+    M = numbers.reshape(4, 4)
+    if not np.array_equal(M[3], [0, 0, 0, 1]):
+        raise InputError(f"{path.name} is not an affine transform; its last row must be 0 0 0 1.")
+    return M
+
+
+def _numbers(path: Path, what: str) -> np.ndarray:
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        words = [word for line in lines for word in line.partition("#")[0].split()]
+        return np.array([float(word) for word in words])
+    except FileNotFoundError as error:
+        raise InputError(f"There is no file {path}; check the name.") from error
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror or error}); check the file.") from error
+    except ValueError as error:
+        raise InputError(f"{path.name} is not {what}; choose another file.") from error

@@ -1,0 +1,62 @@
+"""Undo and redo: two stacks of states, one entry a gesture."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from apd_viewer.session.document import State
+
+
+class Entry(NamedTuple):
+    """A gesture and the state on the other side of it."""
+
+    gesture: str
+    state: State
+
+
+class History:
+    """What can be undone and redone, within a budget of memory.
+
+    Parameters
+    ----------
+    most_bytes : int
+        The oldest entries go when the states together pass this. At least one always stays.
+    """
+
+    def __init__(self, most_bytes: int = 512 * 2**20) -> None:
+        self._most_bytes = most_bytes
+        self._undo: list[Entry] = []
+        self._redo: list[Entry] = []
+
+    @property
+    def next_undo(self) -> str | None:
+        """Name of the gesture that undo would take back."""
+        return self._undo[-1].gesture if self._undo else None
+
+    @property
+    def next_redo(self) -> str | None:
+        """Name of the gesture that redo would do again."""
+        return self._redo[-1].gesture if self._redo else None
+
+    def record(self, gesture: str, before: State) -> None:
+        """Remember the state before a gesture that has just been finished."""
+        self._redo.clear()
+        self._undo.append(Entry(gesture, before))
+        while len(self._undo) > 1 and sum(entry.state.nbytes for entry in self._undo) > self._most_bytes:
+            del self._undo[0]
+
+    def undo(self, now: State) -> State | None:
+        """The state before the last gesture; None if there is none."""
+        return self._swap(self._undo, self._redo, now)
+
+    def redo(self, now: State) -> State | None:
+        """The state after the gesture that was undone last; None if there is none."""
+        return self._swap(self._redo, self._undo, now)
+
+    @staticmethod
+    def _swap(source: list[Entry], target: list[Entry], now: State) -> State | None:
+        if not source:
+            return None
+        gesture, state = source.pop()
+        target.append(Entry(gesture, now))
+        return state

@@ -1,0 +1,49 @@
+"""A place for one value between two threads, where the newest wins."""
+
+from __future__ import annotations
+
+import threading
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Slot(Generic[T]):
+    """Holds at most one value. Values must be complete, so that overwriting one loses nothing."""
+
+    def __init__(self) -> None:
+        self._filled = threading.Condition()
+        self._value: T | None = None
+        self._closed = False
+
+    def put(self, value: T) -> bool:
+        """Leave ``value``; True if the slot was empty, so that the taker must be woken."""
+        with self._filled:
+            was_empty = self._value is None
+            self._value = value
+            self._filled.notify()
+        return was_empty
+
+    def take(self) -> T | None:
+        """Take the value away; None if there is none."""
+        with self._filled:
+            value, self._value = self._value, None
+        return value
+
+    def wait(self) -> T | None:
+        """Take the value away as soon as there is one; None once the slot is closed."""
+        with self._filled:
+            self._filled.wait_for(lambda: self._value is not None or self._closed)
+            value, self._value = self._value, None
+        return None if self._closed else value
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the taker has something to turn to: a value, or the end."""
+        return self._value is not None or self._closed
+
+    def close(self) -> None:
+        """Wake the taker for good."""
+        with self._filled:
+            self._closed = True
+            self._filled.notify()
