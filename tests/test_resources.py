@@ -1,0 +1,118 @@
+"""The samples are what their README says, the script reproduces them, and the icons are one family."""
+
+import runpy
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import trimesh
+
+RESOURCES = Path(__file__).parents[1] / "resources"
+SAMPLES = ["bottle", "duck"]
+TRANSFORMS = ["bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"]
+ACTIONS = ["orbit", "paint-base", "paint-handle", "erase", "move", "undo", "redo", "reset", "open", "export"]
+ICONS = [*ACTIONS, "frame", "sample", "about", "warning", "panel", "cancel", "info"]
+
+
+def read_mesh(path):
+    return trimesh.load(path, process=False, maintain_order=True, force="mesh")
+
+
+def read_transform(name):
+    return np.loadtxt(RESOURCES / f"{name}.def")
+
+
+@pytest.fixture(scope="module", params=SAMPLES)
+def sample(request):
+    mesh = read_mesh(RESOURCES / f"{request.param}.obj")
+    return mesh, np.loadtxt(RESOURCES / f"{request.param}.sel", dtype=int)
+
+
+def test_samples_are_closed_single_and_outward(sample):
+    mesh, _ = sample
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.euler_number == 2
+    assert mesh.volume > 0
+    assert (
+        len(trimesh.graph.connected_components(mesh.edges_unique, nodes=np.arange(len(mesh.vertices)))) == 1
+    )
+
+
+def test_samples_are_of_a_handy_size_and_stand_on_the_ground(sample):
+    mesh, _ = sample
+    assert 8_000 <= len(mesh.vertices) <= 15_000
+    assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
+    assert mesh.vertices[:, 1].min() == pytest.approx(0, abs=1e-3)
+
+
+def test_sample_triangles_are_well_shaped(sample):
+    mesh, _ = sample
+    smallest = np.degrees(mesh.face_angles.min(axis=1))
+    assert np.percentile(smallest, 1) > 30
+    assert smallest.min() > 20
+
+
+def test_selections_hold_one_base_and_one_handle(sample):
+    mesh, labels = sample
+    assert len(labels) == len(mesh.vertices)
+    assert set(labels) == {0, 1, 2}
+    for label in (0, 2):
+        edges = mesh.edges_unique[(labels[mesh.edges_unique] == label).all(axis=1)]
+        assert len(trimesh.graph.connected_components(edges, nodes=np.flatnonzero(labels == label))) == 1
+
+
+def test_the_bottle_holds_half_a_litre():
+    assert read_mesh(RESOURCES / "bottle.obj").volume == pytest.approx(500, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", TRANSFORMS)
+def test_transforms_are_rigid(name):
+    M = read_transform(name)
+    np.testing.assert_allclose(M[:3, :3] @ M[:3, :3].T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(M[:3, :3]) > 0
+    assert M[3].tolist() == [0, 0, 0, 1]
+
+
+@pytest.mark.parametrize("degrees", [60, 120])
+def test_the_twist_turns_about_the_bottle_s_axis(degrees):
+    M = read_transform(f"bottle-twist-{degrees}")
+    assert np.degrees(np.arccos((np.trace(M) - 2) / 2)) == pytest.approx(degrees)
+    assert (M @ [0, 5, 0, 1]).tolist() == [0, 5, 0, 1]
+
+
+def test_the_second_bend_is_twice_the_first():
+    first, second = (read_transform(f"duck-bend-{share}")[:3, 3] for share in ("015", "030"))
+    np.testing.assert_allclose(second, 2 * first, rtol=1e-12)
+
+
+def test_the_script_reproduces_the_samples(tmp_path):
+    runpy.run_path(str(RESOURCES / "make_samples.py"))["main"](tmp_path)
+    for name in SAMPLES:
+        made, kept = read_mesh(tmp_path / f"{name}.obj"), read_mesh(RESOURCES / f"{name}.obj")
+        np.testing.assert_array_equal(made.faces, kept.faces)
+        np.testing.assert_allclose(made.vertices, kept.vertices, atol=1e-6)
+        assert (tmp_path / f"{name}.sel").read_text() == (RESOURCES / f"{name}.sel").read_text()
+    for name in TRANSFORMS:
+        np.testing.assert_allclose(np.loadtxt(tmp_path / f"{name}.def"), read_transform(name), atol=1e-6)
+
+
+def test_all_icons_are_there():
+    assert {path.stem for path in (RESOURCES / "icons").glob("*.svg")} == {*ICONS, "apd-viewer"}
+
+
+@pytest.mark.parametrize("name", ICONS)
+def test_icons_are_one_family(name):
+    root = ElementTree.parse(RESOURCES / "icons" / f"{name}.svg").getroot()
+    assert root.get("viewBox") == "0 0 20 20"
+    assert root.get("stroke") == "currentColor"
+    assert root.get("stroke-width") == "1.5"
+    colours = {element.get(key, "none") for element in root.iter() for key in ("fill", "stroke")}
+    assert colours <= {"none", "currentColor"}
+
+
+def test_the_application_icon_carries_the_colours_of_base_and_handle():
+    path = RESOURCES / "icons" / "apd-viewer.svg"
+    assert ElementTree.parse(path).getroot().get("viewBox") == "0 0 64 64"
+    assert {"#0072B2", "#D55E00"} <= set(path.read_text().split('"'))
