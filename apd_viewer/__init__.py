@@ -35,6 +35,11 @@ def view(mesh: Any = None) -> None:
     InputError
         If the mesh cannot be used, or there is no display.
     """
-    from apd_viewer.ui.application import run
-
+    try:
+        from apd_viewer.ui.application import run
+    except ImportError as error:
+        raise InputError(
+            f"The window needs a library that is missing ({error}); "
+            "the README names the system packages to install."
+        ) from error
     run(mesh)

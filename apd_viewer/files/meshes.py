@@ -30,7 +30,7 @@ def open_mesh(path: str | Path) -> Mesh:
         If there is no such file or it holds no usable mesh; the message says what is wrong.
     """
     path = Path(path)
-    _check_readable(path)
+    check_readable(path)
     try:
         V, F = _read(path)
     except OSError as error:
@@ -47,7 +47,8 @@ def open_mesh(path: str | Path) -> Mesh:
         raise InputError(f"{path.name}: {error}") from error
 
 
-def _check_readable(path: Path) -> None:
+def check_readable(path: Path) -> None:
+    """Raise InputError if already the name and the size of the file tell that it cannot be opened."""
     if not path.exists():
         raise InputError(f"There is no file {path}; check the name.")
     if not path.is_file():

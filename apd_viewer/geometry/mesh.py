@@ -52,6 +52,11 @@ class Mesh:
         """The maps between the file's vertices and the vertices of the solve."""
         return Weld.of(self.V)
 
+    @cached_property
+    def joined_F(self) -> np.ndarray:
+        """Triangles with every vertex named by the first at its position: connected across seams."""
+        return self.weld.first[self.weld.inverse[self.F]]
+
     @property
     def name(self) -> str:
         """File name for people, or "mesh"."""

@@ -38,7 +38,7 @@ def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @njit(cache=True, nogil=True)
-def vertex_normals(U, F, out):
+def vertex_normals(U: np.ndarray, F: np.ndarray, out: np.ndarray) -> None:
     """Write unit vertex normals, weighted by triangle area, into ``out``.
 
     Parameters

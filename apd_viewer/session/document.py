@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Document:
     mesh: Mesh
     labels: np.ndarray
     grip: np.ndarray
-    pose: np.ndarray = IDENTITY
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
     method: str = DEFAULT_METHOD
     tolerance: float = DEFAULT_TOLERANCE
 

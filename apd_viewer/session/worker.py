@@ -96,6 +96,7 @@ class Worker:
         """End the thread after the iteration that it is in, and wait for it."""
         self._requests.close()
         self._thread.join()
+        self._solver = self._rest = None
 
     def _run(self) -> None:
         while (request := self._requests.wait()) is not None:

@@ -1,0 +1,81 @@
+# Everything needed to try the program and to work on it: `make help` lists it. Windows: see README.md.
+# The set-up lives in .venv and is redone only when pyproject.toml changes; a second start costs nothing.
+
+# Tried in this order, as far as pyproject.toml allows. Another one: make clean, make PYTHON=/path/to/python3.12 run
+PYTHON = python3.13 python3.12 python3.11 python3.10 python3
+
+# What a bare Debian or Ubuntu lacks to open a window: to load Qt at all, to show it by X, to show it by Wayland.
+packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 \
+           libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
+           libwayland-cursor0 libwayland-egl1
+test: packages += xvfb xauth
+
+# Where there is no display, `make run` does without a window what one would do in it. macOS always has one.
+display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
+
+.PHONY: help run test lint format clean system-packages
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+
+run: .venv/.installed ## set up what is missing, then open the sample bottle
+ifneq ($(display),)
+	@.venv/bin/apd-viewer
+else
+	@mkdir -p out
+	@.venv/bin/apd-viewer deform resources/bottle.obj --selection resources/bottle.sel \
+	    --transform resources/bottle-twist-60.def --method paper \
+	    -o out/bottle.obj --report out/report.json --picture out/bottle.png
+	@echo "There is no display, so no window: the sample bottle was twisted by 60 degrees by the paper's method instead."
+	@echo "Its shape is in out/bottle.obj, a picture in out/bottle.png, the measurements in out/report.json."
+endif
+
+# pytest-xvfb starts a display of its own, but Qt would still prefer the one of a Wayland session.
+test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
+	@echo "== pytest"
+	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest
+
+lint: .venv/.tools ## the checks that do not run the program
+	@echo "== ruff check"
+	@.venv/bin/ruff check
+	@echo "== ruff format --check"
+	@.venv/bin/ruff format --check
+	@echo "== mypy"
+	@.venv/bin/mypy
+
+format: .venv/.tools ## lay out the source and sort its imports
+	@.venv/bin/ruff check --fix --select I
+	@.venv/bin/ruff format
+
+clean: ## remove the set-up and all caches; out/ stays
+	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/.tools: .venv/.installed
+	@echo "Installing the tools for development into .venv"
+	@.venv/bin/python -m pip install --quiet --group dev
+	@touch $@
+
+.venv/.installed: .venv/bin/python pyproject.toml
+	@echo "Installing apd-viewer and its libraries into .venv (360 MB to fetch the first time)"
+	@.venv/bin/python -m pip install --quiet --editable .
+	@touch $@
+
+# pip 25.1 is the first to know dependency groups.
+.venv/bin/python: | system-packages
+	@echo "Creating .venv with $(python)"
+	@$(python) -m venv --clear .venv
+	@.venv/bin/python -m pip install --quiet 'pip>=25.1'
+
+# Checked at every start, in a few milliseconds. Debian cuts what venv needs out of Python into a package of its own.
+system-packages:
+	@.ci/system-packages $(packages) $(if $(shell test -x .venv/bin/python && echo yes),,$(venv_package))
+
+venv_package = $(shell $(python) -c 'import ensurepip' 2>/dev/null || \
+    $(python) -c 'import sys; print("python3.%d-venv" % sys.version_info[1])')
+
+python = $(or $(shell for p in $(PYTHON); do \
+    $$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; \
+    done),$(error No Python 3.10 to 3.13 among: $(PYTHON). Install one, or name it: make PYTHON=/path/to/python3.12 run))
