@@ -57,7 +57,7 @@ def constraints(labels: np.ndarray, grip: np.ndarray, pose: np.ndarray) -> Const
         raise InputError(problem)
     fixed = np.flatnonzero(labels != FREE)
     is_handle = labels[fixed] == HANDLE
-    targets = grip[fixed]
+    targets = grip[fixed].astype(np.float64)
     targets[is_handle] = transform(pose, targets[is_handle])
     return Constraints(fixed, fixed[is_handle], targets)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.arap import Arap, RestShape
-from apd_viewer.geometry.mesh import Weld, check_mesh, frozen
+from apd_viewer.geometry.mesh import Weld, check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.methods import LiHui, PlainArap
 from apd_viewer.geometry.operators import area, volume, why_no_volume
 
@@ -101,11 +102,13 @@ class RestMesh:
     def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
         self.V, self.F = V, F
         self.weld = weld or Weld.of(V)
-        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
         self.area = area(V, F)
         if self.area <= 0.0:
             raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
-        self.diagonal = float(np.linalg.norm(np.ptp(V, axis=0)))
+        if not np.isfinite(self.area):
+            raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
+        self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
         self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
         self.volume = self.volume_of(V)
 
@@ -173,23 +176,27 @@ class Deformation:
         rest: RestMesh | None = None,
     ) -> None:
         if rest is None:
-            V, F = np.asarray(V, dtype=np.float64), np.asarray(F)
+            V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
             check_mesh(V, F)
             rest = RestMesh(V, F)
         self.rest = rest
         self.method = method
         self.fixed = _checked_ids(fixed, len(rest.V), "held")
         handle = _checked_ids([] if handle is None else handle, len(rest.V), "handle")
-        self._handle = np.isin(self.fixed, handle)
-        _check_method(method, tolerance, self._handle)
-
-        solve_ids, self._chosen = np.unique(rest.weld.inverse[self.fixed], return_index=True)
-        if len(solve_ids) == len(rest.shape.V):
+        solve_ids, self._chosen, self._inverse = np.unique(
+            rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
+        )
+        if not np.isin(rest.weld.inverse[handle], solve_ids).all():
+            raise InputError("A handle vertex is not held; name the handle's vertices among the held ones.")
+        self._is_handle = np.isin(solve_ids, rest.weld.inverse[handle])
+        _check_method(method, self._is_handle)
+        _check_tolerance(tolerance)
+        if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
         started = time.perf_counter()
         self._arap = Arap(rest.shape, solve_ids)
         if method == "paper":
-            self._method: LiHui | PlainArap = LiHui(self._arap, self._handle[self._chosen], tolerance)
+            self._method: LiHui | PlainArap = LiHui(self._arap, self._is_handle, tolerance)
         else:
             self._method = PlainArap(self._arap, tolerance)
         self.factor_seconds = time.perf_counter() - started
@@ -202,6 +209,7 @@ class Deformation:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
+        _check_tolerance(tolerance)
         self._method.tolerance = tolerance
 
     def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
@@ -214,12 +222,18 @@ class Deformation:
         U : (n, 3) float array, optional
             Continue from these positions; otherwise from where the last iteration ended.
         """
-        targets = np.asarray(targets, dtype=np.float64)
+        targets = numbers(targets, "Targets")
         if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
             raise InputError(f"Targets must be {len(self.fixed)} finite positions, one for each held vertex.")
+        asked = targets[self._chosen]
+        if np.abs(targets - asked[self._inverse.ravel()]).max() > 1e-9 * self.rest.diagonal:
+            raise InputError("A vertex is held at two places at once; give it one target.")
         if U is not None:
+            U = numbers(U, "Positions to start from")
+            if U.shape != self.rest.V.shape or not np.isfinite(U).all():
+                raise InputError(f"Positions to start from must be {len(self.rest.V)} finite positions.")
             self._arap.restart(np.ascontiguousarray(U[self.rest.weld.first]))
-        self._asked = targets[self._chosen]
+        self._asked = asked
         self._method.aim(self._asked)
         self._iteration = 0
 
@@ -242,20 +256,19 @@ class Deformation:
         )
 
     def _drift(self) -> float:
-        is_handle = self._handle[self._chosen]
-        if not is_handle.any():
+        if not self._is_handle.any():
             return 0.0
-        return float(np.linalg.norm((self._method.held - self._asked)[is_handle].mean(axis=0)))
+        return float(np.linalg.norm((self._method.held - self._asked)[self._is_handle].mean(axis=0)))
 
 
 def _checked_ids(ids: np.ndarray | list[int], n: int, what: str) -> np.ndarray:
-    ids = np.asarray(ids, dtype=np.int64).ravel()
+    ids = whole_numbers(ids, f"The {what} vertices").ravel()
     if len(ids) and (ids.min() < 0 or ids.max() >= n):
         raise InputError(f"A {what} vertex does not exist: ids go from 0 to {n - 1:,}.")
     return ids
 
 
-def _check_method(method: str, tolerance: float, is_handle: np.ndarray) -> None:
+def _check_method(method: str, is_handle: np.ndarray) -> None:
     if method not in METHODS:
         raise InputError(f"There is no method {method!r}; choose one of {', '.join(METHODS)}.")
     if len(is_handle) == 0:
@@ -264,7 +277,10 @@ def _check_method(method: str, tolerance: float, is_handle: np.ndarray) -> None:
         raise InputError(
             "The method 'paper' needs base and handle; name the handle's vertices among the held ones."
         )
-    if not tolerance > 0.0:
+
+
+def _check_tolerance(tolerance: float) -> None:
+    if not isinstance(tolerance, Real) or not tolerance > 0.0:
         raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
 
 
@@ -302,8 +318,8 @@ def deform(
     InputError
         If the input cannot be used; the message says why.
     """
-    if iterations is not None and iterations < 1:
-        raise InputError("The number of iterations must be at least 1.")
+    if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
+        raise InputError("The number of iterations must be a whole number of at least 1.")
     started = time.perf_counter()
     solver = Deformation(V, F, fixed, method=method, handle=handle, tolerance=tolerance)
     solver.aim(targets)

@@ -41,8 +41,8 @@ class Mesh:
     path: Path | None = field(default=None)
 
     def __post_init__(self) -> None:
-        V = np.array(self.V, dtype=np.float64)
-        F = np.array(self.F, dtype=np.int64)
+        V = numbers(self.V, "Vertices")
+        F = whole_numbers(self.F, "Faces")
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
@@ -92,6 +92,25 @@ class Weld:
         representative[order] = leader
         first, inverse = np.unique(representative, return_inverse=True)
         return cls(frozen(first), frozen(inverse))
+
+
+def numbers(given: object, what: str) -> np.ndarray:
+    """Copy what a caller gave into a float64 array, or raise InputError."""
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        array = np.array(None)
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{what} must be an array of real numbers with rows of equal length.")
+    return array.astype(np.float64)
+
+
+def whole_numbers(given: object, what: str) -> np.ndarray:
+    """Copy what a caller gave into an int64 array, or raise InputError where that would round."""
+    array = numbers(given, what)
+    if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
+        raise InputError(f"{what} must be whole numbers: ids of vertices, counted from 0.")
+    return array.astype(np.int64)
 
 
 def check_mesh(V: np.ndarray, F: np.ndarray) -> None:

@@ -97,7 +97,8 @@ class LiHui:
 
     def _correct_and_blend(self) -> None:
         arap = self._arap
-        s = np.sqrt(self._rest_area / area(arap.U, arap.rest.F))
+        # A shape that has collapsed cannot be scaled back to its area.
+        s = np.sqrt(self._rest_area / max(area(arap.U, arap.rest.F), 1e-6 * self._rest_area))
         base_centroid = self._h[~self._is_handle].mean(axis=0)
         handle_centroid = self._h[self._is_handle].mean(axis=0)
         self.held = self._h.copy()

@@ -105,8 +105,8 @@ def volume(U: np.ndarray, F: np.ndarray) -> float:
 
     Without meaning for a surface that is not closed: see :func:`why_no_volume`.
     """
-    # Measured from the first vertex: far from the origin the sum would cancel away its digits.
-    return float(_signed_volumes(U, F, U[0]).sum())
+    # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
+    return float(_signed_volumes(U, F, U[F[0, 0]]).sum())
 
 
 def why_no_volume(F: np.ndarray, n: int) -> str | None:
@@ -141,6 +141,8 @@ def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 # Joins what the clamped weights leave unjoined, too weakly to be seen in the shape.
 _WEIGHT_FLOOR = 1e-6
+# Slivers: a weight this large is already rigid to eight digits; a larger one costs the others theirs.
+_STEEPEST = 1e8
 
 
 def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
@@ -156,7 +158,7 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
         Zero diagonal; every edge of the mesh is stored, also those of weight zero.
     """
     n = len(V)
-    cot = np.maximum(cotangents(V, F), 0.0)
+    cot = np.clip(cotangents(V, F), 0.0, _STEEPEST)
     i, j = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
     w = 0.5 * cot.ravel()
     edge = i != j
@@ -168,8 +170,9 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     positive.eliminate_zeros()
     part = sp.csgraph.connected_components(positive, directed=False)[1]
     row = np.repeat(np.arange(n), np.diff(W.indptr))
-    mean = positive.data.mean() if positive.nnz else 1.0
-    W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * mean
+    # The median: the mean of a mesh with one needle is the needle's.
+    usual = np.median(positive.data) if positive.nnz else 1.0
+    W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * usual
     return W
 
 

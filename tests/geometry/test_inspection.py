@@ -1,0 +1,38 @@
+"""What is said about a mesh before it is deformed."""
+
+import numpy as np
+import pytest
+from meshes import box, grid, soup
+
+from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.mesh import Mesh
+
+
+def test_of_a_clean_mesh_there_is_nothing_to_say():
+    found = inspect(Mesh(*box(2, 1, 3)))
+    assert (found.vertices, found.faces, found.pieces) == (24, 44, 1)
+    assert found.area == pytest.approx(22)
+    assert found.volume == pytest.approx(6)
+    assert found.why_no_volume is None
+    assert found.size == (2.0, 1.0, 3.0)
+    assert found.findings == ()
+
+
+def test_a_soup_is_one_closed_piece_of_repeated_vertices():
+    found = inspect(Mesh(*soup(*box(1, 1, 1))))
+    assert (found.vertices, found.pieces) == (36, 1)
+    assert found.volume == pytest.approx(1)
+    assert found.findings == ("28 vertices repeat the position of another; they move together.",)
+
+
+def test_what_is_unusual_is_counted():
+    (V, F), n = grid(2, 2), 9
+    V = np.vstack([V, V + [0.0, 0.0, 5.0], [[9.0, 9.0, 9.0]]])
+    found = inspect(Mesh(V, np.vstack([F, F + n, [[0, 0, 1]]])))
+    assert found.pieces == 2
+    assert found.volume is None
+    assert found.why_no_volume == "the surface is open (16 border edges)"
+    unused, flat, separate = found.findings
+    assert unused.startswith("1 vertex belongs to no face")
+    assert flat.startswith("1 face has no area")
+    assert separate.startswith("There are 2 separate pieces")
