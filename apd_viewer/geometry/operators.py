@@ -50,7 +50,7 @@ def vertex_normals(U: np.ndarray, F: np.ndarray, out: np.ndarray) -> None:
     """
     out[:] = 0.0
     for t in range(F.shape[0]):
-        i, j, k = F[t]
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
@@ -61,7 +61,9 @@ def vertex_normals(U: np.ndarray, F: np.ndarray, out: np.ndarray) -> None:
     for v in range(out.shape[0]):
         length = np.sqrt(out[v, 0] ** 2 + out[v, 1] ** 2 + out[v, 2] ** 2)
         if length > 0.0:
-            out[v] /= length
+            out[v, 0] /= length
+            out[v, 1] /= length
+            out[v, 2] /= length
 
 
 @njit(cache=True, nogil=True)
@@ -69,7 +71,7 @@ def face_areas(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Area of every triangle, (m,) float array in square mesh units."""
     areas = np.empty(F.shape[0])
     for t in range(F.shape[0]):
-        i, j, k = F[t]
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -1,0 +1,127 @@
+"""The Qt application, prepared for a VTK viewport."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+# pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
+os.environ["QT_API"] = "pyside6"
+
+from PySide6.QtCore import (
+    QCoreApplication,
+    QMessageLogContext,
+    QSettings,
+    Qt,
+    QtMsgType,
+    qFormatLogMessage,
+    qInstallMessageHandler,
+)
+from PySide6.QtGui import QSurfaceFormat
+from PySide6.QtWidgets import QApplication
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import check_readable
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui.garbage import GuiThreadGC
+
+# pyvistaqt sets the default format once more for each viewport, to what is set here already.
+HARMLESS = "Setting a new default format"
+
+SWITCH_INTERVAL = 0.001  # s; the GUI thread waits less for a worker that holds the interpreter
+
+
+def make_application(argv: list[str]) -> QApplication:
+    """Return the application, made ready for viewports on the first call.
+
+    Parameters
+    ----------
+    argv : list of str
+        Command line, program name first.
+    """
+    existing = QApplication.instance()
+    if isinstance(existing, QApplication):
+        return existing
+    # A viewport that Qt moves to another window keeps its context, and with it all that VTK drew.
+    QCoreApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
+    QSurfaceFormat.setDefaultFormat(_surface_format())
+    qInstallMessageHandler(_report)
+    application = QApplication(argv)
+    application.setApplicationName("apd-viewer")
+    application.setApplicationDisplayName("APD Viewer")
+    application.setOrganizationName("apd-viewer")
+    GuiThreadGC(application)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    return application
+
+
+def _surface_format() -> QSurfaceFormat:
+    """Desktop OpenGL 3.2 core; Wayland shows a black widget when a top-level window came first."""
+    surface = QSurfaceFormat()
+    surface.setRenderableType(QSurfaceFormat.RenderableType.OpenGL)
+    surface.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
+    surface.setVersion(3, 2)
+    surface.setAlphaBufferSize(8)
+    surface.setDepthBufferSize(8)
+    surface.setStencilBufferSize(0)
+    return surface
+
+
+def _report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
+    if HARMLESS not in message:
+        print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
+
+
+def run(mesh: object = None) -> None:
+    """Open the window on ``mesh``, a path, or the sample bottle, and return when it is closed.
+
+    Parameters
+    ----------
+    mesh : Mesh, pyvista.PolyData, trimesh.Trimesh, path or None
+
+    Raises
+    ------
+    InputError
+        If the mesh cannot be used, or there is no display.
+    """
+    shown = as_mesh(mesh)
+    _check_display()
+    application = make_application(sys.argv[:1])
+    # Imported only now: pyvistaqt must find the application as it was prepared above.
+    from apd_viewer.ui.window import Window
+
+    window = Window(QSettings())
+    window.show()
+    if shown is None:
+        window.session.open_sample("bottle")
+    elif isinstance(shown, Mesh):
+        window.show_mesh(shown)
+    else:
+        window.open_path(shown)
+    application.exec()
+
+
+def as_mesh(mesh: object) -> Mesh | Path | None:
+    """What there is to show, as a Mesh; a path that can be read is left for the window to open."""
+    if mesh is None or isinstance(mesh, Mesh):
+        return mesh
+    if isinstance(mesh, str | Path):
+        check_readable(Path(mesh))
+        return Path(mesh)
+    if hasattr(mesh, "regular_faces"):  # pyvista.PolyData
+        surface = mesh.triangulate()  # type: ignore[attr-defined]
+        return Mesh(surface.points, surface.regular_faces.reshape(-1, 3))
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh.Trimesh
+        return Mesh(mesh.vertices, mesh.faces)
+    raise InputError(f"A {type(mesh).__name__} cannot be shown; give a mesh or the path of one.")
+
+
+def _check_display() -> None:
+    """Qt ends the process where there is no display; say it in one line instead."""
+    named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
+    if sys.platform.startswith("linux") and not named:
+        raise InputError(
+            "There is no display to open a window on; log in with one, or deform without a window: "
+            "apd-viewer deform --help."
+        )

@@ -1,0 +1,143 @@
+"""The camera as a value: rays, projections and movements, without Qt and without OpenGL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+UP = np.array([0.0, 1.0, 0.0])
+DEGREES_PER_PIXEL = 0.4
+MARGIN = 1.4  # room for the gizmo at the border of what is framed
+
+# Where the camera stands, and which way is up in the picture.
+STANDPOINTS = {
+    "front": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    "side": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "top": ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A perspective camera and the size of the picture it takes.
+
+    Pixels are logical ones: (0, 0) is the upper left corner of the picture, y points down.
+
+    Parameters
+    ----------
+    position, focal, up : (3,) float array
+        ``focal`` is the point that stays in the middle when the camera orbits.
+    angle : float
+        Vertical opening angle, radians.
+    width, height : float
+        Logical pixels.
+    """
+
+    position: np.ndarray
+    focal: np.ndarray
+    up: np.ndarray
+    angle: float
+    width: float
+    height: float
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Unit vectors right, up and forward, as rows of a (3, 3) array."""
+        forward = unit(self.focal - self.position)
+        right = unit(np.cross(forward, self.up))
+        return np.array([right, np.cross(right, forward), forward])
+
+    @property
+    def distance(self) -> float:
+        """Distance from the position to the focal point."""
+        return float(np.linalg.norm(self.focal - self.position))
+
+    @property
+    def pixel(self) -> float:
+        """Height of one pixel at depth one."""
+        return 2.0 * float(np.tan(self.angle / 2)) / self.height
+
+    @property
+    def key(self) -> tuple[float, ...]:
+        """Equal for cameras that show the same picture."""
+        return (*self.position, *self.focal, *self.up, self.angle, self.width, self.height)
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Distance of points in front of the camera's plane; negative behind it."""
+        return (points - self.position) @ self.axes[2]
+
+    def ray(self, x: float, y: float) -> tuple[np.ndarray, np.ndarray]:
+        """Origin and unit direction of the ray through a pixel position."""
+        right, up, forward = self.axes
+        aside = self.pixel * ((x - self.width / 2) * right + (self.height / 2 - y) * up)
+        return self.position, unit(forward + aside)
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Pixel positions, (k, 2), of the (k, 3) points; meaningless for points behind the camera."""
+        local = (points - self.position) @ self.axes.T
+        scale = 1.0 / (self.pixel * np.maximum(local[:, 2], 1e-12 * self.distance))
+        return np.column_stack([self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale])
+
+    def world_per_pixel(self, point: np.ndarray) -> float:
+        """Length of one pixel, in mesh units, at the depth of a point."""
+        return self.pixel * max(float(self.depth(point)), 1e-12 * self.distance)
+
+    def on_focal_plane(self, x: float, y: float) -> np.ndarray:
+        """Point at the depth of the focal point that is seen at a pixel position."""
+        origin, direction = self.ray(x, y)
+        return origin + direction * (self.distance / float(direction @ self.axes[2]))
+
+    def orbited(self, dx: float, dy: float) -> Camera:
+        """Turn around the focal point by a drag of (dx, dy) pixels; the horizon stays level."""
+        # Upside down, a drag to the right must still push the front of the object to the right.
+        side = 1.0 if self.up @ UP >= 0 else -1.0
+        yaw = rotation(UP, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
+        pitch = rotation(yaw @ self.axes[0], -np.deg2rad(DEGREES_PER_PIXEL * dy))
+        turn = pitch @ yaw
+        return replace(
+            self, position=self.focal + turn @ (self.position - self.focal), up=unit(turn @ self.axes[1])
+        )
+
+    def panned(self, dx: float, dy: float) -> Camera:
+        """Slide so that what lies at the depth of the focal point follows a drag of (dx, dy) pixels."""
+        right, up, _ = self.axes
+        shift = self.pixel * self.distance * (dy * up - dx * right)
+        return replace(self, position=self.position + shift, focal=self.focal + shift)
+
+    def zoomed(self, point: np.ndarray, factor: float) -> Camera:
+        """Come ``factor`` times closer to a point, which stays where it is in the picture."""
+        return replace(
+            self,
+            position=point + (self.position - point) / factor,
+            focal=point + (self.focal - point) / factor,
+        )
+
+    def framed(self, points: np.ndarray) -> Camera:
+        """Show all points as large as they fit, seen from the same direction."""
+        centre = (points.min(axis=0) + points.max(axis=0)) / 2
+        local = (points - centre) @ self.axes.T
+        half = np.tan(self.angle / 2)
+        wide = np.abs(local[:, 0]) / (half * self.width / self.height)
+        away = float((np.maximum(wide, np.abs(local[:, 1]) / half) * MARGIN - local[:, 2]).max())
+        return replace(self, position=centre - (away or 1.0) * self.axes[2], focal=centre)
+
+    def placed(self, axis: str) -> Camera:
+        """Look at the focal point from 'front', 'side' or 'top', or from the opposite with a '-' before."""
+        stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
+        if axis.startswith("-"):
+            stand, up = -stand, up if up @ UP else -up
+        return replace(self, position=self.focal + self.distance * stand, up=up)
+
+
+def unit(v: np.ndarray) -> np.ndarray:
+    """``v`` scaled to length one."""
+    return v / np.linalg.norm(v)
+
+
+def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    """(3, 3) rotation about a unit axis by an angle in radians, counter-clockwise seen from its tip."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)

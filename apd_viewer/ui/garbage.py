@@ -1,0 +1,41 @@
+"""Cyclic garbage collection on the thread that owns the Qt objects, and nowhere else."""
+
+from __future__ import annotations
+
+import gc
+
+from PySide6.QtCore import QObject, QTimer
+
+INTERVAL = 500  # ms
+
+
+class GuiThreadGC(QObject):
+    """Collect cyclic garbage from a timer of the GUI thread.
+
+    Python collects on whichever thread happens to allocate. A QTimer that dies on a worker thread
+    takes the process with it.
+
+    Parameters
+    ----------
+    parent : QObject, optional
+    """
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        gc.disable()
+        self._threshold = gc.get_threshold()
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self._check)
+        self._timer.start(INTERVAL)
+
+    def _check(self) -> None:
+        counts = gc.get_count()
+        for generation in (2, 1, 0):
+            if counts[generation] > self._threshold[generation]:
+                gc.collect(generation)
+                return
+
+    def close(self) -> None:
+        """Hand collection back to Python."""
+        self._timer.stop()
+        gc.enable()

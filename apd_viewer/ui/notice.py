@@ -1,0 +1,148 @@
+"""What lies over the canvas: messages, the invitation, and the empty state. Nothing here blocks."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.theme import LIGHT, Theme
+
+_MARGIN = 12
+_WIDEST = 480
+_READING_TIME = 7000  # ms; failures stay until they are read
+
+
+class Notice(QFrame):
+    """One message at the top of the canvas; a newer one takes the place of an older one."""
+
+    def __init__(self, canvas: QWidget) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self._theme = LIGHT
+        self.setObjectName("notice")
+        self._text = QLabel(wordWrap=True)
+        self._text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._symbol = QLabel()
+        self._close = QToolButton(accessibleName="Dismiss the message", toolTip="Dismiss", iconSize=SIZE)
+        self._close.clicked.connect(self.hide)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(12, 8, 8, 8)
+        row.setSpacing(8)
+        row.addWidget(self._symbol)
+        row.addWidget(self._text, 1)
+        row.addWidget(self._close)
+        self._timer = QTimer(self, singleShot=True, interval=_READING_TIME)
+        self._timer.timeout.connect(self.hide)
+        self._kind = "message"
+        self.hide()
+        canvas.installEventFilter(self)
+
+    @property
+    def text(self) -> str:
+        """The sentence that is shown; empty when nothing is."""
+        return self._text.text() if not self.isHidden() else ""
+
+    def tell(self, sentence: str) -> None:
+        """Show something to know; it leaves by itself."""
+        self._show(sentence, "message")
+        self._timer.start()
+
+    def fail(self, sentence: str) -> None:
+        """Show what went wrong; it stays until dismissed or replaced."""
+        self._show(sentence, "failure")
+        self._timer.stop()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self._theme = theme
+        self._close.setIcon(icon("cancel", theme))
+        self._draw_symbol()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay centred at the top of the canvas."""
+        if event.type() == QEvent.Type.Resize:
+            self._place()
+        return super().eventFilter(watched, event)
+
+    def _show(self, sentence: str, kind: str) -> None:
+        self._kind = kind
+        self._text.setText(sentence)
+        self.setProperty("kind", kind)
+        self.style().unpolish(self)
+        self.style().polish(self)
+        self._draw_symbol()
+        self.show()
+        self.raise_()
+        self._place()
+
+    def _draw_symbol(self) -> None:
+        name = "warning" if self._kind == "failure" else "info"
+        self._symbol.setPixmap(icon(name, self._theme).pixmap(SIZE, self.devicePixelRatioF()))
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        canvas = self._canvas
+        room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
+        width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
+        self._text.setFixedSize(width, self._text.heightForWidth(width))
+        self.adjustSize()
+        self.move((canvas.width() - self.width()) // 2, _MARGIN)
+
+
+class Invitation(QLabel):
+    """One line at the bottom of the canvas that says what to do first."""
+
+    def __init__(self, canvas: QWidget) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self.setObjectName("invitation")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hide()
+        canvas.installEventFilter(self)
+
+    def say(self, sentence: str) -> None:
+        """Show ``sentence``, or nothing where it is empty."""
+        self.setText(sentence)
+        self.setVisible(bool(sentence))
+        self._place()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay centred at the bottom of the canvas."""
+        if event.type() == QEvent.Type.Resize:
+            self._place()
+        return super().eventFilter(watched, event)
+
+    def _place(self) -> None:
+        canvas = self._canvas
+        self.adjustSize()
+        self.move((canvas.width() - self.width()) // 2, canvas.height() - self.height() - 2 * _MARGIN)
+
+
+class Empty(QWidget):
+    """The middle of the canvas while no mesh is open."""
+
+    def __init__(self, canvas: QWidget, buttons: list[QWidget]) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self.setObjectName("empty")
+        column = QVBoxLayout(self)
+        column.setSpacing(12)
+        title = QLabel("Drop a mesh here, or open one", alignment=Qt.AlignmentFlag.AlignCenter)
+        column.addWidget(title)
+        row = QHBoxLayout()
+        for button in buttons:
+            button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+            row.addWidget(button)
+        column.addLayout(row)
+        self.hide()
+        canvas.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay in the middle of the canvas."""
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.Show):
+            canvas = self._canvas
+            self.adjustSize()
+            self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)
+        return super().eventFilter(watched, event)

@@ -1,0 +1,40 @@
+"""The transparent sheet over the viewport on which the tools paint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QPainter
+from PySide6.QtWidgets import QWidget
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QPaintEvent
+
+    from apd_viewer.ui.viewport import Viewport
+
+
+class Overlay(QWidget):
+    """Widget as large as the viewport, blind to the mouse.
+
+    QPainter draws smooth lines and letters where a software OpenGL draws neither, and a tool that
+    only changes its own looks costs no VTK draw.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Let the tools paint; the one that sees events first lies on top."""
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            for tool in reversed(self._viewport.tools):
+                if hasattr(tool, "paint"):
+                    tool.paint(painter)

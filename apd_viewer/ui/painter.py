@@ -1,0 +1,261 @@
+"""The brush: strokes on the surface become sets of vertices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QPen, QPolygonF
+
+from apd_viewer.geometry.operators import vertex_neighbours
+from apd_viewer.geometry.picking import brush
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
+
+    from apd_viewer.ui.surface import Hit, Surface
+    from apd_viewer.ui.viewport import Viewport
+
+SMALLEST, LARGEST = 4.0, 200.0
+RADIUS_PER_NOTCH = 1.12
+RING_POINTS = 65
+STEEPEST = 4.0  # two hits farther apart than this many times their distance on the screen are not joined
+
+
+class Painter(QObject):
+    """Tool that paints vertices.
+
+    A left press on the surface begins a stroke, with Alt it erases; the wheel changes the radius,
+    with Ctrl it zooms; Esc takes the stroke back.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    stroke_began : Signal(bool)
+        True when the stroke erases.
+    painted : Signal(object)
+        Int array of the vertices that the latest part of the stroke covers for the first time.
+    stroke_ended, stroke_cancelled : Signal()
+    radius_changed : Signal(float)
+    """
+
+    stroke_began = Signal(bool)
+    painted = Signal(object)
+    stroke_ended = Signal()
+    stroke_cancelled = Signal()
+    radius_changed = Signal(float)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._surface = surface
+        self._F = np.empty((0, 3), dtype=np.int32)
+        self._graph = np.zeros(1, dtype=np.int32), np.empty(0, dtype=np.int32)
+        self._enabled = False
+        self._radius = 24.0
+        self._color = QColor("#ffffff")
+        self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
+        self._cursor: QPointF | None = None
+        self._erasing = False
+        self._hit: Hit | None = None
+        self._seen: tuple[object, ...] = ()  # what the hit depends on
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the brush is in use; putting it away cancels a stroke."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, on: bool) -> None:
+        if not on:
+            self.cancel()
+        self._enabled = on
+        self.leave()
+
+    @property
+    def radius(self) -> float:
+        """Radius of the brush in logical pixels, from 4 to 200."""
+        return self._radius
+
+    @radius.setter
+    def radius(self, radius: float) -> None:
+        radius = float(np.clip(radius, SMALLEST, LARGEST))
+        if radius != self._radius:
+            self._radius = radius
+            self._viewport.overlay.update()
+            self.radius_changed.emit(radius)
+
+    @property
+    def color(self) -> QColor:
+        """Colour of the ring: what the brush paints."""
+        return self._color
+
+    @color.setter
+    def color(self, color: QColor | str) -> None:
+        self._color = QColor(color)
+        self._viewport.overlay.update()
+
+    def set_topology(self, F: np.ndarray, n: int) -> None:
+        """Prepare for another mesh.
+
+        Parameters
+        ----------
+        F : (m, 3) int array
+            The triangles of the surface, in its order. They may name the vertices at a seam by one of
+            them, so that a stroke crosses it; then only that one is painted.
+        n : int
+            Number of vertices.
+        """
+        self.cancel()
+        self._F = np.ascontiguousarray(F, dtype=np.int32)
+        self._graph = vertex_neighbours(F, n)
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Begin a stroke if the cursor is on the surface."""
+        modifiers = event.modifiers()
+        if event.button() != Qt.MouseButton.LeftButton or modifiers & Qt.KeyboardModifier.ShiftModifier:
+            return False
+        self._look(event)
+        if self._hit is None or not self._matches():
+            return False
+        self._covered = np.zeros(len(self._surface.U), dtype=bool)
+        self.stroke_began.emit(self._erasing)
+        self._cover([(None, self._hit)])
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Go on with the stroke, or show the ring."""
+        if self._covered is None:
+            self._look(event)
+            if self._hit is not None:
+                self._viewport.setCursor(Qt.CursorShape.CrossCursor)
+            return self._hit is not None
+        last, hit, self._cursor = self._cursor, self._hit, event.position()
+        steps = list(self._steps(last or self._cursor, hit, self._cursor))
+        self._hit = steps[-1][1]
+        self._seen = self._state()
+        self._cover(steps)
+        self._viewport.overlay.update()
+        return True
+
+    def release(self, _event: QMouseEvent) -> bool:
+        """End the stroke."""
+        if self._covered is None:
+            return False
+        self._covered = None
+        self.stroke_ended.emit()
+        return True
+
+    def wheel(self, event: QWheelEvent) -> bool:
+        """Change the radius."""
+        if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return False
+        # Qt turns the wheel sideways while Alt is down.
+        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
+        self.radius = self._radius * RADIUS_PER_NOTCH**notches
+        return True
+
+    def leave(self) -> None:
+        """Hide the ring."""
+        if self._covered is None and self._cursor is not None:
+            self._cursor = self._hit = None
+            self._viewport.overlay.update()
+
+    def cancel(self) -> bool:
+        """Give the stroke up; True if there was one."""
+        if self._covered is None:
+            return False
+        self._covered = None
+        self.stroke_cancelled.emit()
+        return True
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the ring where the brush lies on the surface."""
+        if self._cursor is not None and self._seen != self._state():
+            self._pick()  # the mesh or the camera has moved under a resting cursor
+        if self._hit is None:
+            return
+        ring = QPolygonF([QPointF(x, y) for x, y in self._viewport.project(self._ring(self._hit))])
+        halo = QColor(0, 0, 0, 150) if self._color.lightnessF() > 0.5 else QColor(255, 255, 255, 200)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(halo, 4.2))
+        painter.drawPolyline(ring)
+        style = Qt.PenStyle.DashLine if self._erasing else Qt.PenStyle.SolidLine
+        painter.setPen(QPen(self._color, 2.0, style))
+        painter.drawPolyline(ring)
+
+    def _look(self, event: QMouseEvent) -> None:
+        """Note where the cursor is, and draw the ring anew if it has to change."""
+        before = self._hit, self._erasing
+        self._cursor = event.position() if self._enabled else None
+        self._erasing = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
+        self._pick()
+        if self._hit is not None or before[0] is not None:
+            self._viewport.overlay.update()
+
+    def _pick(self) -> None:
+        self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
+        self._seen = self._state()
+
+    def _state(self) -> tuple[object, ...]:
+        return self._surface.revision, self._viewport.eye.key
+
+    def _steps(
+        self, start: QPointF, last: Hit | None, end: QPointF
+    ) -> Iterator[tuple[Hit | None, Hit | None]]:
+        """Pairs of neighbouring hits along the way of the cursor, so close that the brush leaves no gap.
+
+        The first of a pair is None where the surface under the cursor leaps to another depth: what
+        lies between the two was never touched.
+        """
+        way = end - start
+        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / max(self._radius / 2, SMALLEST))))
+        spacing = np.hypot(way.x(), way.y()) / count
+        for i in range(1, count + 1):
+            hit = self._surface.hit(start + way * (i / count))
+            joined = last is not None and hit is not None and self._near(last, hit, spacing)
+            yield (last if joined else None), hit
+            last = hit
+
+    def _near(self, a: Hit, b: Hit, spacing: float) -> bool:
+        reach = STEEPEST * max(spacing, 1.0) * self._viewport.world_per_pixel(b.point)
+        return bool(np.linalg.norm(b.point - a.point) <= reach)
+
+    def _matches(self) -> bool:
+        """Whether the graph is that of the surface; right after a mesh is opened it may not be."""
+        return len(self._F) == len(self._surface.F) and len(self._graph[0]) == len(self._surface.U) + 1
+
+    def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
+        """Emit the vertices under the steps that the stroke has not covered before."""
+        if self._covered is None:
+            return
+        fresh = []
+        for last, hit in steps:
+            if hit is not None:
+                ids = self._under(hit if last is None else last, hit)
+                fresh.append(ids[~self._covered[ids]])
+                self._covered[ids] = True
+        covered = np.concatenate(fresh) if fresh else np.empty(0, dtype=np.int32)
+        if len(covered):
+            self.painted.emit(covered)
+
+    def _under(self, last: Hit, hit: Hit) -> np.ndarray:
+        radius = self._radius * self._viewport.world_per_pixel(hit.point)
+        seeds = np.concatenate([self._F[hit.face], self._F[last.face]])
+        return brush(*self._graph, self._surface.U, seeds, last.point, hit.point, radius)
+
+    def _ring(self, hit: Hit) -> np.ndarray:
+        """Circle around the hit, in the plane that touches the surface there, (65, 3)."""
+        a = np.cross(hit.normal, np.eye(3)[np.argmin(np.abs(hit.normal))])
+        a /= np.linalg.norm(a)
+        b = np.cross(hit.normal, a)
+        turn = np.linspace(0.0, 2 * np.pi, RING_POINTS)
+        radius = self._radius * self._viewport.world_per_pixel(hit.point)
+        return hit.point + radius * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))

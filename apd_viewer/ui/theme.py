@@ -1,0 +1,107 @@
+"""Light and dark: the colours of the window and its style sheet."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QGuiApplication, QPalette
+from PySide6.QtWidgets import QApplication
+
+from apd_viewer.files.samples import resource
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colours as #rrggbb. ``warm`` calls for attention; ``accent`` marks what is chosen."""
+
+    canvas_top: str
+    canvas_bottom: str
+    panel: str
+    raised: str
+    line: str
+    ink: str
+    quiet: str
+    faint: str
+    accent: str
+    accent_soft: str
+    on_accent: str
+    warm: str
+    good: str
+
+
+LIGHT = Theme(
+    canvas_top="#f7f8fa",
+    canvas_bottom="#e4e7ec",
+    panel="#fbfbfc",
+    raised="#ffffff",
+    line="#dcdfe4",
+    ink="#1d2129",
+    quiet="#5a6270",
+    faint="#9aa1ad",
+    accent="#2f6fde",
+    accent_soft="#e3ecfb",
+    on_accent="#ffffff",
+    warm="#b45309",
+    good="#5a6270",
+)
+DARK = Theme(
+    canvas_top="#2b2f37",
+    canvas_bottom="#1c1f25",
+    panel="#22252b",
+    raised="#2c3038",
+    line="#3a3f49",
+    ink="#eceef2",
+    quiet="#a6adba",
+    faint="#6e7684",
+    accent="#6ea2ff",
+    accent_soft="#2c3a55",
+    on_accent="#10131a",
+    warm="#f5a54a",
+    good="#a6adba",
+)
+
+
+def theme_for(scheme: Qt.ColorScheme) -> Theme:
+    """Light or dark as asked for; where nothing was asked for, as the platform has it."""
+    hints = QGuiApplication.styleHints()
+    hints.setColorScheme(scheme)  # for what the platform draws itself, such as the title bar
+    asked = hints.colorScheme() if scheme is Qt.ColorScheme.Unknown else scheme
+    return DARK if asked is Qt.ColorScheme.Dark else LIGHT
+
+
+def apply(theme: Theme) -> None:
+    """Dress the whole application in ``theme``."""
+    application = QApplication.instance()
+    assert isinstance(application, QApplication)
+    application.setStyle("Fusion")
+    application.setPalette(_palette(theme))
+    sheet = resource("window.qss").read_text(encoding="utf-8")
+    # Longest names first: one may begin with another.
+    for name, color in sorted(asdict(theme).items(), key=lambda item: -len(item[0])):
+        sheet = sheet.replace(f"@{name}", color)
+    application.setStyleSheet(sheet)
+
+
+def _palette(theme: Theme) -> QPalette:
+    palette = QPalette()
+    roles = {
+        QPalette.ColorRole.Window: theme.panel,
+        QPalette.ColorRole.WindowText: theme.ink,
+        QPalette.ColorRole.Base: theme.raised,
+        QPalette.ColorRole.AlternateBase: theme.panel,
+        QPalette.ColorRole.Text: theme.ink,
+        QPalette.ColorRole.Button: theme.raised,
+        QPalette.ColorRole.ButtonText: theme.ink,
+        QPalette.ColorRole.ToolTipBase: theme.raised,
+        QPalette.ColorRole.ToolTipText: theme.ink,
+        QPalette.ColorRole.PlaceholderText: theme.faint,
+        QPalette.ColorRole.Highlight: theme.accent,
+        QPalette.ColorRole.HighlightedText: theme.on_accent,
+        QPalette.ColorRole.Link: theme.accent,
+    }
+    for role, color in roles.items():
+        palette.setColor(role, QColor(color))
+    for role in (QPalette.ColorRole.WindowText, QPalette.ColorRole.Text, QPalette.ColorRole.ButtonText):
+        palette.setColor(QPalette.ColorGroup.Disabled, role, QColor(theme.faint))
+    return palette

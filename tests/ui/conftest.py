@@ -1,0 +1,67 @@
+"""A real application, a real mouse, and windows that leave nothing behind."""
+
+import gc
+import os
+
+import numpy as np
+import pytest
+import trimesh
+from driving import Mouse, grey, settle, show
+from PySide6.QtWidgets import QMainWindow
+
+from apd_viewer.ui.application import HARMLESS, make_application
+from apd_viewer.ui.surface import Surface
+from apd_viewer.ui.viewport import Viewport
+
+
+def pytest_configure(config):
+    config.addinivalue_line("qt_log_ignore", HARMLESS)
+    if os.environ.get("QT_QPA_PLATFORM") == "offscreen":  # all but the pixels works without OpenGL
+        config.addinivalue_line("qt_log_ignore", "QOpenGLWidget")
+
+
+@pytest.fixture(scope="session")
+def qapp_cls():
+    """What pytest-qt calls to make the application."""
+    yield make_application
+    gc.enable()  # GuiThreadGC had taken it over
+
+
+@pytest.fixture
+def mouse():
+    """Factory of a mouse for a widget."""
+    return Mouse
+
+
+@pytest.fixture
+def view(qtbot):
+    """A viewport in a shown window, 640 x 480, without a scene."""
+    window = QMainWindow()
+    view = Viewport(window)
+    window.setCentralWidget(view)
+    window.resize(640, 480)
+    show(qtbot, window, view)
+    yield view
+    view.close()
+    window.close()
+    window.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture(scope="session")
+def ball():
+    """A sphere of radius one with 10242 vertices: (F, U)."""
+    mesh = trimesh.creation.icosphere(subdivisions=5)
+    return np.array(mesh.faces), np.array(mesh.vertices)
+
+
+@pytest.fixture
+def surface(qtbot, view, ball):
+    """The ball in the viewport, seen from the front."""
+    F, U = ball
+    surface = Surface(view)
+    surface.set_mesh(F, U, grey(len(U)))
+    view.look_along("front")
+    view.frame(U)
+    settle(qtbot, view)
+    return surface

@@ -1,0 +1,80 @@
+"""Driving a window from a test: a mouse, waiting for the draws, and a plain colour."""
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QGuiApplication, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QApplication
+
+NONE = Qt.KeyboardModifier.NoModifier
+LEFT = Qt.MouseButton.LeftButton
+
+
+class Mouse:
+    """Mouse events sent straight to a widget.
+
+    QTest.mouseMove without a pressed button warps the X cursor, and the event comes some time later.
+    """
+
+    def __init__(self, widget):
+        self.widget = widget
+        self.buttons = Qt.MouseButton.NoButton
+
+    def move(self, to, modifiers=NONE):
+        self._send(QEvent.Type.MouseMove, to, Qt.MouseButton.NoButton, modifiers)
+
+    def press(self, at, button=LEFT, modifiers=NONE):
+        self.buttons |= button
+        self._send(QEvent.Type.MouseButtonPress, at, button, modifiers)
+
+    def release(self, at, button=LEFT, modifiers=NONE):
+        self.buttons &= ~button
+        self._send(QEvent.Type.MouseButtonRelease, at, button, modifiers)
+
+    def drag(self, *way, button=LEFT, modifiers=NONE):
+        """Press at the first point, move over the others and let go at the last."""
+        self.press(way[0], button, modifiers)
+        for point in way[1:]:
+            self.move(point, modifiers)
+        self.release(way[-1], button, modifiers)
+
+    def wheel(self, at, notches, modifiers=NONE):
+        at = _point(at)
+        turn = QPoint(0, round(120 * notches))
+        phase = Qt.ScrollPhase.NoScrollPhase
+        event = QWheelEvent(
+            at, self.widget.mapToGlobal(at), QPoint(), turn, self.buttons, modifiers, phase, False
+        )
+        QApplication.sendEvent(self.widget, event)
+
+    def _send(self, kind, at, button, modifiers):
+        at = _point(at)
+        event = QMouseEvent(kind, at, self.widget.mapToGlobal(at), button, self.buttons, modifiers)
+        QApplication.sendEvent(self.widget, event)
+
+
+def _point(at):
+    return QPointF(at) if isinstance(at, QPointF | QPoint) else QPointF(*map(float, at))
+
+
+def show(qtbot, widget, view):
+    """Show a window and wait until its viewport has drawn."""
+    widget.show()
+    qtbot.waitExposed(widget)
+    if QGuiApplication.platformName() != "offscreen":
+        qtbot.waitUntil(lambda: view.draws > 0, timeout=10_000)
+        settle(qtbot, view)
+
+
+def settle(qtbot, view):
+    """Wait until the scene is drawn, and leave out the smooth frame of a resting view."""
+    if QGuiApplication.platformName() != "offscreen":
+        qtbot.waitUntil(lambda: not view._stale, timeout=5_000)
+        view._still.stop()
+
+
+def grey(n):
+    return np.tile(np.array([200, 200, 200, 255], dtype=np.uint8), (n, 1))
+
+
+def centre(view):
+    return QPointF(view.width() / 2, view.height() / 2)

@@ -1,0 +1,41 @@
+import gc
+import sys
+import weakref
+
+from PySide6.QtCore import QCoreApplication, QMessageLogContext, QObject, Qt, QtMsgType
+
+from apd_viewer.ui.application import HARMLESS, _report, make_application
+from apd_viewer.ui.garbage import GuiThreadGC
+
+
+def test_there_is_one_application(qapp):
+    assert make_application(["again"]) is qapp
+    assert QCoreApplication.testAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
+    assert sys.getswitchinterval() <= 0.001
+
+
+def test_messages_are_passed_on_but_for_the_harmless_one(qapp, capsys):
+    _report(QtMsgType.QtWarningMsg, QMessageLogContext(), f"{HARMLESS} with a different version")
+    assert capsys.readouterr().err == ""
+    _report(QtMsgType.QtWarningMsg, QMessageLogContext(), "something else")
+    assert "something else" in capsys.readouterr().err
+
+
+def test_cyclic_garbage_goes_from_the_event_loop_only(qtbot, monkeypatch):
+    monkeypatch.setattr("apd_viewer.ui.garbage.INTERVAL", 10)
+    enabled = gc.isenabled()
+    collector = GuiThreadGC()
+    assert not gc.isenabled()
+    cycle = QObject()
+    cycle.itself = cycle
+    gone = weakref.ref(cycle)
+    del cycle
+    [[] for _ in range(10)]
+    keep = [[] for _ in range(3 * gc.get_threshold()[0])]
+    assert gone() is not None
+    qtbot.waitUntil(lambda: gone() is None, timeout=2000)
+    collector.close()
+    assert gc.isenabled()
+    assert keep
+    if not enabled:
+        gc.disable()

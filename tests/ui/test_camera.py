@@ -1,0 +1,106 @@
+import numpy as np
+import pytest
+
+from apd_viewer.ui.camera import MARGIN, UP, Camera, rotation, unit
+
+
+@pytest.fixture
+def camera():
+    return Camera(
+        np.array([3.0, 2.0, 5.0]), np.array([0.2, 0.1, -0.3]), UP, np.deg2rad(30), width=800, height=600
+    )
+
+
+def points(count=50):
+    return np.random.default_rng(1).normal(size=(count, 3))
+
+
+def test_a_ray_runs_through_the_points_that_project_to_its_pixel(camera):
+    for point, (x, y) in zip(points(), camera.project(points()), strict=True):
+        origin, direction = camera.ray(x, y)
+        np.testing.assert_allclose(direction, unit(point - origin), atol=1e-12)
+
+
+def test_the_focal_point_is_in_the_middle_and_up_is_up(camera):
+    np.testing.assert_allclose(camera.project(camera.focal[None]), [[400, 300]])
+    above = camera.project((camera.focal + 0.1 * UP)[None])[0]
+    assert above[0] == pytest.approx(400)
+    assert above[1] < 300
+
+
+def test_world_per_pixel_is_the_length_of_a_pixel(camera):
+    right = camera.axes[0] * 10 * camera.world_per_pixel(camera.focal)
+    np.testing.assert_allclose(camera.project((camera.focal + right)[None]), [[410, 300]])
+
+
+@pytest.mark.parametrize("factor", [0.3, 1.2, 7.0])
+def test_zoom_leaves_the_point_where_it_is(camera, factor):
+    point = np.array([0.7, -0.4, 0.5])
+    closer = camera.zoomed(point, factor)
+    np.testing.assert_allclose(closer.project(point[None]), camera.project(point[None]), atol=1e-9)
+    assert closer.distance == pytest.approx(camera.distance / factor)
+    np.testing.assert_allclose(closer.axes, camera.axes, atol=1e-12)
+
+
+def test_pan_moves_the_focal_plane_with_the_cursor(camera):
+    moved = camera.panned(30, -12).project(camera.focal[None])
+    np.testing.assert_allclose(moved, [[430, 288]], atol=1e-9)
+
+
+def test_orbit_keeps_the_distance_and_the_horizon(camera):
+    turned = camera
+    for step in ((40, 13), (-200, 90), (10, 700), (-35, 250)):
+        turned = turned.orbited(*step)
+        assert turned.distance == pytest.approx(camera.distance)
+        assert turned.axes[0] @ UP == pytest.approx(0, abs=1e-9)
+    np.testing.assert_allclose(turned.focal, camera.focal)
+
+
+@pytest.mark.parametrize("upside_down", [False, True])
+def test_orbit_drags_the_near_side_along(camera, upside_down):
+    if upside_down:
+        camera = camera.orbited(0, 450)
+        assert camera.axes[1] @ UP < 0
+    near = camera.focal + 0.3 * unit(camera.position - camera.focal)
+    x, y = camera.orbited(5, 0).project(near[None])[0] - camera.project(near[None])[0]
+    # The near side moves left when the camera moves right: the object follows the cursor.
+    assert x > 0
+    assert abs(y) < x
+    _, y = camera.orbited(0, 5).project(near[None])[0] - camera.project(near[None])[0]
+    assert y > 0
+
+
+def test_frame_shows_all_and_wastes_little(camera):
+    for cloud in (points(), points() * [5, 0.1, 1], points() * [0.1, 3, 0.1]):
+        framed = camera.framed(cloud)
+        xy = framed.project(cloud) - [400, 300]
+        assert np.abs(xy / [400, 300]).max() == pytest.approx(1 / MARGIN)
+        np.testing.assert_allclose(framed.axes, camera.axes, atol=1e-12)
+
+
+def test_frame_takes_a_single_point(camera):
+    framed = camera.framed(np.ones((1, 3)))
+    np.testing.assert_allclose(framed.project(np.ones((1, 3))), [[400, 300]])
+
+
+@pytest.mark.parametrize(
+    ("axis", "forward", "up"),
+    [
+        ("front", (0, 0, -1), (0, 1, 0)),
+        ("-front", (0, 0, 1), (0, 1, 0)),
+        ("side", (-1, 0, 0), (0, 1, 0)),
+        ("-side", (1, 0, 0), (0, 1, 0)),
+        ("top", (0, -1, 0), (0, 0, -1)),
+        ("-top", (0, 1, 0), (0, 0, 1)),
+    ],
+)
+def test_axis_views(camera, axis, forward, up):
+    placed = camera.placed(axis)
+    np.testing.assert_allclose(placed.axes[2], forward, atol=1e-12)
+    np.testing.assert_allclose(placed.axes[1], up, atol=1e-12)
+    np.testing.assert_allclose(placed.axes[0], np.cross(forward, up), atol=1e-12)
+    assert placed.distance == pytest.approx(camera.distance)
+
+
+def test_rotation_is_counter_clockwise_seen_from_the_tip():
+    np.testing.assert_allclose(rotation(np.array([0.0, 0, 1]), np.pi / 2) @ [1, 0, 0], [0, 1, 0], atol=1e-15)

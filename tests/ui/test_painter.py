@@ -1,0 +1,235 @@
+import numpy as np
+import pytest
+from driving import centre, grey, settle
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from apd_viewer.ui.painter import Painter
+
+ALT = Qt.KeyboardModifier.AltModifier
+CONTROL = Qt.KeyboardModifier.ControlModifier
+SHIFT = Qt.KeyboardModifier.ShiftModifier
+
+
+class Heard:
+    """What a painter has emitted."""
+
+    def __init__(self, painter):
+        self.words, self.parts = [], []
+        painter.stroke_began.connect(lambda erase: self.words.append("erase" if erase else "paint"))
+        painter.stroke_ended.connect(lambda: self.words.append("ended"))
+        painter.stroke_cancelled.connect(lambda: self.words.append("cancelled"))
+        painter.painted.connect(self.parts.append)
+
+    @property
+    def ids(self):
+        return np.concatenate(self.parts) if self.parts else np.empty(0, dtype=int)
+
+
+@pytest.fixture
+def painter(view, surface):
+    painter = Painter(view, surface)
+    painter.set_topology(surface.F, len(surface.U))
+    painter.enabled = True
+    view.tools.append(painter)
+    return painter
+
+
+@pytest.fixture
+def heard(painter):
+    return Heard(painter)
+
+
+def facing(view, surface, ids):
+    """Cosines between the normals of the ball and the direction to the camera."""
+    to_camera = view.eye.position - surface.U[ids]
+    return np.einsum("ij,ij->i", surface.U[ids], to_camera / np.linalg.norm(to_camera, axis=1)[:, None])
+
+
+def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard, mouse):
+    at = centre(view)
+    mouse(view).drag(at, at)
+    hit = surface.hit(at)
+    radius = painter.radius * view.world_per_pixel(hit.point)
+    within = np.flatnonzero(np.linalg.norm(surface.U - hit.point, axis=1) <= radius)
+    assert heard.words == ["paint", "ended"]
+    assert len(within) > 10
+    np.testing.assert_array_equal(np.sort(heard.ids), within)
+
+
+def test_a_stroke_leaves_the_camera_and_names_each_vertex_once(view, surface, painter, heard, mouse):
+    before, at = view.eye.key, centre(view)
+    mouse(view).drag(*(at + QPointF(3 * i, i) for i in range(30)))
+    assert view.eye.key == before
+    assert len(heard.parts) > 3
+    assert len(np.unique(heard.ids)) == len(heard.ids)
+
+
+def test_a_fast_stroke_covers_what_a_slow_one_does(view, surface, painter, mouse):
+    start, way = QPointF(200, 180), QPointF(240, 120)
+    slow = Heard(painter)
+    mouse(view).drag(*(start + way * (i / 200) for i in range(201)))
+    slow = set(slow.ids.tolist())
+    fast = Heard(painter)
+    mouse(view).drag(start, start + way)
+    fast = set(fast.ids.tolist())
+    assert len(slow) > 100
+    assert len(slow ^ fast) <= 0.04 * len(slow)
+
+
+def test_a_stroke_over_the_rim_stays_on_the_near_side(view, surface, painter, heard, mouse):
+    mouse(view).drag((320, 240), (320, 2), (320, 478), (630, 240), (10, 240))
+    assert len(heard.ids) > 200
+    assert facing(view, surface, heard.ids).min() > -0.35  # a brush on the rim reaches a little around it
+
+
+def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surface, mouse):
+    """Two plates, one far behind the other: between them the stroke leaves the surface."""
+    steps = np.linspace(-1, 1, 41)
+    X, Y = np.meshgrid(steps, steps)
+    plate = np.column_stack([X.ravel(), Y.ravel(), np.zeros(X.size)])
+    i = np.arange(41 * 41).reshape(41, 41)
+    a, b, c, d = (q.ravel() for q in (i[:-1, :-1], i[:-1, 1:], i[1:, 1:], i[1:, :-1]))
+    F = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    U = np.vstack([plate * [0.5, 1, 1] + [-0.5, 0, 0.0], plate * [2, 1.5, 1] + [0, 0, -4.0]])
+    F = np.vstack([F, F + len(plate)])
+    surface.set_mesh(F, U, grey(len(U)))
+    painter.set_topology(F, len(U))
+    view.eye = view.eye.framed(U)
+    settle(qtbot, view)
+    start, end = view.project(np.array([[-0.5, 0.0, 0.0], [1.5, 0.0, -4.0]]))
+    heard = Heard(painter)
+    mouse(view).drag(start, end)
+    behind = U[heard.ids][U[heard.ids][:, 2] < -1]
+    assert len(behind) > 5
+    edge = view.project(np.array([[0.0, 0.0, 0.0]]))[0][0]
+    # Nothing of the back plate that is hidden by the front one, but for the width of the brush.
+    assert view.project(behind)[:, 0].min() > edge - painter.radius - 2
+
+
+def test_alt_erases(view, painter, heard, mouse):
+    mouse(view).drag(centre(view), centre(view), modifiers=ALT)
+    assert heard.words == ["erase", "ended"]
+
+
+def test_a_press_on_the_background_moves_the_camera(view, painter, heard, mouse):
+    before = view.eye.key
+    mouse(view).drag((4, 4), (40, 60))
+    assert heard.words == []
+    assert view.eye.key != before
+
+
+@pytest.mark.parametrize(
+    ("button", "modifiers"), [(Qt.MouseButton.RightButton, ALT & ~ALT), (Qt.MouseButton.LeftButton, SHIFT)]
+)
+def test_other_drags_on_the_surface_move_the_camera(view, painter, heard, mouse, button, modifiers):
+    before = view.eye.key
+    mouse(view).drag((320, 240), (350, 250), button=button, modifiers=modifiers)
+    assert heard.words == []
+    assert view.eye.key != before
+
+
+def test_a_brush_that_is_put_away_does_nothing(view, painter, heard, mouse):
+    painter.enabled = False
+    mouse(view).drag(centre(view), centre(view))
+    mouse(view).wheel(centre(view), 1)
+    assert heard.words == []
+    assert painter.radius == 24
+
+
+def test_escape_takes_the_stroke_back(view, painter, heard, mouse):
+    m, at = mouse(view), centre(view)
+    m.press(at)
+    QTest.keyClick(view, Qt.Key.Key_Escape)
+    count = len(heard.ids)
+    m.move(at + QPointF(60, 0))
+    m.release(at + QPointF(60, 0))
+    assert heard.words == ["paint", "cancelled"]
+    assert len(heard.ids) == count
+
+
+def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
+    mouse(view).press(centre(view))
+    painter.enabled = False
+    assert heard.words == ["paint", "cancelled"]
+
+
+def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
+    heard, before = [], view.eye.key
+    painter.radius_changed.connect(heard.append)
+    mouse(view).wheel(centre(view), 1)
+    assert painter.radius > 24
+    mouse(view).wheel(centre(view), 100)
+    assert painter.radius == 200
+    mouse(view).wheel(centre(view), 1)  # nothing changes, nothing is said
+    mouse(view).wheel(centre(view), -200)
+    assert painter.radius == 4
+    assert heard == [pytest.approx(24 * 1.12), 200, 4]
+    assert view.eye.key == before
+
+
+def test_control_and_the_wheel_zoom(view, painter, mouse):
+    before = view.eye.distance
+    mouse(view).wheel(centre(view), 1, CONTROL)
+    assert painter.radius == 24
+    assert view.eye.distance < before
+
+
+def test_the_ring_shows_where_the_brush_lies(view, painter, mouse):
+    empty = view.overlay.grab().toImage()
+    m = mouse(view)
+    m.move(centre(view))
+    on = view.overlay.grab().toImage()
+    assert on != empty
+    m.move((4, 4))
+    assert view.overlay.grab().toImage() == empty
+    m.move(centre(view))
+    painter.enabled = False
+    assert view.overlay.grab().toImage() == empty
+
+
+def test_the_ring_follows_the_surface_under_a_resting_cursor(view, surface, painter, mouse):
+    mouse(view).move(centre(view))
+    before = view.overlay.grab().toImage()
+    surface.set_points(surface.U + 5.0)
+    assert view.overlay.grab().toImage() != before
+    assert painter._hit is None
+
+
+def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painter, mouse):
+    QApplication.processEvents()
+    view._still.stop()
+    draws, m = view.draws, mouse(view)
+    for x in range(300, 340, 5):
+        m.move((x, 240))
+        QApplication.processEvents()
+    assert view.draws == draws
+
+
+def test_a_graph_of_another_mesh_is_not_painted_with(view, surface, painter, heard, mouse):
+    painter.set_topology(np.array([[0, 1, 2]]), 3)
+    mouse(view).drag(centre(view), centre(view))
+    assert heard.words == []
+
+
+def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter, heard, mouse):
+    surface.set_points(surface.U * [1, 1, 0.2])
+    mouse(view).drag(centre(view), centre(view))
+    hit = surface.hit(centre(view))
+    assert hit.point[2] == pytest.approx(0.2, abs=0.01)
+    reach = np.linalg.norm(surface.U[heard.ids] - hit.point, axis=1).max()
+    assert reach <= painter.radius * view.world_per_pixel(hit.point) * 1.001
+
+
+def test_a_stroke_crosses_seams(view, surface, painter, mouse):
+    F, U = surface.F.copy(), surface.U.copy()
+    whole = Heard(painter)
+    mouse(view).drag(centre(view), centre(view))
+    whole = whole.ids
+    first = np.unique(F, return_index=True)[1]
+    surface.set_mesh(np.arange(F.size).reshape(F.shape), U[F.ravel()], grey(F.size))
+    painter.set_topology(first[F], F.size)
+    loose = Heard(painter)
+    mouse(view).drag(centre(view), centre(view))
+    np.testing.assert_array_equal(np.sort(loose.ids), np.sort(first[whole]))

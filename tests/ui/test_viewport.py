@@ -1,0 +1,367 @@
+import gc
+import sys
+import weakref
+
+import numpy as np
+import pytest
+from driving import centre, grey, show
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMainWindow
+
+from apd_viewer.ui.camera import MARGIN
+from apd_viewer.ui.gizmo import Gizmo
+from apd_viewer.ui.painter import Painter
+from apd_viewer.ui.surface import Surface
+from apd_viewer.ui.viewport import Viewport
+
+
+def paint(view):
+    """Let one paint happen, and return how often VTK drew."""
+    view._still.stop()
+    before = view.draws
+    QApplication.processEvents()
+    view._still.stop()
+    return view.draws - before
+
+
+def test_emit_does_not_steal_references():
+    # PySide6 6.12.0 drops one reference to True at each emit, and the process dies of it.
+    class Bell(QObject):
+        rung = Signal(object)
+
+    bell, before = Bell(), sys.getrefcount(True)
+    for _ in range(100):
+        bell.rung.emit(1)
+    assert abs(sys.getrefcount(True) - before) < 50
+
+
+def test_one_draw_a_paint(view, surface):
+    ends = []
+    tag = view.ren_win.AddObserver("EndEvent", lambda *_: ends.append(1))
+    paint(view)
+    ends.clear()
+    for _ in range(3):
+        view.update()
+        view.render()
+    assert paint(view) == 1
+    assert len(ends) == 1
+    view.ren_win.RemoveObserver(tag)
+
+
+def test_a_camera_drag_draws_once_a_paint(view, surface, mouse):
+    m = mouse(view)
+    paint(view)
+    m.press((5, 5))
+    for x in (20, 40, 60):
+        m.move((x, 5))
+        m.move((x + 5, 5))
+        assert paint(view) == 1
+    m.release((60, 5))
+
+
+def test_an_overlay_that_changes_alone_costs_no_draw(view, surface):
+    paint(view)
+    view.overlay.update()
+    assert paint(view) == 0
+
+
+def test_pre_draw_runs_before_each_draw(view, surface):
+    calls = []
+    view.pre_draw.append(lambda: calls.append(view.draws))
+    before = view.draws
+    view.update()
+    paint(view)
+    assert calls == [before]
+
+
+def test_own_projection_is_that_of_vtk(view, surface):
+    view.eye = view.eye.orbited(37, 21).panned(11, -8)
+    view.renderer.ResetCameraClippingRange()
+    camera = view.renderer.GetActiveCamera()
+    matrix = camera.GetCompositeProjectionTransformMatrix(view.width() / view.height(), -1, 1)
+    M = np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+    clip = np.column_stack([surface.U, np.ones(len(surface.U))]) @ M.T
+    x, y = (clip[:, :2] / clip[:, 3:]).T
+    expected = np.column_stack([(x + 1) / 2 * view.width(), (1 - y) / 2 * view.height()])
+    np.testing.assert_allclose(view.project(surface.U), expected, atol=1e-6)
+
+
+def test_what_is_picked_is_what_is_seen(view, surface):
+    """Colour one face, and find it on the screen where the ray finds it."""
+    rgba = grey(len(surface.U))
+    at = QPointF(260, 200)
+    rgba[surface.F[surface.hit(at).face], :3] = 255, 0, 0
+    surface.set_colors(rgba)
+    picture = view.screenshot()
+    ratio = view.devicePixelRatioF()
+    r, g, b = picture[int(at.y() * ratio), int(at.x() * ratio)][:3].astype(int)
+    assert r > 2 * g
+    assert r > 2 * b
+
+
+def test_screenshot_shows_the_scene_as_it_is_now(view, surface):
+    before = view.screenshot().copy()
+    surface.set_points(0.5 * surface.U)
+    after = view.screenshot()
+    assert before.std() > 5
+    assert (before != after).any()
+
+
+def test_edges_and_shading_can_be_seen(view, surface):
+    smooth = view.screenshot().copy()
+    surface.smooth = False
+    flat = view.screenshot().copy()
+    surface.edges = True
+    edged = view.screenshot().copy()
+    assert not surface.smooth
+    assert surface.edges
+    assert (smooth != flat).any()
+    assert (flat != edged).any()
+
+
+def test_painted_colours_stay_true_where_the_surface_faces_the_viewer(view, surface):
+    for colour in ((0, 114, 178), (213, 94, 0), (0, 158, 115), (240, 228, 66)):
+        rgba = grey(len(surface.U))
+        rgba[:, :3] = colour
+        surface.set_colors(rgba)
+        picture = view.screenshot()
+        seen = picture[picture.shape[0] // 2, picture.shape[1] // 2][:3].astype(int)
+        assert np.abs(seen - colour).max() <= 24
+
+
+def test_normals_follow_the_points(view, surface):
+    surface.set_points(surface.U * [1, 1, -1] + [0, 0, 3])
+    mesh = surface._mesh
+    np.testing.assert_allclose(mesh.points, surface.U, atol=1e-6)
+    inward = np.einsum("ij,ij->i", mesh.point_data["Normals"], surface.U - [0, 0, 3])
+    assert (inward < -0.99).all()  # mirrored: the faces turn inside out, and the normals with them
+
+
+def test_surface_keeps_positions_of_its_own(view, surface):
+    U = np.array(surface.U)
+    U.setflags(write=False)
+    surface.set_points(U)
+    assert surface.U.flags.writeable
+    assert surface.U.dtype == np.float64
+
+
+def test_shading_is_smooth_across_seams(view, surface):
+    F, U = surface.F.copy(), surface.U.copy()
+    expected = np.array(surface._mesh.point_data["Normals"])[F.ravel()]
+    loose = np.arange(F.size).reshape(F.shape)  # as an STL file has it
+    first = np.unique(F, return_index=True)[1][F]
+    surface.set_mesh(loose, U[F.ravel()], grey(F.size), joined_F=first)
+    np.testing.assert_allclose(surface._mesh.point_data["Normals"], expected, atol=1e-6)
+
+
+def test_another_mesh_replaces_the_first(view, surface):
+    F, U = np.array([[0, 1, 2]]), np.eye(3)
+    surface.set_mesh(F, U, grey(3))
+    assert len(surface.U) == 3
+    assert view.renderer.GetActors().GetNumberOfItems() == 1
+    view.screenshot()
+
+
+def test_frame_and_axis_views(view, surface):
+    view.look_along("top")
+    view.frame(surface.U)
+    np.testing.assert_allclose(view.eye.axes[2], [0, -1, 0], atol=1e-12)
+    xy = view.project(surface.U)
+    assert (xy > 0).all()
+    assert (xy < [view.width(), view.height()]).all()
+
+
+def test_a_resized_view_keeps_in_frame_what_was_until_the_camera_moves(qtbot, view, surface):
+    def reach():
+        half = np.array([view.width(), view.height()]) / 2
+        return np.abs(view.project(surface.U) / half - 1).max()
+
+    view.frame(surface.U)
+    view.window().resize(300, 480)
+    qtbot.waitUntil(lambda: view.width() == 300)
+    assert reach() == pytest.approx(1 / MARGIN, rel=0.02)
+    view.eye = view.eye.orbited(20, 0)
+    kept = view.eye.position
+    view.window().resize(640, 480)
+    qtbot.waitUntil(lambda: view.width() == 640)
+    np.testing.assert_array_equal(view.eye.position, kept)
+
+
+@pytest.mark.parametrize(
+    ("button", "modifiers", "kind"),
+    [
+        (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, "orbit"),
+        (Qt.MouseButton.RightButton, Qt.KeyboardModifier.NoModifier, "orbit"),
+        (Qt.MouseButton.MiddleButton, Qt.KeyboardModifier.NoModifier, "pan"),
+        (Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier, "pan"),
+        (Qt.MouseButton.RightButton, Qt.KeyboardModifier.ControlModifier, "zoom"),
+    ],
+)
+def test_camera_drags(view, surface, mouse, button, modifiers, kind):
+    before = view.eye
+    mouse(view).drag((300, 200), (330, 240), button=button, modifiers=modifiers)
+    after = view.eye
+    assert (kind == "orbit") == (np.abs(after.axes - before.axes).max() > 1e-6)
+    assert (kind == "orbit") == np.allclose(after.focal, before.focal)
+    assert (kind == "zoom") == (abs(after.distance - before.distance) > 1e-6)
+
+
+def test_wheel_zooms_to_the_surface_under_the_cursor(view, surface, mouse):
+    at = QPointF(250, 180)
+    point, distance = surface.point_under(at), view.eye.distance
+    for _ in range(60):
+        mouse(view).wheel(at, 1)
+        np.testing.assert_allclose(view.project(point[None]), [[250, 180]], atol=1e-6)
+        assert view.eye.depth(point) > 0  # never through the surface
+    assert view.eye.distance < 0.1 * distance
+    for _ in range(200):
+        mouse(view).wheel(at, -1)
+    assert view.eye.distance < 100 * distance
+
+
+def test_wheel_zooms_beside_the_surface_too(view, surface, mouse):
+    before = view.eye.distance
+    mouse(view).wheel((3, 3), 1)
+    assert view.eye.distance < before
+
+
+class Recorder:
+    def __init__(self, takes=()):
+        self.takes, self.calls = takes, []
+
+    def __getattr__(self, name):
+        if name not in ("press", "move", "release", "wheel", "leave", "cancel"):
+            raise AttributeError(name)
+
+        def call(*_):
+            self.calls.append(name)
+            return name in self.takes
+
+        return call
+
+
+def test_tools_are_asked_in_order_and_the_taker_keeps_the_mouse(view, surface, mouse):
+    first, second, third = Recorder(), Recorder(("press",)), Recorder()
+    view.tools[:] = [first, second, third]
+    before = view.eye.key
+    m = mouse(view)
+    m.press((5, 5))
+    m.move((90, 90))
+    m.press((90, 90), Qt.MouseButton.RightButton)
+    m.release((90, 90), Qt.MouseButton.RightButton)
+    m.release((90, 90))
+    assert first.calls == ["press", "move"]  # the last one hovers
+    assert second.calls == ["press", "move", "release", "move"]
+    assert third.calls == ["move"]
+    assert view.eye.key == before
+
+
+def test_a_hover_that_a_tool_takes_leaves_the_tools_behind_it(view, mouse):
+    front, back = Recorder(("move",)), Recorder()
+    view.tools[:] = [front, back]
+    mouse(view).move((50, 50))
+    assert front.calls == ["move"]
+    assert back.calls == ["leave"]
+
+
+def test_a_lost_release_ends_the_drag(view, mouse):
+    tool = Recorder(("press",))
+    view.tools[:] = [tool]
+    m = mouse(view)
+    m.press((5, 5))
+    m.buttons = Qt.MouseButton.NoButton  # a menu, or another window, got the release
+    m.move((9, 9))
+    assert tool.calls == ["press", "release"]
+
+
+def test_escape_cancels_and_the_rest_of_the_drag_is_nobodys(view, surface, mouse):
+    tool = Recorder(("press", "cancel"))
+    view.tools[:] = [tool]
+    before = view.eye.key
+    m = mouse(view)
+    m.press((5, 5))
+    QTest.keyClick(view, Qt.Key.Key_Escape)
+    m.move((50, 50))
+    assert tool.calls == ["press", "cancel"]
+    assert view.eye.key == before
+
+
+def test_vtk_has_no_keys(view, surface):
+    before, draws = view.eye.key, paint(view) or view.draws
+    for key in "wsqrpfi3ejtv":
+        QTest.keyClick(view, key)
+    paint(view)
+    assert view.eye.key == before
+    assert view.draws == draws
+    assert view.isVisible()
+
+
+def test_the_theme_sets_the_background(view):
+    view.set_theme("#202428", "#101214")
+    assert view.dark
+    assert view.screenshot()[2, 2].max() < 60
+    view.set_theme("#ffffff")
+    assert not view.dark
+    assert view.screenshot()[2, 2].min() == 255
+
+
+def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surface):
+    if not view._software:
+        pytest.skip("a GPU draws smooth edges in every frame")
+    before = view.draws
+    view.update()
+    qtbot.waitUntil(lambda: view.draws == before + 2, timeout=2000)
+    qtbot.wait(200)
+    assert view.draws == before + 2
+
+
+def test_closing_leaves_nothing_alive(qtbot, ball):
+    F, U = ball
+    remains = []
+    for _ in range(5):
+        window = QMainWindow()
+        view = Viewport(window)
+        window.setCentralWidget(view)
+        surface = Surface(view)
+        surface.set_mesh(F, U, grey(len(U)))
+        gizmo, painter = Gizmo(view), Painter(view, surface)
+        painter.set_topology(F, len(U))
+        view.tools[:] = [gizmo, painter]
+        gizmo.visible = painter.enabled = True
+        show(qtbot, window, view)
+        remains += [weakref.ref(o) for o in (window, view, surface, surface._mesh, gizmo, painter)]
+        view.close()
+        window.close()
+        window.deleteLater()
+        del window, view, surface, gizmo, painter
+        qtbot.wait(10)
+    gc.collect()
+    assert [r() for r in remains if r() is not None] == []
+
+
+def test_a_closed_view_takes_late_calls(qtbot, ball):
+    F, U = ball
+    window = QMainWindow()
+    view = Viewport(window)
+    window.setCentralWidget(view)
+    surface = Surface(view)
+    surface.set_mesh(F, U, grey(len(U)))
+    show(qtbot, window, view)
+    view.frame(U)
+    view.close()
+    view.close()
+    view.update()
+    view.render()
+    surface.set_points(0.5 * U)  # a frame that was on its way
+    surface.set_colors(grey(len(U)))
+    window.resize(400, 300)
+    qtbot.wait(10)
+    window.close()
+    window.deleteLater()
+    qtbot.wait(10)
+
+
+def test_centre_of_the_view_is_the_focal_point(view, surface):
+    origin, direction = view.ray(centre(view))
+    np.testing.assert_allclose(np.cross(view.eye.focal - origin, direction), 0, atol=1e-9)

@@ -1,0 +1,520 @@
+"""The main job in a real window, with a real mouse and the real worker."""
+
+import gc
+import time
+import weakref
+
+import meshes
+import numpy as np
+import pytest
+from driving import LEFT, Mouse, show
+from PySide6.QtCore import QMimeData, QPointF, QSettings, Qt, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, transform
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.operators import area
+from apd_viewer.session.session import Activity
+from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.window import Window
+
+
+@pytest.fixture
+def settings(tmp_path):
+    return QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat)
+
+
+@pytest.fixture
+def window(qtbot, settings):
+    """A window without a mesh."""
+    window = Window(settings)
+    show(qtbot, window, window.canvas.viewport)
+    yield window
+    window.close()
+    window.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture
+def bottle(qtbot, window):
+    """A window on the sample bottle, painted."""
+    window.session.open_sample("bottle")
+    idle(qtbot, window)
+    qtbot.wait(50)
+    return window
+
+
+def idle(qtbot, window, timeout=20_000):
+    """Let the event loop run until nothing is opened, written or refined any more."""
+    session = window.session
+    qtbot.waitUntil(
+        lambda: session.errand is None and session.activity is not Activity.REFINING, timeout=timeout
+    )
+
+
+def document(window):
+    return window.session.state.document
+
+
+def on_screen(window, vertex):
+    return window.canvas.viewport.project(window.session.state.frame.U[[vertex]])[0]
+
+
+def stroke(qtbot, window, middle, half_width=30):
+    """Paint a horizontal stroke around a point on the screen."""
+    mouse = Mouse(window.canvas.viewport)
+    points = [(middle[0] + dx, middle[1]) for dx in np.linspace(-half_width, half_width, 7)]
+    mouse.move(points[0])
+    mouse.drag(*points)
+    qtbot.wait(10)
+
+
+def drag(qtbot, window, start, way, steps=12, pause=20):
+    """Drag with the left button in small steps, letting the window work in between."""
+    mouse = Mouse(window.canvas.viewport)
+    start, way = np.asarray(start, float), np.asarray(way, float)
+    mouse.move(start)
+    mouse.press(start)
+    for t in np.linspace(0.0, 1.0, steps + 1)[1:]:
+        mouse.move(start + t * way)
+        qtbot.wait(pause)
+    mouse.release(start + way)
+
+
+def ring_grip(window, axis):
+    """A point of the gizmo's ring about an axis that no other part of the gizmo is nearer to."""
+    frame = window.canvas.gizmo.frame
+    points, near = frame.ring(axis)
+    taken = [frame.handle_at(*p) for p in points]
+    name = max(set(taken) - {None}, key=lambda n: sum(t == n for t in taken))
+    good = [p for p, t, n in zip(points, taken, near, strict=True) if n and t == name]
+    return good[len(good) // 2]
+
+
+def arrow_grip(window, axis):
+    frame = window.canvas.gizmo.frame
+    return frame.arrow(axis)[1]
+
+
+def watch_frames(window):
+    """Shapes and poses that are put on the screen from now on."""
+    shown, surface = [], window.canvas.surface
+    set_points = surface.set_points
+
+    def record(U):
+        shown.append((U, document(window).pose))
+        set_points(U)
+
+    surface.set_points = record
+    return shown
+
+
+# The main job, from paint to file
+
+
+def test_the_sample_opens_painted_with_the_gizmo_at_the_neck(bottle):
+    labels = document(bottle).labels
+    assert {BASE, FREE, HANDLE} == set(labels)
+    assert bottle.canvas.tool is Tool.MOVE
+    assert bottle.canvas.gizmo.visible
+    neck = document(bottle).mesh.V[labels == HANDLE].mean(axis=0)
+    assert np.allclose(bottle.canvas.gizmo.frame.centre, neck)
+    assert bottle.invitation.isVisible()
+    assert not bottle.notice.text
+
+
+def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch):
+    from apd_viewer.files.samples import resource
+
+    window.open_path(resource("bottle.obj"))
+    idle(qtbot, window)
+    qtbot.wait(50)
+    assert (document(window).labels == FREE).all()
+    assert window.canvas.tool is Tool.BASE
+    V = document(window).mesh.V
+    front = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3))
+    low, high = (front[np.argmin(abs(V[front, 1] - height))] for height in (2.0, 20.0))
+
+    stroke(qtbot, window, on_screen(window, low))
+    based = document(window).labels
+    assert (based == BASE).sum() > 50
+    assert (based == HANDLE).sum() == 0
+
+    window.actions_.tools[Tool.HANDLE].trigger()
+    stroke(qtbot, window, on_screen(window, high), half_width=8)
+    painted = document(window).labels
+    assert (painted == HANDLE).sum() > 50
+    assert np.array_equal(painted == BASE, based == BASE)
+
+    window.actions_.tools[Tool.ERASE].trigger()
+    stroke(qtbot, window, on_screen(window, low), half_width=5)
+    erased = document(window).labels
+    assert 0 < (erased == BASE).sum() < (painted == BASE).sum()
+
+    window.actions_.undo.trigger()
+    assert document(window).labels is painted
+    window.actions_.undo.trigger()
+    assert document(window).labels is based
+    window.actions_.redo.trigger()
+    window.actions_.redo.trigger()
+    assert document(window).labels is erased
+    window.actions_.undo.trigger()
+
+    window.actions_.tools[Tool.MOVE].trigger()
+    qtbot.wait(30)
+    shown = watch_frames(window)
+    drag(qtbot, window, arrow_grip(window, 0), (80, 10))
+    during = len(shown)
+    assert during >= 3
+    idle(qtbot, window)
+    pose = document(window).pose
+    assert np.allclose(pose[:3, :3], np.eye(3))
+    assert pose[0, 3] > 0
+    assert np.allclose(pose[1:3, 3], 0)
+    assert_settled_in_the_last_pose(window, shown)
+
+    drag(qtbot, window, ring_grip(window, 1), (60, 0))
+    idle(qtbot, window)
+    turned = document(window).pose
+    assert not np.allclose(turned[:3, :3], np.eye(3))
+    assert_settled_in_the_last_pose(window, shown)
+
+    target = tmp_path / "bent.obj"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), "OBJ (*.obj)"))
+    window.actions_.export.trigger()
+    idle(qtbot, window)
+    again = open_mesh(target)
+    assert area(again.V, again.F) == pytest.approx(window.session.state.frame.area, rel=1e-6)
+    assert f"{window.session.state.frame.area:#.6g}" in window.panel.area.text()
+    assert "bent.obj" in window.notice.text
+
+    window.actions_.undo.trigger()
+    window.actions_.undo.trigger()
+    assert document(window).labels is painted
+    assert np.array_equal(document(window).pose, np.eye(4))
+    assert window.session.state.frame.U is document(window).mesh.V
+    assert np.array_equal(window.canvas.surface.U, document(window).mesh.V)
+
+
+def assert_settled_in_the_last_pose(window, shown):
+    state = window.session.state
+    assert window.session.activity is Activity.SETTLED
+    assert abs(state.frame.area_error) <= state.document.tolerance
+    assert window.panel.activity.text() == "settled"
+    assert shown[-1][0] is state.frame.U
+    assert shown[-1][1] is state.document.pose
+    held = state.document.labels == HANDLE
+    asked = transform(state.document.pose, state.document.grip[held])
+    offset = state.frame.U[held] - asked
+    assert np.allclose(offset, offset[0], atol=1e-9), "the handle moves rigidly"
+    assert np.linalg.norm(offset[0]) == pytest.approx(state.frame.handle_drift, abs=1e-9)
+    based = state.document.labels == BASE
+    assert np.array_equal(state.frame.U[based], state.document.grip[based])
+
+
+def test_twisting_the_bottle_by_its_ring_brings_the_area_back(qtbot, bottle):
+    shown = watch_frames(bottle)
+    drag(qtbot, bottle, ring_grip(bottle, 1), (90, 0), steps=20)
+    assert len(shown) >= 5, "frames stream during the drag"
+    idle(qtbot, bottle)
+    assert_settled_in_the_last_pose(bottle, shown)
+    axis = document(bottle).pose[:3, :3] @ [0, 1, 0]
+    assert np.allclose(axis, [0, 1, 0]), "the ring turns about the bottle's axis"
+    assert not bottle.invitation.isVisible()
+
+
+def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
+    idle(qtbot, bottle)
+    before = bottle.session.state.frame.U
+    bottle.take(Tool.BASE)
+    free = np.flatnonzero((document(bottle).labels == FREE) & (document(bottle).mesh.V[:, 2] > 3.0))
+    stroke(qtbot, bottle, on_screen(bottle, free[len(free) // 2]))
+    idle(qtbot, bottle)
+    assert bottle.session.state.frame.U is before
+    assert np.array_equal(document(bottle).pose, np.eye(4))
+
+    bottle.take(Tool.MOVE)
+    shown = watch_frames(bottle)
+    drag(qtbot, bottle, arrow_grip(bottle, 0), (4, 0), steps=4)
+    assert shown
+    idle(qtbot, bottle)
+    step = np.linalg.norm(document(bottle).pose[:3, 3])
+    size = np.linalg.norm(np.ptp(document(bottle).mesh.V, axis=0))
+    assert 0 < step < 0.02 * size
+    assert abs(shown[0][0] - before).max() < 0.03 * size, "no leap"
+
+
+def test_escape_gives_back_the_shape_before_the_drag(qtbot, bottle):
+    before = bottle.session.state
+    mouse = Mouse(bottle.canvas.viewport)
+    at = np.asarray(ring_grip(bottle, 1))
+    mouse.move(at)
+    mouse.press(at)
+    for k in range(5):
+        mouse.move(at + (8 * k, 0))
+        qtbot.wait(20)
+    assert document(bottle) is not before.document
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_Escape)
+    mouse.release(at)
+    idle(qtbot, bottle)
+    assert document(bottle) is before.document
+    assert bottle.session.state.frame.U is before.frame.U
+    assert bottle.session.history.next_undo is None
+
+
+def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
+    labels = document(bottle).labels
+    drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
+    bottle.panel.reset.click()
+    idle(qtbot, bottle)
+    assert bottle.session.state.frame.U is document(bottle).mesh.V
+    assert document(bottle).labels is labels
+    assert bottle.panel.percent.text() == "100.000 %"
+    bottle.actions_.undo.trigger()
+    idle(qtbot, bottle)
+    assert not np.array_equal(document(bottle).pose, np.eye(4))
+
+
+def test_method_and_tolerance_can_be_changed_while_a_pose_is_held(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (90, 0))
+    idle(qtbot, bottle)
+    corrected = bottle.session.state.frame
+    bottle.panel.method.setCurrentIndex(bottle.panel.method.findData("arap"))
+    bottle.panel.method.activated.emit(bottle.panel.method.currentIndex())
+    idle(qtbot, bottle)
+    plain = bottle.session.state.frame
+    assert document(bottle).method == "arap"
+    assert plain.handle_drift == 0.0
+    assert abs(plain.area_error) > abs(corrected.area_error)
+    assert not bottle.panel.tolerance.isEnabled()
+    bottle.actions_.undo.trigger()
+    assert bottle.session.state.frame is corrected
+    bottle.panel.tolerance.setValue(0.02)
+    assert document(bottle).tolerance == pytest.approx(0.0002)
+    idle(qtbot, bottle)
+    assert abs(bottle.session.state.frame.area_error) <= 0.0002
+
+
+def test_the_panel_shows_what_the_frame_says(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (70, 0))
+    idle(qtbot, bottle)
+    state, panel = bottle.session.state, bottle.panel
+    assert panel.percent.text() == f"{100 * (1 + state.frame.area_error):.3f} %"
+    assert f"{state.inspection.area:#.6g}" in panel.area.text()
+    change = 100 * (state.frame.volume / state.inspection.volume - 1)
+    assert panel.volume_change.text().replace("−", "-") == f"{change:+.2f} %"
+    assert float(panel.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
+    assert "within" in panel.verdict.text()
+    assert panel.turned.text() != "0.0°"
+
+
+# Streaming
+
+
+@pytest.fixture
+def big(qtbot, window):
+    """A window on a ball of 40,962 vertices, its poles painted."""
+    V, F = meshes.sphere(6)
+    window.show_mesh(Mesh(V, F))
+    idle(qtbot, window)
+    session = window.session
+    for pole, label in ((-1, BASE), (1, HANDLE)):
+        session.begin_gesture()
+        session.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
+        session.end_stroke("Paint")
+    window.take(Tool.MOVE)
+    # The worker has taken the last request once it has factored for it.
+    qtbot.waitUntil(lambda: session._worker._key[1:2] == (document(window).labels,), timeout=20_000)
+    qtbot.wait(400)
+    return window
+
+
+def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big):
+    paints, waiting = [], []
+    big.canvas.viewport.pre_draw.append(lambda: paints.append(time.perf_counter()))
+    requests = big.session._worker._requests
+    put = requests.put
+    requests.put = lambda request: waiting.append(requests.waiting) or put(request)
+    mouse = Mouse(big.canvas.viewport)
+    at = np.asarray(ring_grip(big, 1))
+    mouse.move(at)
+    mouse.press(at)
+    shown = watch_frames(big)
+    begun = time.perf_counter()
+    for k in range(60):
+        mouse.move(at + (2 * (k + 1), 0))
+        qtbot.wait(max(1, round(1000 * (begun + (k + 1) / 30 - time.perf_counter()))))
+    ended = time.perf_counter()
+    mouse.release(at + (120, 0))
+    times = [begun, *(t for t in paints if begun < t < ended), ended]
+    assert max(np.diff(times)) < 0.25
+    assert len(times) > 15
+    assert len(shown) > 10
+    assert len(waiting) >= 55, "every event but those in the dead zone is a request"
+    big.session.reset_handle()
+    idle(qtbot, big)
+
+
+def test_replies_never_pile_up(qtbot, bottle):
+    """While the window is busy elsewhere the worker overwrites its own reply and wakes nobody twice."""
+    woken = []
+    bottle._woken.connect(lambda: woken.append(1))
+    drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
+    qtbot.wait(100)
+    woken.clear()
+    iteration = bottle.session.state.frame.iteration
+    time.sleep(0.3)
+    QApplication.processEvents()
+    assert len(woken) <= 2
+    assert bottle.session.state.frame.iteration > iteration + 2
+
+
+# Bad input and files
+
+
+def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
+    state = bottle.session.state
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    bottle.open_path(bad)
+    idle(qtbot, bottle)
+    assert bottle.session.state is state
+    assert "bad.obj" in bottle.notice.text
+    assert "missing vertices" in bottle.notice.text
+    bottle.notice._close.click()
+    assert not bottle.notice.text
+
+
+def test_a_separate_piece_that_nothing_holds_is_announced_and_stays(qtbot, window):
+    V, F = meshes.sphere(3)
+    n = len(V)
+    window.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
+    idle(qtbot, window)
+    session = window.session
+    session.begin_gesture()
+    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.end_stroke("Paint")
+    window.take(Tool.MOVE)
+    qtbot.wait(50)
+    drag(qtbot, window, arrow_grip(window, 1), (0, -40))
+    idle(qtbot, window)
+    assert "held by nothing" in window.notice.text
+    assert np.array_equal(session.state.frame.U[n:], V + [3, 0, 0])
+    assert not np.allclose(session.state.frame.U[:n], V)
+
+
+def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settings):
+    path = tmp_path / "a mesh.off"
+    V, F = meshes.sphere(1)
+    lines = [f"OFF\n{len(V)} {len(F)} 0", *(" ".join(map(str, v)) for v in V)]
+    path.write_text("\n".join([*lines, *(f"3 {a} {b} {c}" for a, b, c in F)]) + "\n")
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path))])
+    actions, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
+    QApplication.sendEvent(window, QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
+    idle(qtbot, window)
+    assert document(window).mesh.path == path
+    assert window.windowTitle() == "a mesh.off – APD Viewer"
+    assert [action.text() for action in window.actions_.recent.actions()] == ["a mesh.off"]
+    assert settings.value("recent") is not None
+
+
+def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path, monkeypatch):
+    target = tmp_path / "kept.obj"
+    target.write_text("precious")
+    missing = tmp_path / "nowhere" / "kept.obj"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(missing), "OBJ (*.obj)"))
+    bottle.actions_.export.trigger()
+    idle(qtbot, bottle)
+    assert "no folder" in bottle.notice.text
+    assert target.read_text() == "precious"
+
+
+def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp_path, monkeypatch):
+    V, F = meshes.sphere(2)
+    window.show_mesh(Mesh(V, F, tmp_path / "own.obj"))
+    idle(qtbot, window)
+    asked = []
+    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: asked.append(1) or answers[len(asked) - 1])
+    assert not window._worth_asking()
+    session = window.session
+    session.begin_gesture()
+    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.end_stroke("Paint")
+    window.take(Tool.MOVE)
+    qtbot.wait(50)
+    drag(qtbot, window, arrow_grip(window, 1), (0, -40))
+    idle(qtbot, window)
+    window.close()
+    assert window.isVisible()
+    assert len(asked) == 1
+
+
+# The window itself
+
+
+def test_every_action_has_a_name_a_tip_and_a_place_in_a_menu(window):
+    def leaves(menu):
+        for action in menu.actions():
+            if action.menu():
+                yield from leaves(action.menu())
+            elif not action.isSeparator():
+                yield action
+
+    in_menus = [a for top in window.menuBar().actions() for a in leaves(top.menu())]
+    assert len(in_menus) > 25
+    for action in in_menus:
+        assert action.text().strip("&")
+        assert action.toolTip()
+    for button in window.actions_.bar.actions():
+        assert button.isSeparator() or (button in in_menus and not button.icon().isNull())
+    keys = [key.toString() for a in in_menus for key in a.shortcuts()]
+    assert len(keys) == len(set(keys)), "no shortcut is taken twice"
+
+
+@pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
+def test_a_theme_reaches_panel_and_canvas(qtbot, window, scheme):
+    window.actions_.schemes.actions()[scheme.value].trigger()
+    qtbot.wait(50)
+    dark = scheme is Qt.ColorScheme.Dark
+    picture = window.grab().toImage()
+    for x, y in ((window.width() - 5, window.height() // 2), (window.width() // 2, window.height() // 3)):
+        assert (picture.pixelColor(x, y).lightnessF() < 0.5) is dark
+
+
+def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
+    bottle.resize(1280, 720)
+    qtbot.wait(50)
+    view = bottle.canvas.viewport
+    assert view.width() > 0.7 * bottle.width()
+    for action in bottle.actions_.bar.actions():
+        assert bottle.actions_.bar.widgetForAction(action).isVisible()
+
+
+def test_twenty_windows_leave_nothing_behind(qtbot, settings):
+    alive = []
+    for k in range(20):
+        window = Window(settings)
+        show(qtbot, window, window.canvas.viewport)
+        if k % 4 == 0:
+            window.session.open_sample("bottle")
+            idle(qtbot, window)
+            drag(qtbot, window, ring_grip(window, 1), (30, 0), steps=2)
+        canvas, session = window.canvas, window.session
+        parts = (window, canvas.viewport, canvas.surface, session, session._worker)
+        alive += [weakref.ref(part) for part in parts]
+        window.close()
+        window.deleteLater()
+        del window, canvas, session, parts
+        qtbot.wait(20)
+    for _ in range(3):
+        gc.collect()
+        qtbot.wait(10)
+    assert [ref() for ref in alive if ref() is not None] == []
+    assert [w for w in QApplication.topLevelWidgets() if isinstance(w, Window)] == []
