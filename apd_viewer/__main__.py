@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import apd_viewer
+from apd_viewer import papertables
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
+from apd_viewer.files.replacing import make_folder
 from apd_viewer.files.report import write_report
 from apd_viewer.files.selections import read_selection, read_transform
 from apd_viewer.geometry.constraints import constraints
@@ -25,6 +27,7 @@ _USAGE = """\
 apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
 apd-viewer deform MESH ... -o OUT    deform without a window
 apd-viewer info MESH                 say what is in a mesh file
+apd-viewer paper [-o DIR]            re-run the paper's tables on the sample bottle and duck
 """
 
 
@@ -91,10 +94,18 @@ def _info_parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _paper_parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="apd-viewer paper", description="Re-run the paper's tables on the samples.")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="folder for a CSV and pictures")
+    parser.set_defaults(run=_paper)
+    return parser
+
+
 _COMMANDS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "view": _view_parser,
     "deform": _deform_parser,
     "info": _info_parser,
+    "paper": _paper_parser,
 }
 
 
@@ -169,6 +180,15 @@ def _info(options: argparse.Namespace) -> None:
     print(f"volume  {f'none: {found.why_no_volume}' if found.volume is None else f'{found.volume:.6g}'}")
     for finding in found.findings or ("Nothing unusual was found.",):
         print(finding)
+
+
+def _paper(options: argparse.Namespace) -> None:
+    if options.output:
+        make_folder(options.output)
+    table = list(papertables.rows(options.output))
+    print(papertables.markdown(table))
+    if options.output:
+        papertables.write_csv(table, options.output / "tables.csv")
 
 
 if __name__ == "__main__":

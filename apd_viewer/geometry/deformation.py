@@ -335,6 +335,8 @@ def deform(
 
 
 def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+    stuck = not frame.converged and frame.iteration == MOST_ITERATIONS
+    unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",) if stuck else ()
     return Result(
         U=frame.U,
         method=solver.method,
@@ -350,5 +352,5 @@ def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_itera
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
-        warnings=solver.rest.warnings(solver.fixed),
+        warnings=solver.rest.warnings(solver.fixed) + unsettled,
     )

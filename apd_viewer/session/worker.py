@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deformation import MOST_ITERATIONS, Deformation, Frame, RestMesh
+from apd_viewer.geometry import picking
+from apd_viewer.geometry.deformation import MOST_ITERATIONS, Deformation, Frame, RestMesh, deform
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.document import Document
 from apd_viewer.session.slot import Slot
@@ -99,6 +100,7 @@ class Worker:
         self._solver = self._rest = None
 
     def _run(self) -> None:
+        warm_up()
         while (request := self._requests.wait()) is not None:
             try:
                 self._answer(request)
@@ -158,3 +160,12 @@ class Worker:
     def _reply(self, reply: Reply) -> None:
         if self._replies.put(reply):
             self._wake()
+
+
+def warm_up() -> None:
+    """Compile the kernels, or load them from the cache, while the user still looks at the mesh."""
+    V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    F = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    fixed = np.arange(2)
+    deform(V, F, fixed, V[fixed] * 1.1, handle=fixed[1:], iterations=1)
+    picking.warm_up()

@@ -8,8 +8,8 @@ import meshes
 import numpy as np
 import pytest
 from driving import LEFT, Mouse, show
-from PySide6.QtCore import QMimeData, QPointF, QSettings, Qt, QUrl
-from PySide6.QtGui import QDropEvent
+from PySide6.QtCore import QMimeData, QPoint, QPointF, QSettings, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from apd_viewer.files.meshes import open_mesh
@@ -415,7 +415,10 @@ def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settin
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
     actions, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
-    QApplication.sendEvent(window, QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
+    enter = QDragEnterEvent(QPoint(100, 100), actions, data, LEFT, none)
+    window.dragEnterEvent(enter)
+    assert enter.isAccepted()
+    window.dropEvent(QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
     idle(qtbot, window)
     assert document(window).mesh.path == path
     assert window.windowTitle() == "a mesh.off – APD Viewer"
@@ -454,6 +457,8 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     window.close()
     assert window.isVisible()
     assert len(asked) == 1
+    window.close()
+    assert not window.isVisible()
 
 
 # The window itself
