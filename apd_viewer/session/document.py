@@ -77,10 +77,10 @@ class State:
     frame: Frame
 
     @property
-    def nbytes(self) -> int:
-        """Bytes that keeping this state costs, arrays shared with others included."""
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """The large arrays that keeping this state keeps; most are shared with other states."""
         document = self.document
-        return document.labels.nbytes + document.grip.nbytes + self.frame.U.nbytes
+        return document.mesh.V, document.mesh.F, document.labels, document.grip, self.frame.U
 
 
 def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:

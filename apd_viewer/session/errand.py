@@ -39,8 +39,10 @@ class Errand:
         work: Callable[[], Any],
         done: Callable[[Any], None],
         deliver: Callable[[Outcome], None],
+        can_be_cancelled: bool = True,
     ) -> None:
         self.title = title
+        self.can_be_cancelled = can_be_cancelled
         self.done = done
         self._work = work
         self._deliver = deliver
@@ -58,5 +60,5 @@ class Errand:
             outcome = Outcome(self, failure=str(error))
         except Exception as error:
             traceback.print_exc()
-            outcome = Outcome(self, failure=f"{self.title} failed ({error or type(error).__name__}).")
+            outcome = Outcome(self, failure=f"{self.title} failed ({str(error) or type(error).__name__}).")
         self._deliver(outcome)

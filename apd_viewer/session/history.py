@@ -42,7 +42,7 @@ class History:
         """Remember the state before a gesture that has just been finished."""
         self._redo.clear()
         self._undo.append(Entry(gesture, before))
-        while len(self._undo) > 1 and sum(entry.state.nbytes for entry in self._undo) > self._most_bytes:
+        while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
             del self._undo[0]
 
     def undo(self, now: State) -> State | None:
@@ -60,3 +60,8 @@ class History:
         gesture, state = source.pop()
         target.append(Entry(gesture, now))
         return state
+
+
+def _bytes(entries: list[Entry]) -> int:
+    """Bytes of all the arrays that the entries keep, each counted once."""
+    return sum({id(array): array.nbytes for entry in entries for array in entry.state.arrays}.values())

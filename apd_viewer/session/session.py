@@ -18,7 +18,7 @@ import numpy as np
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.session.document import State, opened
+from apd_viewer.session.document import IDENTITY, Document, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Outcome
 from apd_viewer.session.history import History
 from apd_viewer.session.worker import Reply, Request, Worker
@@ -69,6 +69,8 @@ class Session:
         self._gesture: State | None = None
         self._saved: np.ndarray | None = None
         self.history = History()
+        self._asked: Document | None = None
+        self._closed = False
         self.state: State | None = None
         self.activity = Activity.IDLE
         self.warnings: tuple[str, ...] = ()
@@ -109,11 +111,11 @@ class Session:
             self._saved = U
             self._listener.told(f"Exported {path.name}: area {state.frame.area:.6g}.")
 
-        self._send(f"Writing {path.name}", write, written)
+        self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
 
     def cancel_errand(self) -> None:
         """Forget the file that is being opened; a file being written is left to finish, whole."""
-        if self.errand is not None:
+        if self.errand is not None and self.errand.can_be_cancelled:
             self._listener.told(f"{self.errand.title}: cancelled.")
             self.errand = None
             self._listener.status_changed()
@@ -140,16 +142,20 @@ class Session:
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
         state = self._require_state()
-        self._replace(replace(state, document=state.document.painted(ids, label)))
+        if self._gesture is not None:  # undo may have ended the stroke
+            self._replace(replace(state, document=state.document.painted(ids, label)))
 
     def end_stroke(self, gesture: str) -> None:
         """Grip base and handle where they are now, under the new labels."""
         before, self._gesture = self._gesture, None
         state = self._require_state()
-        if before is None or np.array_equal(before.document.labels, state.document.labels):
+        if before is None:
+            return
+        if np.array_equal(before.document.labels, state.document.labels):
+            self._replace(replace(state, document=before.document))
             return
         self.history.record(gesture, before)
-        frame = replace(state.frame, handle_drift=0.0)
+        frame = replace(state.frame, handle_drift=0.0, converged=True)
         self._jump(replace(state, document=state.document.regripped(frame.U), frame=frame), iterate=False)
 
     # Posing
@@ -157,7 +163,7 @@ class Session:
     def move_handle(self, pose: np.ndarray) -> None:
         """Put the handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
         state = self._require_state()
-        self._replace(replace(state, document=replace(state.document, pose=frozen(np.array(pose)))))
+        self._say(replace(state.document, pose=frozen(np.array(pose))))
         self._ask(iterate=True)
 
     def end_drag(self, gesture: str) -> None:
@@ -169,12 +175,13 @@ class Session:
 
     def reset_handle(self) -> None:
         """Put the handle back and the mesh in its rest shape; the paint stays."""
+        self.cancel_gesture()
         state = self._require_state()
         mesh = state.document.mesh
         if state.frame.U is mesh.V and np.array_equal(state.document.pose, np.eye(4)):
             return
         self.history.record("Reset handle", state)
-        rest = opened(mesh, state.document.labels).frame
+        rest = rest_frame(mesh, state.inspection)
         self._jump(replace(state, document=state.document.regripped(mesh.V), frame=rest), iterate=False)
 
     def set_method(self, method: str) -> None:
@@ -186,13 +193,18 @@ class Session:
         self._set("Change tolerance", tolerance=tolerance)
 
     def _set(self, gesture: str, **what: object) -> None:
+        self.cancel_gesture()
         state = self._require_state()
         document = replace(state.document, **what)  # type: ignore[arg-type]
         if all(getattr(state.document, name) == value for name, value in what.items()):
             return
         self.history.record(gesture, state)
-        self._replace(replace(state, document=document))
-        self._ask(iterate=not np.array_equal(document.pose, np.eye(4)))
+        going = self.activity is Activity.REFINING or not np.array_equal(document.pose, IDENTITY)
+        if going:
+            self._say(document)
+        else:
+            self._replace(replace(state, document=document))
+        self._ask(iterate=going)
 
     # Going back
 
@@ -232,8 +244,9 @@ class Session:
 
     def close(self) -> None:
         """Stop the worker; a file that is being written is finished first."""
+        self._closed = True
         self._worker.close()
-        if self.errand is not None:
+        if self.errand is not None and not self.errand.can_be_cancelled:
             self.errand.join(timeout=10.0)
 
     def _finish(self, outcome: Outcome) -> None:
@@ -251,31 +264,35 @@ class Session:
         self.warnings = reply.warnings
         if reply.frame is not None:
             self.seconds_per_iteration = reply.seconds
-            self._replace(replace(state, frame=reply.frame))
+            settled = reply.frame.converged and reply.document is self._asked
+            self._replace(replace(state, frame=replace(reply.frame, converged=settled)))
         # A slightly stale frame of this drag is worth showing, but says nothing about its end.
-        if reply.finished and reply.document is state.document:
+        if reply.finished and reply.document is self._asked:
             settled = reply.frame is not None and reply.frame.converged
             self.activity = Activity.SETTLED if settled else Activity.UNREACHED
         if reply.failure:
             self._listener.failed(reply.failure)
         self._listener.status_changed()
 
-    def _send(self, title: str, work: Callable[[], object], done: Callable[..., None]) -> None:
+    def _send(
+        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
+    ) -> None:
         if self.errand is not None:
             self._listener.failed(f"{self.errand.title} is not finished; wait for it or cancel it.")
             return
-        self.errand = Errand(title, work, done, self._deliver)
+        self.errand = Errand(title, work, done, self._deliver, can_be_cancelled)
         self._listener.status_changed()
 
     def _deliver(self, outcome: Outcome) -> None:
         self._outcomes.put(outcome)
-        self._listener.wake()
+        if not self._closed:
+            self._listener.wake()
 
     def _opened(self, state: State, name: str) -> None:
-        self._gesture = None
-        if self.state is not None:
-            document = self.state.document
-            self.history.record(f"Open {name}", self.state)
+        before, self._gesture = self._gesture or self.state, None
+        if before is not None:
+            document = before.document
+            self.history.record(f"Open {name}", before)
             kept = replace(state.document, method=document.method, tolerance=document.tolerance)
             state = replace(state, document=kept)
         self.warnings = ()
@@ -291,10 +308,16 @@ class Session:
         self._replace(state)
         self._ask(iterate)
 
+    def _say(self, document: Document) -> None:
+        """Replace the document; what is on screen has not settled for the new one."""
+        state = self._require_state()
+        self._replace(replace(state, document=document, frame=replace(state.frame, converged=False)))
+
     def _ask(self, iterate: bool) -> None:
         state = self._require_state()
         iterate = iterate and state.document.problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
+        self._asked = state.document
         self._worker.ask(Request(state.document, self._generation, state.frame.U, iterate))
         self._listener.status_changed()
 

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry import picking
-from apd_viewer.geometry.deformation import MOST_ITERATIONS, Deformation, Frame, RestMesh, deform
+from apd_viewer.geometry.deformation import MOST_ITERATIONS, Deformation, Frame, RestMesh
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.document import Document
 from apd_viewer.session.slot import Slot
@@ -81,6 +80,7 @@ class Worker:
         self._rest: tuple[Mesh, RestMesh] | None = None
         self._solver: Deformation | None = None
         self._key: tuple[object, ...] = ()
+        self._pose: np.ndarray | None = None
         self._generation: int | None = None
         self._thread = threading.Thread(target=self._run, name="solver", daemon=True)
         self._thread.start()
@@ -100,7 +100,6 @@ class Worker:
         self._solver = self._rest = None
 
     def _run(self) -> None:
-        warm_up()
         while (request := self._requests.wait()) is not None:
             try:
                 self._answer(request)
@@ -110,23 +109,26 @@ class Worker:
                 # A defect or a lack of memory must reach the screen, and the next request a thread.
                 traceback.print_exc()
                 self._fail(
-                    request, f"The solver stopped ({error or type(error).__name__}); undo the last step."
+                    request, f"The solver stopped ({str(error) or type(error).__name__}); undo the last step."
                 )
 
     def _answer(self, request: Request) -> None:
+        if self._rest is not None and self._rest[0] is not request.document.mesh:
+            self._solver = self._rest = None
+            self._key = ()
         if request.document.problem:
             return
         solver = self._prepared(request)
         if not request.iterate:
             return
         warnings = solver.rest.warnings(solver.fixed)
-        while not self._requests.waiting:
+        while True:  # one step at least, or poses that come faster than they are prepared show nothing
             started = time.perf_counter()
             frame = solver.step()
             seconds = time.perf_counter() - started
             finished = frame.converged or frame.iteration >= MOST_ITERATIONS
             self._reply(Reply(request.document, request.generation, frame, finished, seconds, None, warnings))
-            if finished:
+            if finished or self._requests.waiting:
                 return
 
     def _prepared(self, request: Request) -> Deformation:
@@ -144,8 +146,10 @@ class Worker:
             self._key = key
         self._solver.tolerance = document.tolerance
         jump = fresh or request.generation != self._generation
-        self._solver.aim(held.targets, request.U if jump else None)
-        self._generation = request.generation
+        # Aiming anew would take the paper's handle back to where it was put.
+        if jump or document.pose is not self._pose:
+            self._solver.aim(held.targets, request.U if jump else None)
+        self._generation, self._pose = request.generation, document.pose
         return self._solver
 
     def _rest_of(self, mesh: Mesh) -> RestMesh:
@@ -160,12 +164,3 @@ class Worker:
     def _reply(self, reply: Reply) -> None:
         if self._replies.put(reply):
             self._wake()
-
-
-def warm_up() -> None:
-    """Compile the kernels, or load them from the cache, while the user still looks at the mesh."""
-    V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    F = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    fixed = np.arange(2)
-    deform(V, F, fixed, V[fixed] * 1.1, handle=fixed[1:], iterations=1)
-    picking.warm_up()

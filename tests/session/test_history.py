@@ -1,0 +1,88 @@
+from dataclasses import replace
+
+from meshes import box
+
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.document import State, opened
+from apd_viewer.session.history import History
+
+REST = opened(Mesh(*box(1, 1, 2)))
+
+
+def _states(count: int) -> list[State]:
+    """States that share a mesh but no positions."""
+    return [replace(REST, frame=replace(REST.frame, U=frozen(REST.frame.U + k))) for k in range(count)]
+
+
+def _undone(history: History) -> list[State]:
+    """All that can be undone, newest first."""
+    return list(iter(lambda: history.undo(REST), None))
+
+
+def test_undo_and_redo_give_back_the_very_states():
+    history, (a, b, c) = History(), _states(3)
+    history.record("first", a)
+    history.record("second", b)
+    assert history.undo(c) is b
+    assert history.undo(b) is a
+    assert history.undo(a) is None
+    assert history.redo(a) is b
+    assert history.redo(b) is c
+    assert history.redo(c) is None
+
+
+def test_names_tell_what_would_be_undone_and_redone():
+    history, (a, b, c) = History(), _states(3)
+    assert (history.next_undo, history.next_redo) == (None, None)
+    history.record("first", a)
+    history.record("second", b)
+    assert (history.next_undo, history.next_redo) == ("second", None)
+    history.undo(c)
+    assert (history.next_undo, history.next_redo) == ("first", "second")
+    history.undo(b)
+    assert (history.next_undo, history.next_redo) == (None, "first")
+
+
+def test_a_new_gesture_forgets_what_could_be_redone():
+    history, (a, b, c) = History(), _states(3)
+    history.record("first", a)
+    history.undo(b)
+    history.record("other", c)
+    assert (history.next_undo, history.next_redo) == ("other", None)
+
+
+def test_the_oldest_entries_go_when_the_budget_is_spent():
+    states = _states(6)
+    mesh, U = states[0].document.mesh, states[0].frame.U
+    history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + 4 * U.nbytes)
+    for k, state in enumerate(states):
+        history.record(str(k), state)
+    kept = _undone(history)
+    assert 1 < len(kept) < 6
+    assert all(a is b for a, b in zip(kept, reversed(states), strict=False))
+
+
+def test_one_entry_stays_whatever_it_costs():
+    history, (a, b) = History(most_bytes=0), _states(2)
+    history.record("first", a)
+    history.record("second", b)
+    assert history.undo(a) is b
+    assert history.undo(a) is None
+
+
+def test_the_meshes_that_entries_keep_are_counted():
+    states = [opened(Mesh(*box(2, 2, 6))) for _ in range(20)]
+    mesh = states[0].document.mesh
+    history = History(most_bytes=5 * (mesh.V.nbytes + mesh.F.nbytes))
+    for k, state in enumerate(states):
+        history.record(str(k), state)
+    assert 1 <= len(_undone(history)) <= 5
+
+
+def test_a_mesh_that_entries_share_is_no_reason_to_forget_them():
+    states = _states(6)
+    mesh, U = states[0].document.mesh, states[0].frame.U
+    history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + 20 * U.nbytes)
+    for k, state in enumerate(states):
+        history.record(str(k), state)
+    assert len(_undone(history)) == 6

@@ -1,0 +1,158 @@
+"""The worker alone: what it answers to requests that are whole values."""
+
+import pickle
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from meshes import box, ends
+from test_session import BENT, LONG, pose
+
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.document import Document, opened
+from apd_viewer.session.worker import Reply, Request, Worker
+
+
+class Remembering(Worker):
+    """A worker that keeps every reply, also those that are overtaken in the slot."""
+
+    def __init__(self) -> None:
+        self.replies: list[Reply] = []
+        self.awake = threading.Event()
+        super().__init__(self.awake.set)
+
+    def _reply(self, reply: Reply) -> None:
+        self.replies.append(reply)
+        super()._reply(reply)
+
+    def answers(self, request: Request) -> list[Reply]:
+        """Every reply to ``request``, up to the last."""
+        first = len(self.replies)
+        self.ask(request)
+        end = time.monotonic() + LONG
+        while not (self.replies[first:] and self.replies[-1].finished):
+            assert time.monotonic() < end
+            time.sleep(0.001)
+        return self.replies[first:]
+
+
+def remembered(request: Request) -> list[Reply]:
+    worker = Remembering()
+    try:
+        return worker.answers(request)
+    finally:
+        worker.close()
+
+
+@pytest.fixture
+def worker():
+    worker = Remembering()
+    yield worker
+    worker.close()
+
+
+def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
+    mesh = Mesh(*box(2, 2, 6))
+    base, handle = ends(mesh.V)
+    rest = opened(mesh).document.painted(base, BASE).painted(handle, HANDLE)
+    return replace(rest, pose=at, method=method)
+
+
+def request(method: str = "paper", at: np.ndarray = BENT, generation: int = 1) -> Request:
+    asked = document(method, at)
+    return Request(asked, generation, asked.mesh.V, iterate=True)
+
+
+@pytest.mark.parametrize("method", ["arap", "paper"])
+def test_a_pickled_request_gets_the_same_frames_bit_for_bit(method):
+    original = request(method)
+    replies = remembered(original)
+    again = remembered(pickle.loads(pickle.dumps(original)))
+    assert len(again) == len(replies)
+    for a, b in zip(again, replies, strict=True):
+        assert np.array_equal(a.frame.U, b.frame.U)
+        assert replace(a.frame, U=None).__dict__ == replace(b.frame, U=None).__dict__
+        assert (a.finished, a.generation, a.warnings) == (b.finished, b.generation, b.warnings)
+
+
+def test_a_reply_survives_pickling(worker):
+    reply = worker.answers(request())[-1]
+    again = pickle.loads(pickle.dumps(reply))
+    assert np.array_equal(again.frame.U, reply.frame.U)
+    assert again.frame.converged
+    assert (again.generation, again.finished, again.seconds) == (reply.generation, True, reply.seconds)
+    assert np.array_equal(again.document.labels, reply.document.labels)
+    assert np.array_equal(again.document.mesh.F, reply.document.mesh.F)
+
+
+def test_the_last_reply_is_the_one_that_can_be_taken(worker):
+    replies = worker.answers(request())
+    assert worker.awake.wait(LONG)
+    end = time.monotonic() + LONG
+    while (taken := worker.take()) is not replies[-1]:
+        assert time.monotonic() < end
+    assert taken.finished
+    assert worker.take() is None
+
+
+def test_iterations_count_on_and_only_the_last_reply_is_finished(worker):
+    replies = worker.answers(request("arap"))
+    assert [reply.frame.iteration for reply in replies] == list(range(1, len(replies) + 1))
+    assert [reply.finished for reply in replies] == [False] * (len(replies) - 1) + [True]
+    assert all(not reply.frame.U.flags.writeable for reply in replies)
+
+
+def test_the_same_generation_goes_on_from_where_the_worker_is(worker):
+    asked = request("arap")
+    last = worker.answers(asked)[-1].frame
+    near = replace(asked.document, pose=pose(0.6001, (0.5, 0.0, 0.2)))
+    first = worker.answers(Request(near, 1, asked.U, iterate=True))[0].frame
+    assert np.abs(first.U - last.U).max() < 1e-2
+
+
+def test_another_generation_starts_from_the_shape_of_the_request(worker):
+    """The worker that was elsewhere answers as one that never was: nothing is left of its past."""
+    asked = request("arap")
+    fresh = worker.answers(asked)
+    elsewhere = replace(asked.document, pose=pose(-1.0))
+    worker.answers(Request(elsewhere, 1, asked.U, iterate=True))
+    again = worker.answers(replace(asked, generation=2))
+    for a, b in zip(again, fresh, strict=True):
+        assert np.array_equal(a.frame.U, b.frame.U)
+
+
+def test_a_request_not_to_iterate_and_one_that_cannot_be_answered_get_no_reply(worker):
+    asked = request()
+    worker.ask(replace(asked, iterate=False))
+    time.sleep(0.05)
+    unpainted = opened(asked.document.mesh).document
+    worker.ask(Request(unpainted, 2, asked.U, iterate=True))
+    time.sleep(0.05)
+    assert worker.replies == []
+    assert worker.answers(asked)[-1].frame.converged
+
+
+def test_a_document_that_is_refused_is_answered_with_its_sentence(worker):
+    reply = worker.answers(request("sculpt"))[-1]
+    assert "no method 'sculpt'" in reply.failure
+    assert reply.frame is None
+    assert worker.answers(request())[-1].frame.converged
+
+
+def test_closing_a_worker_lets_go_of_the_solver():
+    worker = Remembering()
+    worker.answers(request())
+    worker.close()
+    assert worker._solver is None
+    assert worker._rest is None
+
+
+def test_the_solver_of_a_mesh_that_is_gone_is_let_go(worker):
+    worker.answers(request())
+    unpainted = opened(Mesh(*box(1, 1, 1)))
+    worker.ask(Request(unpainted.document, 2, unpainted.frame.U, iterate=False))
+    time.sleep(0.1)
+    assert worker._solver is None
