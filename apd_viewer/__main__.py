@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
+from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,11 +15,19 @@ import apd_viewer
 from apd_viewer import papertables
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
-from apd_viewer.files.replacing import make_folder
+from apd_viewer.files.replacing import make_folder, replacing
 from apd_viewer.files.report import write_report
 from apd_viewer.files.selections import read_selection, read_transform
 from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, METHODS, Frame, Result, deform
+from apd_viewer.geometry.deformation import (
+    DEFAULT_METHOD,
+    DEFAULT_TOLERANCE,
+    METHODS,
+    MOST_ITERATIONS,
+    Frame,
+    Result,
+    deform,
+)
 from apd_viewer.geometry.inspection import inspect
 
 if TYPE_CHECKING:
@@ -38,8 +48,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _COMMANDS[command]().parse_args(words if command == "view" else words[1:])
     try:
         options.run(options)
+        sys.stdout.flush()
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:  # the reader, such as head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        print(f"error: the output cannot be written ({error.strerror or error}).", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("stopped; nothing was written", file=sys.stderr)
@@ -111,6 +128,10 @@ _COMMANDS: dict[str, Callable[[], argparse.ArgumentParser]] = {
 
 def _deform(options: argparse.Namespace) -> None:
     output = check_target(options.output)
+    if options.picture:
+        from apd_viewer.ui.picture import check_picture, draw
+
+        check_picture(options.picture)
     mesh = open_mesh(options.mesh)
     labels = read_selection(options.selection, len(mesh.V))
     held = constraints(labels, mesh.V, read_transform(options.transform))
@@ -125,13 +146,12 @@ def _deform(options: argparse.Namespace) -> None:
         handle=held.handle,
         progress=_progress(options.iterations) if sys.stderr.isatty() else None,
     )
-    if options.picture:
-        from apd_viewer.ui.picture import draw
-
-        draw(mesh, labels, result, options.picture)
-    if options.report:
-        write_report(options.report, mesh, result)
-    save_mesh(mesh, result.U, output)
+    with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has
+        if options.picture:
+            draw(mesh, labels, result, beside.enter_context(replacing(options.picture)))
+        if options.report:
+            write_report(beside.enter_context(replacing(options.report)), mesh, result)
+        save_mesh(mesh, result.U, output)
     print(_summary(result, output))
 
 
@@ -139,7 +159,7 @@ def _progress(iterations: int | None) -> Callable[[Frame], None]:
     """Draw one line on the terminal, over and over, that says how far the iterations are."""
 
     def show(frame: Frame) -> None:
-        last = frame.converged or frame.iteration == iterations
+        last = frame.iteration == (iterations or MOST_ITERATIONS) or (frame.converged and not iterations)
         if frame.iteration % 20 and not last:
             return
         done = f"{frame.iteration:,}" + (f" of {iterations:,}" if iterations else "")

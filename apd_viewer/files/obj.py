@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.files.polygons import fans
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterator
 
 
 def read_obj(text: str) -> tuple[np.ndarray, np.ndarray]:
@@ -23,30 +25,35 @@ def read_obj(text: str) -> tuple[np.ndarray, np.ndarray]:
         If a ``v`` or ``f`` line cannot be understood; the message names the line.
     """
     positions: list[list[float]] = []
-    triangles: list[tuple[int, int, int]] = []
-    for number, line in enumerate(_joined(text.splitlines()), start=1):
+    polygons: list[list[int]] = []
+    for number, line in _statements(text):
         kind, _, rest = line.partition(" ")
         try:
             if kind == "v":
                 positions.append([float(word) for word in rest.split()[:3]])
             elif kind == "f":
-                ids = [_vertex(word, len(positions)) for word in rest.split()]
-                triangles += [(ids[0], ids[k], ids[k + 1]) for k in range(1, len(ids) - 1)]
+                polygons.append([_vertex(word, len(positions)) for word in rest.split()])
         except ValueError as error:
             raise ValueError(f"line {number} is not understood: {line[:60]}") from error
     if any(len(p) != 3 for p in positions):
         raise ValueError("a vertex has fewer than three coordinates")
-    return np.array(positions).reshape(-1, 3), np.array(triangles, dtype=np.int64).reshape(-1, 3)
+    return np.array(positions).reshape(-1, 3), fans(polygons)
 
 
-def _joined(lines: Iterable[str]) -> Iterable[str]:
-    """Lines with tabs as spaces and a trailing backslash joined to the next line."""
-    held = ""
-    for line in lines:
-        line = held + line.replace("\t", " ").strip()
-        held = line[:-1] + " " if line.endswith("\\") else ""
-        if not held:
-            yield line
+def _statements(text: str) -> Iterator[tuple[int, str]]:
+    """Number of the first line and text of every statement: no comments, no tabs, continued lines joined."""
+    held, first = "", 0
+    for number, line in enumerate(text.split("\n"), start=1):
+        words = line.partition("#")[0].replace("\t", " ").strip()
+        first = first if held else number
+        held += words
+        if held.endswith("\\"):
+            held = held[:-1] + " "
+        else:
+            yield first, held
+            held = ""
+    if held:
+        yield first, held
 
 
 def _vertex(word: str, count: int) -> int:

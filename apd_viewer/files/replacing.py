@@ -26,6 +26,7 @@ def replacing(path: Path) -> Iterator[Path]:
         If the operating system refuses; the message says what to do.
     """
     scratch: Path | None = None
+    path = Path(os.path.realpath(path))  # a link stays a link
     try:
         # The suffix is kept because writers choose the format by it.
         handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)

@@ -36,8 +36,7 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
     InputError
         If the name does not end in .png or the file cannot be written.
     """
-    if path.suffix.lower() != ".png":
-        raise InputError(f"{path.name} is no name for a picture; end it in .png.")
+    check_picture(path)
     if sys.platform.startswith("linux"):
         # VTK would try the X server first, complain where there is none, and die where it is broken.
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
@@ -67,6 +66,12 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
     with replacing(path) as scratch:
         plotter.screenshot(scratch)
     plotter.close()
+
+
+def check_picture(path: Path) -> None:
+    """Raise InputError unless ``path`` names a picture."""
+    if path.suffix.lower() != ".png":
+        raise InputError(f"{path.name} is no name for a picture; end it in .png.")
 
 
 def _aim(plotter: object, points: np.ndarray) -> None:

@@ -1,0 +1,134 @@
+"""A file is replaced as a whole or not at all."""
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.replacing import replacing
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "a file.txt"
+
+
+def test_the_new_file_takes_the_place_only_at_the_end(path):
+    path.write_text("old")
+    with replacing(path) as scratch:
+        scratch.write_text("new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_file_that_was_not_there(path):
+    with replacing(path) as scratch:
+        scratch.write_text("new")
+        assert not path.exists()
+    assert path.read_text() == "new"
+
+
+def test_the_scratch_file_is_beside_it_and_of_its_kind(path):
+    with replacing(path) as scratch:
+        # Another folder could be another disk, from which nothing can be renamed.
+        assert scratch.parent == path.parent
+        assert scratch.suffix == path.suffix
+        assert scratch != path
+        assert scratch.name.startswith(".")  # hidden from listings while it grows
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, InputError])
+@pytest.mark.parametrize("old", ["old", None])
+def test_an_error_on_the_way_changes_nothing_and_is_passed_on(error, old, path):
+    if old:
+        path.write_text(old)
+    with pytest.raises(error, match="broken off"), replacing(path) as scratch:  # noqa: PT012
+        scratch.write_text("half")
+        raise error("broken off")
+    assert [p.read_text() for p in path.parent.iterdir()] == ([old] if old else [])
+
+
+@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EACCES, errno.EROFS, errno.EDQUOT, errno.EIO])
+def test_what_the_system_refuses_becomes_a_sentence(code, path):
+    path.write_text("old")
+    with pytest.raises(InputError) as caught, replacing(path) as scratch:  # noqa: PT012
+        scratch.write_text("half")
+        raise OSError(code, os.strerror(code))
+    assert str(path) in str(caught.value)
+    assert os.strerror(code) in str(caught.value)
+    assert "Nothing was changed" in str(caught.value)
+    assert isinstance(caught.value.__cause__, OSError)
+    assert [p.read_text() for p in path.parent.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("step", ["fsync", "chmod", "replace"])
+def test_a_refusal_at_any_later_step_changes_nothing_either(step, path, monkeypatch):
+    def refuse(*args, **kwargs):
+        raise OSError(errno.EIO, "Input/output error")
+
+    path.write_text("old")
+    with monkeypatch.context() as patched:
+        patched.setattr(*((os, "fsync") if step == "fsync" else (Path, step)), refuse)
+        with pytest.raises(InputError, match="Input/output error"), replacing(path) as scratch:
+            scratch.write_text("new")
+    assert [p.read_text() for p in path.parent.iterdir()] == ["old"]
+
+
+def test_it_is_on_the_disk_before_it_takes_the_place(path, monkeypatch):
+    """Or a power cut between the two leaves an empty file under the name."""
+    order = []
+    fsync, replace = os.fsync, Path.replace
+
+    def flush(descriptor):
+        order.append(("flushed", os.fstat(descriptor).st_ino, os.fstat(descriptor).st_size))
+        fsync(descriptor)
+
+    def take_place(self, other):
+        order.append(("took the place", self.stat().st_ino))
+        return replace(self, other)
+
+    monkeypatch.setattr(os, "fsync", flush)
+    monkeypatch.setattr(Path, "replace", take_place)
+    with replacing(path) as scratch:
+        scratch.write_text("whole")
+    inode = path.stat().st_ino
+    assert order == [("flushed", inode, 5), ("took the place", inode)]
+
+
+def test_a_missing_folder_is_a_sentence(tmp_path):
+    with pytest.raises(InputError, match="cannot be written"), replacing(tmp_path / "gone" / "a.txt"):
+        pytest.fail("there is nothing to write to")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_is_longer_than_names_can_be(tmp_path):
+    path = tmp_path / ("x" * 300 + ".txt")
+    with pytest.raises(InputError, match="cannot be written"), replacing(path) as scratch:
+        scratch.write_text("new")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_writers_at_once_do_not_mix(path):
+    with replacing(path) as first:
+        first.write_text("first")
+        with replacing(path) as second:
+            assert second != first
+            second.write_text("second")
+        assert path.read_text() == "second"
+    assert path.read_text() == "first"
+    assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="symbolic links")
+def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path):
+    (tmp_path / "folder").mkdir()
+    real, link = tmp_path / "folder" / "real.txt", tmp_path / "link.txt"
+    real.write_text("old")
+    link.symlink_to(real)
+    with replacing(link) as scratch:
+        scratch.write_text("new")
+    assert link.is_symlink()
+    assert real.read_text() == "new"

@@ -1,0 +1,45 @@
+"""What travels with the program is found in a checkout and in an installed package."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from apd_viewer.files import samples
+from apd_viewer.files.samples import SAMPLES, open_sample, resource
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("name", ["bottle.obj", "bottle-twist-60.def", "window.qss", "icons/apd-viewer.svg"])
+def test_resources_of_a_checkout(name):
+    assert resource(name) == CHECKOUT / "resources" / name
+    assert resource(name).is_file()
+
+
+def test_resources_of_an_installed_package(tmp_path, monkeypatch):
+    package = tmp_path / "site-packages" / "apd_viewer"
+    (package / "files").mkdir(parents=True)
+    (package / "resources").mkdir()
+    (tmp_path / "site-packages" / "resources").mkdir()  # another package's
+    monkeypatch.setattr(samples, "__file__", str(package / "files" / "samples.py"))
+    assert resource("bottle.obj") == package / "resources" / "bottle.obj"
+
+
+def test_the_wheel_puts_resources_where_they_are_looked_for():
+    project = (CHECKOUT / "pyproject.toml").read_text(encoding="utf-8")
+    included = project.partition("[tool.hatch.build.targets.wheel.force-include]")[2].partition("\n[")[0]
+    assert re.findall(r'(?m)^"(.*)" = "(.*)"', included) == [("resources", "apd_viewer/resources")]
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_a_sample_comes_with_its_labels(name):
+    mesh, labels = open_sample(name)
+    other = trimesh.load(resource(f"{name}.obj"), process=False, maintain_order=True)
+    np.testing.assert_array_equal(mesh.F, other.faces)
+    np.testing.assert_allclose(mesh.V, other.vertices)
+    np.testing.assert_array_equal(labels, np.loadtxt(resource(f"{name}.sel")))
+    assert len(labels) == len(mesh.V)
+    assert mesh.name == f"{name}.obj"

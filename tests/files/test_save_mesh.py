@@ -1,0 +1,272 @@
+"""What is written is what is read back; a target is the old file or the new one, never a part of it."""
+
+import errno
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, rotation, soup, sphere
+
+import apd_viewer.files.replacing
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.operators import area
+
+EXACT = (".obj", ".off")
+
+
+def deformed(V):
+    """Other positions, without a round number among them."""
+    return V @ rotation((1, 2, 3), 0.7).T * [1.1, 0.9, 1.3] + [0.1, -0.2, 1 / 3]
+
+
+@pytest.fixture(scope="module")
+def ball():
+    V, F = sphere(2)
+    # A vertex without face and one that repeats another: both have to stay where they are in the order.
+    V, F = np.vstack([V[:5], [[3, 3, 3]], V[5:], V[:1]]), np.where(F >= 5, F + 1, F)
+    return Mesh(V, F)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("unit", [1e-6, 1e-3, 1, 9.999999, 10, 1e6])
+def test_reading_back_gives_what_was_written(suffix, unit, ball, tmp_path):
+    U = unit * deformed(ball.V)
+    path = tmp_path / f"out{suffix}"
+    save_mesh(ball, U, path)
+    back = open_mesh(path)
+    V, F = soup(U, ball.F) if suffix == ".stl" else (U, ball.F)
+    np.testing.assert_array_equal(back.F, F)
+    precision = 1e-14 if suffix in EXACT else 2.0**-24
+    np.testing.assert_allclose(back.V, V, rtol=0, atol=precision * np.abs(U).max())
+    assert area(back.V, back.F) == pytest.approx(area(U, ball.F), rel=1e-6)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_another_program_reads_the_same(suffix, ball, tmp_path):
+    U = deformed(ball.V)
+    save_mesh(ball, U, tmp_path / f"out{suffix}")
+    other = trimesh.load(tmp_path / f"out{suffix}", process=False, maintain_order=True, force="mesh")
+    assert other.area == pytest.approx(area(U, ball.F), rel=1e-6)
+    np.testing.assert_allclose(other.triangles, U[ball.F], atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", EXACT)
+def test_small_parts_of_large_coordinates_keep_their_digits(suffix, tmp_path):
+    """Far from the origin, as in maps, all the digits of a double are needed."""
+    V, F = box(1, 1, 1)
+    U = V / 3 + [4e6, -5e5, 0]
+    save_mesh(Mesh(V, F), U, tmp_path / f"out{suffix}")
+    np.testing.assert_allclose(open_mesh(tmp_path / f"out{suffix}").V, U, rtol=0, atol=1e-14 * 4e6)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_all_positions_zero(suffix, tmp_path):
+    mesh = Mesh(*box(1, 1, 1))
+    save_mesh(mesh, np.zeros_like(mesh.V), tmp_path / f"out{suffix}")
+    assert (open_mesh(tmp_path / f"out{suffix}").V == 0).all()
+
+
+def test_a_capital_suffix_names_the_same_format(ball, tmp_path):
+    for suffix in FORMATS:
+        save_mesh(ball, ball.V, tmp_path / f"a{suffix}")
+        save_mesh(ball, ball.V, tmp_path / f"Körper b{suffix.upper()}")
+        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"Körper b{suffix.upper()}").read_bytes()
+
+
+def test_a_relative_name_without_folder(ball, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save_mesh(ball, ball.V, "out.ply")
+    assert len(open_mesh("out.ply").V) == len(ball.V)
+
+
+def test_saving_leaves_the_positions_alone(ball, tmp_path):
+    U = deformed(ball.V)
+    before = U.copy()
+    U.flags.writeable = False
+    for suffix in FORMATS:
+        save_mesh(ball, U, tmp_path / f"out{suffix}")
+    np.testing.assert_array_equal(U, before)
+
+
+# ---- what is refused; the target and its folder stay as they are
+
+
+@pytest.fixture(params=FORMATS)
+def target(request, tmp_path):
+    """An older file, which no failure may touch, alone in its folder."""
+    path = tmp_path / f"old{request.param}"
+    path.write_text("precious")
+    yield path
+    assert path.read_text() == "precious"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("shape", [(3, 3), (163, 3), (164, 2), (164,), (3, 164), ()])
+def test_positions_of_another_shape(shape, ball, target):
+    assert shape != ball.V.shape
+    with pytest.raises(InputError, match="There must be 164 positions, one for each vertex"):
+        save_mesh(ball, np.ones(shape), target)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_positions_that_are_no_numbers(value, ball, target):
+    U = ball.V.copy()
+    U[7, 1] = value
+    with pytest.raises(InputError, match="number"):
+        save_mesh(ball, U, target)
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".glb"])
+def test_positions_beyond_single_precision(suffix, ball, tmp_path):
+    with pytest.raises(InputError):
+        save_mesh(ball, 1e39 * ball.V, tmp_path / f"out{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["out.xyz", "out", "out.obj.bak", ".obj"])
+def test_names_without_a_format(name, ball, tmp_path):
+    with pytest.raises(InputError, match=r"does not name a format to write; end it in \.obj, .*\.glb"):
+        save_mesh(ball, ball.V, tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_folder(ball, tmp_path):
+    with pytest.raises(InputError, match=r"There is no folder .*gone"):
+        save_mesh(ball, ball.V, tmp_path / "gone" / "out.obj")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_place_of_the_file(ball, tmp_path):
+    (tmp_path / "out.obj").mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        save_mesh(ball, ball.V, tmp_path / "out.obj")
+    assert [path.name for path in tmp_path.iterdir()] == ["out.obj"]
+
+
+def test_a_folder_that_may_not_be_written_to(ball, target, monkeypatch):
+    def denied(*args, **kwargs):  # root may write everywhere, so permissions cannot be taken away here
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(apd_viewer.files.replacing.tempfile, "mkstemp", denied)
+    with pytest.raises(InputError, match=r"old\.\w+ cannot be written \(Permission denied\)"):
+        save_mesh(ball, ball.V, target)
+
+
+def test_a_disk_that_is_full_when_the_file_is_flushed(ball, target, monkeypatch):
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        save_mesh(ball, ball.V, target)
+
+
+def test_a_disk_that_is_full_in_the_middle_of_the_file(ball, target):
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))  # the kernel refuses the 1001st byte
+    try:
+        with pytest.raises(InputError, match="cannot be written"):
+            save_mesh(ball, ball.V, target)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+@pytest.mark.parametrize("error", [RuntimeError, MemoryError, KeyboardInterrupt])
+def test_a_writer_that_breaks_off_in_the_middle(error, ball, target, monkeypatch):
+    def break_off(self, path=None, **kwargs):
+        if path is not None:
+            Path(path).write_bytes(b"half")
+        raise error
+
+    monkeypatch.setattr(trimesh.Trimesh, "export", break_off)
+    with pytest.raises(error):
+        save_mesh(ball, ball.V, target)
+
+
+# ---- permissions and sudden death
+
+posix = pytest.mark.skipif(os.name != "posix", reason="POSIX permissions and signals")
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o755])
+def test_a_replaced_file_keeps_its_permissions(mode, ball, tmp_path):
+    path = tmp_path / "out.obj"
+    path.touch()
+    path.chmod(mode)
+    save_mesh(ball, ball.V, path)
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+    assert len(open_mesh(path).V) == len(ball.V)
+
+
+@posix
+@pytest.mark.parametrize("umask", [0o022, 0o077, 0o002])
+def test_a_new_file_gets_the_usual_permissions(umask, ball, tmp_path):
+    before = os.umask(umask)
+    try:
+        save_mesh(ball, ball.V, tmp_path / "out.off")
+        assert os.umask(umask) == umask  # and what is usual stays as it was
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "out.off").stat().st_mode) == 0o666 & ~umask
+
+
+KILLED = """
+import os, signal, sys, time
+from pathlib import Path
+import numpy as np
+from meshes import grid
+from apd_viewer.files.meshes import save_mesh
+from apd_viewer.geometry.mesh import Mesh
+
+folder = Path(sys.argv[1])
+mesh = Mesh(*grid(40, 40))
+whole = []
+for k in range(2):
+    save_mesh(mesh, mesh.V + k, folder / "whole.obj")
+    whole.append((folder / "whole.obj").read_bytes())
+(folder / "whole.obj").unlink()
+path = folder / "out.obj"
+path.write_bytes(whole[0])
+seen = set()
+for trial in range(12):
+    child = os.fork()
+    if not child:
+        k = trial
+        while True:
+            k += 1
+            save_mesh(mesh, mesh.V + k % 2, path)
+    time.sleep(0.02 + 0.0171 * trial)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    content = path.read_bytes()
+    assert content in whole, f"trial {trial}: {len(content)} bytes are neither the old file nor the new one"
+    seen.add(content)
+    (folder / "left.txt").write_text(str(len(list(folder.glob(".*.obj")))))
+assert len(seen) == 2, "nothing was written before the kill: the test is blind"
+save_mesh(mesh, mesh.V, path)
+"""
+
+
+@posix
+def test_a_killed_writer_leaves_the_old_file_or_the_new_one(tmp_path):
+    folders = os.pathsep.join(str(folder) for folder in sys.path if folder)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", KILLED, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": folders},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    # Only a kill leaves a scratch file behind; the writers that came through left none.
+    assert 0 < int((tmp_path / "left.txt").read_text()) <= 12

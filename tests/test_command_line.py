@@ -1,0 +1,626 @@
+"""The command line: what it writes, what it says, and that it says no in one line."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends, grid, rotation, sphere
+
+import apd_viewer
+import apd_viewer.__main__
+from apd_viewer.__main__ import main
+from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
+from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.deformation import METHODS, deform
+
+PNG = b"\x89PNG\r\n\x1a\n"
+ENTRY = Path(sys.executable).parent / "apd-viewer"
+
+
+def pose(angle=0.6, shift=(0.3, 0.1, -0.4)):
+    M = np.eye(4)
+    M[:3, :3], M[:3, 3] = rotation((1, 2, 0), angle), shift
+    return M
+
+
+class Case:
+    """A mesh, its labels and a transform, as arrays and as files in a folder."""
+
+    def __init__(self, folder, V, F, labels=None, M=None):
+        self.folder, self.V, self.F = folder, V, F
+        if labels is None:
+            base, handle = ends(V)
+            labels = np.ones(len(V), dtype=int)
+            labels[base], labels[handle] = 0, 2
+        self.labels, self.M = labels, pose() if M is None else M
+        self.mesh, self.out, self.report = folder / "in.obj", folder / "out.obj", folder / "r.json"
+        text = [f"v {x!r} {y!r} {z!r}" for x, y, z in V.tolist()]
+        text += ["f {} {} {}".format(*f) for f in (F + 1).tolist()]
+        self.mesh.write_text("\n".join(text))
+        (folder / "s.sel").write_text("# labels\n" + "\n".join(map(str, labels)))
+        np.savetxt(folder / "t.def", self.M, fmt="%.17g", header="handle")
+
+    @property
+    def fixed(self):
+        return np.flatnonzero(self.labels != 1)
+
+    @property
+    def handle(self):
+        return np.flatnonzero(self.labels == 2)
+
+    @property
+    def targets(self):
+        moved = np.where((self.labels == 2)[:, None], transform(self.M, self.V), self.V)
+        return moved[self.fixed]
+
+    def words(self, *more, **named):
+        """The words of a ``deform`` command; keywords replace its files."""
+        files = {
+            "mesh": self.mesh,
+            "sel": self.folder / "s.sel",
+            "def": self.folder / "t.def",
+            "out": self.out,
+        }
+        files |= named
+        words = [files["mesh"], "--selection", files["sel"], "--transform", files["def"], "-o", files["out"]]
+        return [str(word) for word in ("deform", *words, *more)]
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """A closed bar, twisted and bent."""
+    return Case(tmp_path, *box(2, 2, 5))
+
+
+@pytest.fixture
+def two_pieces(tmp_path):
+    """The bar and, between its vertices, a ball that nothing holds."""
+    V, F = box(2, 2, 5)
+    W, G = sphere(1)
+    at = 10  # vertices of the ball come after the tenth of the bar
+    F, G = np.where(at <= F, F + len(W), F), G + at
+    base, handle = ends(V)
+    labels = np.ones(len(V), dtype=int)
+    labels[base], labels[handle] = 0, 2
+    case = Case(
+        tmp_path,
+        np.vstack([V[:at], W + [9.1, 0, 0], V[at:]]),
+        np.vstack([G[:7], F, G[7:]]),
+        np.concatenate([labels[:at], np.ones(len(W), dtype=int), labels[at:]]),
+    )
+    case.loose = slice(at, at + len(W))
+    return case
+
+
+@pytest.fixture
+def command(capsys):
+    """Run the command line here; return its status and what it said."""
+
+    def run(*words):
+        capsys.readouterr()
+        try:
+            status = main([str(word) for word in words])
+        except SystemExit as end:  # argparse ends the process for --help and wrong options
+            status = end.code or 0
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def deformed(command):
+    """Run ``deform`` with a report; return the report, the mesh written and what was said."""
+
+    def run(case, *more):
+        status, out, err = command(*case.words("--report", case.report, *more))
+        assert (status, err) == (0, ""), err
+        return json.loads(case.report.read_text()), open_mesh(case.out), out
+
+    return run
+
+
+def process(*words, env=None, without=()):
+    """Run a real process; return its status, stdout and stderr."""
+    environment = {k: v for k, v in {**os.environ, **(env or {})}.items() if k not in without}
+    done = subprocess.run(
+        [str(word) for word in words], env=environment, capture_output=True, check=False, timeout=60
+    )
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+# ---- deform
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("iterations", [1, 5])
+def test_a_count_of_iterations_gives_what_python_gives_bit_for_bit(method, iterations, bar, deformed):
+    report, _, _ = deformed(bar, "--method", method, "--iterations", iterations)
+    result = deform(bar.V, bar.F, bar.fixed, bar.targets, method, iterations, handle=bar.handle)
+    save_mesh(open_mesh(bar.mesh), result.U, bar.folder / "api.obj")
+    assert bar.out.read_bytes() == (bar.folder / "api.obj").read_bytes()
+    assert report["iterations"] == iterations
+    for field in ("area_rest", "area", "area_error", "volume_rest", "volume", "energy", "handle_drift"):
+        assert report[field] == getattr(result, field), field
+
+
+def test_held_vertices_are_where_they_were_put(bar, deformed):
+    _, mesh, _ = deformed(bar, "--method", "arap", "--iterations", 3)
+    np.testing.assert_allclose(mesh.V[bar.fixed], bar.targets, rtol=0, atol=1e-13)
+    np.testing.assert_array_equal(mesh.F, bar.F)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_every_format_can_be_written(suffix, bar, command):
+    bar.out = bar.folder / f"out{suffix}"
+    status, out, err = command(*bar.words("--method", "arap", "--iterations", 2))
+    assert (status, err) == (0, "")
+    assert str(bar.out) in out
+    expected = deform(bar.V, bar.F, bar.fixed, bar.targets, "arap", 2).U
+    np.testing.assert_allclose(open_mesh(bar.out).V[open_mesh(bar.out).F], expected[bar.F], atol=1e-6)
+
+
+def test_without_transform_and_iterations_nothing_moves(tmp_path, deformed):
+    case = Case(tmp_path, *box(2, 2, 5), M=np.eye(4))
+    report, mesh, _ = deformed(case)
+    np.testing.assert_allclose(mesh.V, case.V, atol=1e-9)
+    assert report["converged"] is True
+    assert report["energy"] == pytest.approx(0, abs=1e-12)
+
+
+PROMISED = {
+    "vertices": int,
+    "faces": int,
+    "method": str,
+    "iterations": int,
+    "converged": bool,
+    "area_rest": float,
+    "area": float,
+    "area_error": float,
+    "volume_rest": float,
+    "volume": float,
+    "energy": float,
+    "handle_drift": float,
+    "seconds": float,
+    "factor_seconds": float,
+    "seconds_per_iteration": float,
+    "warnings": list,
+}
+
+
+def energy(V, F, U):
+    """Eq. 1 with optimal rotations, each undirected edge counted twice; in plain NumPy."""
+    n = len(V)
+    W = np.zeros((n, n))
+    for c in range(3):
+        k, i, j = F[:, c], F[:, (c + 1) % 3], F[:, (c + 2) % 3]
+        a, b = V[i] - V[k], V[j] - V[k]
+        cot = (a * b).sum(axis=1) / np.linalg.norm(np.cross(a, b), axis=1)
+        np.add.at(W, (i, j), np.maximum(cot, 0) / 2)
+    W += W.T
+    v, u = V[:, None] - V, U[:, None] - U
+    A, _, Bt = np.linalg.svd(np.einsum("ij,ija,ijb->iab", W, u, v))
+    A[:, :, 2] *= np.sign(np.linalg.det(A @ Bt))[:, None]
+    return (W * ((u - np.einsum("iab,ijb->ija", A @ Bt, v)) ** 2).sum(axis=2)).sum()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_report_says_what_is_in_the_file(method, bar, deformed):
+    report, mesh, _ = deformed(bar, "--method", method)
+    assert set(PROMISED) <= set(report)
+    assert {key: type(report[key]) for key in PROMISED} == PROMISED
+    rest, after = (trimesh.Trimesh(X, bar.F, process=False) for X in (bar.V, mesh.V))
+    assert report["vertices"] == len(bar.V)
+    assert report["faces"] == len(bar.F)
+    assert report["method"] == method
+    assert report["converged"] is True
+    assert report["iterations"] >= 1
+    assert report["area_rest"] == pytest.approx(rest.area, rel=1e-12)
+    assert report["area"] == pytest.approx(after.area, rel=1e-12)
+    assert report["area_error"] == pytest.approx(report["area"] / report["area_rest"] - 1, abs=1e-15)
+    assert report["volume_rest"] == pytest.approx(rest.volume, rel=1e-12)
+    assert report["volume"] == pytest.approx(after.volume, rel=1e-12)
+    assert report["energy"] == pytest.approx(energy(bar.V, bar.F, mesh.V), rel=1e-9)
+    assert report["energy"] > 1e-3
+    wanted, got = transform(bar.M, bar.V[bar.handle]).mean(axis=0), mesh.V[bar.handle].mean(axis=0)
+    assert report["handle_drift"] == pytest.approx(np.linalg.norm(wanted - got), abs=1e-12)
+    assert 0 < report["factor_seconds"] < report["seconds"]
+    assert 0 < report["seconds_per_iteration"] * report["iterations"] <= report["seconds"] * (1 + 1e-9)
+    assert report["warnings"] == []
+
+
+def test_the_paper_s_method_keeps_the_area_and_moves_the_handle_for_it(bar, deformed):
+    plain, _, _ = deformed(bar, "--method", "arap")
+    report, _, _ = deformed(bar, "--method", "paper", "--tolerance", "1e-4")
+    assert abs(plain["area_error"]) > 1e-3 > 1e-4 >= abs(report["area_error"])
+    assert plain["handle_drift"] < 1e-12 < report["handle_drift"]
+
+
+def test_what_is_not_converged_says_so(bar, deformed):
+    report, _, out = deformed(bar, "--method", "paper", "--iterations", 1)
+    assert report["converged"] is False
+    assert "not converged after 1 iterations" in out
+
+
+def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
+    V, F = grid(4, 6)
+    case = Case(tmp_path, V, F, labels=np.clip(1 + (V[:, 1] == 6) - (V[:, 1] == 0), 0, 2).astype(int))
+    report, mesh, out = deformed(case, "--method", "arap", "--iterations", 2)
+    assert report["volume"] is None
+    assert report["volume_rest"] is None
+    (warning,) = report["warnings"]
+    assert re.search(r"no volume: the surface is open \(20 border edges\)", warning)
+    assert warning in out
+    assert "volume  " not in out
+    assert report["area"] == pytest.approx(trimesh.Trimesh(mesh.V, F, process=False).area, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_piece_that_nothing_holds_stays_bit_for_bit(method, two_pieces, deformed):
+    report, _, out = deformed(two_pieces, "--method", method, "--iterations", 3)
+    (warning,) = report["warnings"]
+    assert warning == "A separate piece is held by nothing; it stays where it is."
+    assert warning in out.splitlines()
+    result = deform(
+        two_pieces.V, two_pieces.F, two_pieces.fixed, two_pieces.targets, method, 3, handle=two_pieces.handle
+    )
+    assert np.array_equal(result.U[two_pieces.loose], two_pieces.V[two_pieces.loose])
+    # Nothing was changed between Python and the file, but for the digits that the format has.
+    save_mesh(open_mesh(two_pieces.mesh), result.U, two_pieces.folder / "api.obj")
+    assert two_pieces.out.read_bytes() == (two_pieces.folder / "api.obj").read_bytes()
+
+
+def test_the_summary_says_what_the_report_says(bar, deformed):
+    report, _, out = deformed(bar, "--method", "arap", "--iterations", 4)
+    assert f"{report['area']:.6g} of {report['area_rest']:.6g}" in out
+    assert f"({100 * report['area_error']:+.3f} %)" in out
+    assert f"{report['volume']:.6g} of {report['volume_rest']:.6g}" in out
+    assert "arap" in out
+    assert "4 iterations" in out
+
+
+def test_the_mesh_may_be_written_over_itself(bar, command):
+    expected = deform(bar.V, bar.F, bar.fixed, bar.targets, "arap", 2).U
+    assert command(*bar.words("--method", "arap", "--iterations", 2, out=bar.mesh))[0] == 0
+    np.testing.assert_allclose(open_mesh(bar.mesh).V, expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_drawn_on_a_terminal_only(terminal, bar, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    assert main(bar.words("--method", "arap", "--iterations", "45")) == 0
+    said = capsys.readouterr().err
+    if terminal:
+        assert re.findall(r"\riteration (\d+) of 45 ", said) == ["20", "40", "45"]
+        assert said.endswith("\n")
+    else:
+        assert said == ""
+
+
+# ---- what is refused: status 2, one line, and the folder as it was
+
+
+@pytest.fixture
+def refused(bar, command):
+    """Run ``deform`` with something wrong; return the one line."""
+    bar.out.write_text("precious")
+    bar.report.write_text("precious too")
+
+    def run(*more, **files):
+        before = {path: path.read_bytes() for path in bar.folder.rglob("*") if path.is_file()}
+        status, out, err = command(*bar.words("--report", bar.report, *more, **files))
+        assert status == 2
+        assert out == ""
+        assert re.fullmatch(r"error: .+\n", err)  # a dot is no line end
+        assert "Traceback" not in err
+        assert {path: path.read_bytes() for path in bar.folder.rglob("*") if path.is_file()} == before
+        return err
+
+    return run
+
+
+def one(label):
+    return lambda labels: np.full_like(labels, label)
+
+
+WRONG_SELECTIONS = {
+    "one too few": (lambda labels: labels[1:], r"for a mesh of \d+ vertices, but this one has \d+"),
+    "one too many": (lambda labels: [*labels, 1], r"for a mesh of \d+ vertices, but this one has \d+"),
+    "another label": (lambda labels: np.where(labels == 2, 3, labels), "a label other than 0"),
+    "a negative label": (lambda labels: np.where(labels == 2, -1, labels), "a label other than 0"),
+    "words": (lambda labels: ["free"] * len(labels), "is not a selection"),
+    "no base": (lambda labels: np.maximum(labels, 1), "There is no base"),
+    "no handle": (lambda labels: np.minimum(labels, 1), "There is no handle"),
+    "nothing painted": (one(1), "There is no base"),
+    "everything painted": (lambda labels: np.where(labels == 1, 0, labels), "Everything is painted"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_SELECTIONS)
+def test_a_wrong_selection(case, bar, refused):
+    change, words = WRONG_SELECTIONS[case]
+    (bar.folder / "s.sel").write_text("\n".join(map(str, change(bar.labels))))
+    assert re.search(words, refused())
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0", "does not hold a 4x4 matrix"),
+        ("1 0 0 0 0 nan 0 0 0 0 1 0 0 0 0 1", "does not hold a 4x4 matrix"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0.5 1", "is not an affine transform"),
+        ("a letter", "is not a transform"),
+        ("", "does not hold a 4x4 matrix"),
+    ],
+)
+def test_a_wrong_transform(content, words, bar, refused):
+    (bar.folder / "t.def").write_text(content)
+    assert words in refused()
+
+
+@pytest.mark.parametrize("file", ["mesh", "sel", "def"])
+def test_a_missing_file(file, bar, refused):
+    assert re.search(r"There is no file .*gone\.obj", refused(**{file: bar.folder / "gone.obj"}))
+
+
+@pytest.mark.parametrize("file", ["sel", "def"])
+def test_a_folder_in_place_of_a_file(file, bar, refused):
+    assert "cannot be read" in refused(**{file: bar.folder})
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("out.xyz", "does not name a format to write"),
+        ("out", "does not name a format to write"),
+        ("gone/out.obj", "There is no folder"),
+        ("in.obj/out.obj", "There is no folder"),
+        ("x" * 300 + ".obj", "cannot be written"),
+        (("x" * 300) + "/out.obj", "error: "),
+    ],
+)
+def test_a_wrong_output(out, words, bar, refused):
+    assert words in refused(out=bar.folder / out)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--method", "magic", "invalid choice: 'magic'"),
+        ("--iterations", "0", "at least 1"),
+        ("--iterations", "-3", "at least 1"),
+        ("--iterations", "2.5", "invalid int value: '2.5'"),
+        ("--iterations", "many", "invalid int value: 'many'"),
+        ("--tolerance", "0", "tolerance must be greater than zero"),
+        ("--tolerance", "-1", "tolerance must be greater than zero"),
+        ("--tolerance", "nan", "tolerance must be greater than zero"),
+        ("--tolerance", "small", "invalid float value: 'small'"),
+        ("--unknown", "1", "unrecognized arguments: --unknown 1"),
+        ("--picture", "picture.jpg", "end it in .png"),
+    ],
+)
+def test_a_wrong_option(option, value, words, refused):
+    assert words in refused("--iterations", "1", option, value)
+
+
+@pytest.mark.parametrize("option", ["--report", "--picture"])
+def test_a_missing_folder_for_what_comes_beside_the_mesh(option, bar, refused):
+    assert "cannot be written" in refused("--iterations", "1", option, bar.folder / "gone" / "a.png")
+
+
+def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
+    (bar.folder / "taken.obj").mkdir()
+    refused("--iterations", "1", out=bar.folder / "taken.obj")
+
+
+def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, monkeypatch):
+    from apd_viewer.ui import picture
+
+    def draw(mesh, labels, result, path):  # the real one takes its time
+        with picture.replacing(path) as scratch:
+            scratch.write_bytes(PNG)
+
+    monkeypatch.setattr(picture, "draw", draw)
+    refused(
+        "--iterations", "1", "--picture", bar.folder / "p.png", "--report", bar.folder / "gone" / "r.json"
+    )
+
+
+def test_a_full_disk(refused, monkeypatch):
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert "No space left on device" in refused("--iterations", "1")
+
+
+def test_an_interruption_writes_nothing(bar, command, monkeypatch):
+    def interrupted(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(apd_viewer.__main__, "deform", interrupted)
+    before = sorted(bar.folder.iterdir())
+    assert command(*bar.words()) == (130, "", "stopped; nothing was written\n")
+    assert sorted(bar.folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["deform"], "required: MESH, --selection, --transform, -o/--output; see apd-viewer deform --help"),
+        (["deform", "a.obj"], "required: --selection, --transform, -o/--output"),
+        (["info"], "required: MESH; see apd-viewer info --help"),
+        (["info", "a.obj", "b.obj"], "unrecognized arguments: b.obj"),
+        (["--unknown"], "unrecognized arguments: --unknown; see apd-viewer --help"),
+        (["a.obj", "b.obj"], "unrecognized arguments: b.obj"),
+        (["info", "two\nlines.obj"], "There is no file"),
+    ],
+)
+def test_wrong_words(words, said, command):
+    status, out, err = command(*words)
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: .+\n", err)
+    assert said in err
+
+
+# ---- info
+
+
+def test_info_as_json(bar, command):
+    status, out, err = command("info", bar.mesh, "--json")
+    assert (status, err) == (0, "")
+    found, other = json.loads(out), trimesh.Trimesh(bar.V, bar.F, process=False)
+    assert found["vertices"] == len(bar.V)
+    assert found["faces"] == len(bar.F)
+    assert found["pieces"] == other.body_count == 1
+    assert found["area"] == pytest.approx(other.area)
+    assert found["volume"] == pytest.approx(other.volume)
+    assert found["size"] == pytest.approx(other.extents.tolist())
+    assert found["why_no_volume"] is None
+    assert found["findings"] == []
+    assert found["mesh"] == str(bar.mesh)
+
+
+def test_info_for_people(bar, command):
+    status, out, err = command("info", bar.mesh)
+    assert (status, err) == (0, "")
+    assert f"in.obj: {len(bar.V)} vertices, {len(bar.F)} triangles, 1 piece(s)" in out
+    assert "2 x 2 x 5" in out
+    assert re.search(r"(?m)^area +48$", out)
+    assert re.search(r"(?m)^volume +20$", out)
+    assert "Nothing unusual" in out
+
+
+def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
+    V, F = grid(2, 2)
+    V = np.vstack([V, V[:1], [[5, 5, 5]], V + [10, 0, 0]])
+    F = np.vstack([F, F + 11, [[9, 1, 1]]])  # 9 repeats 0; 10 is in no face; the last has no area
+    path = Case(tmp_path, V, F).mesh
+    found = json.loads(command("info", path, "--json")[1])
+    assert found["pieces"] == 2
+    assert found["volume"] is None
+    assert "open (16 border edges)" in found["why_no_volume"]
+    said = command("info", path)[1]
+    for words in (
+        "1 vertex repeats the position of another",
+        "1 vertex belongs to no face",
+        "1 face has no area",
+        "2 separate pieces",
+    ):
+        assert sum(words in line for line in found["findings"]) == 1, words
+        assert words in said
+    assert re.search(r"(?m)^volume +none: the surface is open", said)
+    assert "Nothing unusual" not in said
+
+
+# ---- help, version and the window
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--help"], ["apd-viewer [FILE]", "apd-viewer deform", "apd-viewer info", "--version"]),
+        (["-h"], ["apd-viewer [FILE]"]),
+        (
+            ["deform", "--help"],
+            ["--selection", "--transform", "--output", "--method", "--iterations", "--tolerance", *METHODS]
+            + ["--report", "--picture", "0 held, 1 free, 2 handle", "0.1 %"],
+        ),
+        (["info", "--help"], ["MESH", "--json"]),
+        (["--version"], [f"apd-viewer {apd_viewer.__version__}"]),
+    ],
+)
+def test_help_and_version(words, said, command):
+    status, out, err = command(*words)
+    assert (status, err) == (0, "")
+    assert all(word in out for word in said), out
+
+
+@pytest.mark.parametrize("given", [[], ["in.obj"]])
+def test_a_file_or_nothing_opens_the_window(given, command, monkeypatch):
+    shown = []
+    monkeypatch.setattr(apd_viewer, "view", shown.append)
+    assert command(*given) == (0, "", "")
+    assert shown == (given or [None])
+
+
+def test_a_missing_library_of_the_window_is_a_sentence(command, monkeypatch):
+    monkeypatch.setitem(sys.modules, "apd_viewer.ui.application", None)
+    status, out, err = command()
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: The window needs a library that is missing .+README.+\n", err)
+
+
+DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+
+
+def test_the_installed_command_without_a_display():
+    status, out, err = process(ENTRY, without=DISPLAY)
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: There is no display .+ apd-viewer deform --help\.\n", err)
+
+
+def test_a_wrong_file_without_a_display(tmp_path):
+    status, out, err = process(sys.executable, "-m", "apd_viewer", tmp_path / "gone.obj", without=DISPLAY)
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: There is no file .*gone\.obj; check the name\.\n", err)
+
+
+def test_the_module_runs_like_the_command(bar):
+    words = ["info", bar.mesh, "--json"]
+    assert process(ENTRY, *words) == process(sys.executable, "-m", "apd_viewer", *words)
+    assert process(sys.executable, "-m", "apd_viewer", "--version")[:2] == (
+        0,
+        f"apd-viewer {apd_viewer.__version__}\n",
+    )
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_standard_output_that_is_full(bar):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [ENTRY, "info", bar.mesh], stdout=full, stderr=subprocess.PIPE, check=False, timeout=60
+        )
+    assert done.returncode != 0
+    assert b"Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closed pipes")
+def test_a_reader_that_goes_away_is_no_error_of_the_program(bar):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [ENTRY, "info", bar.mesh], stdout=writing, stderr=subprocess.PIPE, check=False, timeout=60
+    )
+    os.close(writing)
+    assert b"Traceback" not in done.stderr
+    assert b"Exception ignored" not in done.stderr
+
+
+def test_a_picture_needs_no_display(bar):
+    from PySide6.QtGui import QImage
+
+    path = bar.folder / "Bild é.png"
+    words = bar.words("--method", "arap", "--iterations", "3", "--picture", path)
+    status, _, err = process(ENTRY, *words, without=DISPLAY)
+    assert (status, err) == (0, "")
+    assert path.read_bytes().startswith(PNG)
+    image = QImage(str(path)).convertToFormat(QImage.Format.Format_RGB888)
+    assert (image.width(), image.height()) == (1600, 1000)
+    pixels = np.frombuffer(image.constBits(), np.uint8).reshape(1000, image.bytesPerLine())[:, :4800]
+    pixels = pixels.reshape(1000, 1600, 3).astype(int)
+    halves = pixels[100:, :800], pixels[100:, 800:]  # below the captions
+    for half in halves:
+        red, blue = half[..., 0] - half[..., 2], half[..., 2] - half[..., 0]
+        assert (red > 60).sum() > 500, "no handle is to be seen"
+        assert (blue > 60).sum() > 500, "no base is to be seen"
+        assert (half.min(axis=2) == 255).mean() > 0.3, "no background is to be seen"
+    assert (np.abs(halves[0] - halves[1]).max(axis=2) > 30).sum() > 1000, "before and after look the same"
+    # Written whole, like everything else.
+    assert not [p for p in bar.folder.iterdir() if p.name.startswith(".")]
