@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from pathlib import Path
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
@@ -24,6 +25,7 @@ from PySide6.QtWidgets import QApplication
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.ui.garbage import GuiThreadGC
 
 # pyvistaqt sets the default format once more for each viewport, to what is set here already.
@@ -93,6 +95,9 @@ def run(mesh: object = None) -> None:
 
     window = Window(QSettings())
     window.show()
+    # While the user looks at the mesh, so that the first drag need not wait for a compiler.
+    warming = threading.Thread(target=warm_up, name="warm-up", daemon=True)
+    warming.start()
     if shown is None:
         window.session.open_sample("bottle")
     elif isinstance(shown, Mesh):
@@ -100,6 +105,7 @@ def run(mesh: object = None) -> None:
     else:
         window.open_path(shown)
     application.exec()
+    warming.join()  # a thread that compiles while the interpreter ends would take it down
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:

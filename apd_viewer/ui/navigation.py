@@ -10,17 +10,26 @@ Ctrl + right drag                       zoom to where the drag began
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from PySide6.QtCore import QPointF, Qt
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QWheelEvent
 
-    from apd_viewer.ui.viewport import Viewport
+    from apd_viewer.ui.camera import Camera
 
 ZOOM_PER_PIXEL = 1.008
 ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
+
+
+class Stage(Protocol):
+    """What can be navigated: a viewport."""
+
+    eye: Camera
+
+    def zoom_at(self, position: QPointF, factor: float) -> None:
+        """Come closer by a factor to what is seen at a position."""
 
 
 class Navigation:
@@ -28,10 +37,10 @@ class Navigation:
 
     Parameters
     ----------
-    viewport : Viewport
+    viewport : Stage
     """
 
-    def __init__(self, viewport: Viewport) -> None:
+    def __init__(self, viewport: Stage) -> None:
         self._viewport = viewport
         self._mode = ""
         self._start = QPointF()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QPainter
@@ -10,8 +10,6 @@ from PySide6.QtWidgets import QWidget
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QPaintEvent
-
-    from apd_viewer.ui.viewport import Viewport
 
 
 class Overlay(QWidget):
@@ -22,12 +20,14 @@ class Overlay(QWidget):
 
     Parameters
     ----------
-    viewport : Viewport
+    viewport : QWidget
+    tools : list
+        Of the viewport; looked at in every paint.
     """
 
-    def __init__(self, viewport: Viewport) -> None:
+    def __init__(self, viewport: QWidget, tools: list[Any]) -> None:
         super().__init__(viewport)
-        self._viewport = viewport
+        self._tools = tools
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
 
@@ -35,6 +35,6 @@ class Overlay(QWidget):
         """Let the tools paint; the one that sees events first lies on top."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            for tool in reversed(self._viewport.tools):
+            for tool in reversed(self._tools):
                 if hasattr(tool, "paint"):
                     tool.paint(painter)

@@ -13,9 +13,9 @@ from PySide6.QtCore import QEvent, Qt
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QWheelEvent
+    from PySide6.QtWidgets import QWidget
 
     from apd_viewer.ui.navigation import Navigation
-    from apd_viewer.ui.viewport import Viewport
 
 
 class Dispatcher:
@@ -23,12 +23,15 @@ class Dispatcher:
 
     Parameters
     ----------
-    viewport : Viewport
+    viewport : QWidget
+    tools : list
+        Of the viewport; looked at for every event.
     navigation : Navigation
     """
 
-    def __init__(self, viewport: Viewport, navigation: Navigation) -> None:
+    def __init__(self, viewport: QWidget, tools: list[Any], navigation: Navigation) -> None:
         self._viewport = viewport
+        self._tools = tools
         self._navigation = navigation
         self._holder: Any = None
         self._button = Qt.MouseButton.NoButton
@@ -65,23 +68,23 @@ class Dispatcher:
     def leave(self) -> None:
         """Tell the tools that the cursor is gone, but not during a drag, which goes on outside."""
         if self._holder is None:
-            for tool in self._viewport.tools:
+            for tool in self._tools:
                 _ask(tool, "leave")
 
     def cancel(self) -> bool:
         """Ask the tools to cancel what they are doing; True if one did."""
-        done = any(_ask(tool, "cancel") for tool in self._viewport.tools)
+        done = any(_ask(tool, "cancel") for tool in self._tools)
         if done:
             self._holder = None
         return done
 
     def _everyone(self) -> tuple[Any, ...]:
-        return (*self._viewport.tools, self._navigation)
+        return (*self._tools, self._navigation)
 
     def _hover(self, event: QMouseEvent) -> None:
         """Offer a move; for the tools behind the one that takes it the cursor has left."""
         taken = False
-        for tool in self._viewport.tools:
+        for tool in self._tools:
             if taken:
                 _ask(tool, "leave")
             else:

@@ -65,10 +65,10 @@ class Viewport(QtInteractor):
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
-        self._dispatcher = Dispatcher(self, Navigation(self))
+        self._dispatcher = Dispatcher(self, self.tools, Navigation(self))
         self._still = QTimer(self, singleShot=True, interval=STILL)
         self._still.timeout.connect(self._draw_smooth)
-        self.overlay = Overlay(self)
+        self.overlay = Overlay(self, self.tools)
         self._make_camera()
         self.set_theme("#f4f5f7")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal
@@ -20,7 +21,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-import apd_viewer
 from apd_viewer.files.meshes import FORMATS
 from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.geometry.constraints import BASE, HANDLE
@@ -232,7 +232,7 @@ class Window(QMainWindow):
         QMessageBox.about(
             self,
             "About APD Viewer",
-            f"<h3>APD Viewer {apd_viewer.__version__}</h3>"
+            f"<h3>APD Viewer {version('apd-viewer')}</h3>"
             "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
             "<p>Built on NumPy, SciPy, Numba, cholespy, trimesh, PyVista and Qt for Python. MIT licence.</p>",
         )
@@ -266,9 +266,11 @@ class Window(QMainWindow):
         self.actions_.reset.setEnabled(opened)
         self.panel.setEnabled(opened)
         self._empty.setVisible(not opened and session.errand is None)
-        for widget in (self._errand, self._progress, self._cancel):
-            widget.setVisible(session.errand is not None)
-        self._errand.setText(session.errand.title if session.errand else "")
+        errand = session.errand
+        for widget in (self._errand, self._progress):
+            widget.setVisible(errand is not None)
+        self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
+        self._errand.setText(errand.title if errand else "")
         self.panel.activity.setText(_WORDS[session.activity] if opened else "")
         frame = session.state.frame if session.state else None
         pace = f"{1e3 * session.seconds_per_iteration:.1f} ms an iteration"

@@ -1,0 +1,254 @@
+"""The rooms import in one direction and without circles; only the window's room knows Qt and VTK."""
+
+import ast
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = "apd_viewer"
+
+# What lies on the right may be imported by what lies on the left, and not the other way around.
+ROOMS = ["top", "ui", "session", "files", "geometry", "errors"]
+TOP = {"__main__", "papertables"}
+SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
+LIBRARIES = {
+    "top": set(),
+    "ui": SCREEN | {"numpy"},
+    "session": {"numpy"},
+    "files": {"numpy", "trimesh"},
+    "geometry": {"numpy", "scipy", "numba", "cholespy"},
+    "errors": set(),
+}
+# Libraries that only the named files may touch.
+DRAWS = {"ui/picture.py", "ui/surface.py", "ui/viewport.py"}
+CONFINED = {
+    "cholespy": {"geometry/linear_solver.py"},
+    "pyvista": DRAWS,
+    "pyvistaqt": DRAWS,
+    "vtk": DRAWS,
+    "vtkmodules": DRAWS,
+    "qtpy": set(),  # pyvistaqt's choice of a binding is none of ours
+}
+MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}
+MOST_LINES = 400
+
+
+def modules(root):
+    """Every module of the package under ``root``: its dotted name and its path."""
+    return {
+        ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in sorted((root / PACKAGE).rglob("*.py"))
+    }
+
+
+def imports(name, path, known):
+    """Dotted names that a module imports, at any indentation; submodules before names in modules."""
+    found = set()
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            start = package.split(".")[: len(package.split(".")) + 1 - node.level] if node.level else []
+            module = ".".join([*start, *([node.module] if node.module else [])])
+            dotted = {f"{module}.{alias.name}" for alias in node.names}
+            found |= {d if d in known else module for d in dotted}
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in (
+            "__import__",
+            "import_module",
+        ):
+            found.add("an import that hides in a call")
+    return found
+
+
+def room(name):
+    """The room of a module; the package itself and what the command line is made of are the top."""
+    part = name.split(".")[1] if "." in name else "top"
+    return "top" if part in TOP else part
+
+
+def circles(edges):
+    """Modules from which a walk along the imports leads back to themselves."""
+    found = set()
+    for start in edges:
+        reached, todo = set(), list(edges[start])
+        while todo:
+            name = todo.pop()
+            if name not in reached:
+                reached.add(name)
+                todo += edges.get(name, ())
+        if start in reached:
+            found.add(start)
+    return found
+
+
+def violations(root):
+    """What is against the rules in the package under ``root``, a line each."""
+    known, said, edges = modules(root), [], {}
+    for name, path in known.items():
+        here, where = path.relative_to(root / PACKAGE).as_posix(), room(name)
+        if where not in ROOMS:
+            said.append(f"{here}: there is no room {where}")
+            continue
+        edges[name] = set()
+        for target in imports(name, path, known):
+            library = target.partition(".")[0]
+            if library == PACKAGE:
+                edges[name].add(target)
+                if target not in known:
+                    said.append(f"{here}: there is no {target}")
+                elif ROOMS.index(room(target)) < ROOMS.index(where):
+                    said.append(f"{here}: imports {target}, against the direction")
+            elif library not in LIBRARIES[where] and library not in sys.stdlib_module_names | {"__future__"}:
+                said.append(f"{here}: imports {library}")
+            elif here not in CONFINED.get(library, {here}):
+                said.append(f"{here}: imports {library}, which others do")
+        if path.stem in MEANINGLESS:
+            said.append(f"{here}: says nothing by its name")
+        if len(path.read_text(encoding="utf-8").splitlines()) > MOST_LINES:
+            said.append(f"{here}: is too long")
+    return said + [f"{name} imports itself in a circle" for name in sorted(circles(edges))]
+
+
+def test_the_program_keeps_the_rules():
+    assert violations(ROOT) == []
+
+
+def test_the_rules_look_at_the_whole_program():
+    """An empty tree would keep all rules too."""
+    known = modules(ROOT)
+    assert {room(name) for name in known} == set(ROOMS)
+    targets = {target for name, path in known.items() for target in imports(name, path, known)}
+    assert set(CONFINED) - {"qtpy", "vtk"} <= {target.partition(".")[0] for target in targets}
+    # Each room is imported by another, within functions and for type checking too.
+    assert {
+        f"{PACKAGE}.ui.picture",
+        f"{PACKAGE}.geometry.deformation",
+        f"{PACKAGE}.session.session",
+    } <= targets
+
+
+GOOD = {
+    "__init__.py": "from apd_viewer.files.reading import read\ndef view():\n  import apd_viewer.ui.window\n",
+    "__main__.py": "import apd_viewer, json\n",
+    "errors.py": "",
+    "geometry/__init__.py": "",
+    "geometry/shape.py": "import numpy as np\nfrom ..errors import E\n",
+    "geometry/linear_solver.py": "import cholespy\nfrom . import shape\n",
+    "files/__init__.py": "",
+    "files/reading.py": "def read():\n    import trimesh\n    from apd_viewer.geometry import shape\n",
+    "session/__init__.py": "",
+    "session/session.py": "import threading\nfrom apd_viewer.files.reading import read\n",
+    "ui/__init__.py": "",
+    "ui/window.py": "from PySide6.QtCore import Qt\nfrom apd_viewer.session import session\n",
+    "ui/viewport.py": "import pyvista\n",
+}
+BAD = {
+    "a room imports back": ("geometry/shape.py", "import apd_viewer.files.reading", "against the direction"),
+    "from its package": (
+        "geometry/shape.py",
+        "from apd_viewer.files import reading",
+        "against the direction",
+    ),
+    "relatively": ("files/reading.py", "from ..session import session", "against the direction"),
+    "two levels up": ("files/reading.py", "from .. import ui", "against the direction"),
+    "in a function": (
+        "session/session.py",
+        "def f():\n  import apd_viewer.ui.window",
+        "against the direction",
+    ),
+    "for types": (
+        "files/reading.py",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n  from apd_viewer.session.session import S",
+        "against the direction",
+    ),
+    "the top from a room": ("files/reading.py", "import apd_viewer", "against the direction"),
+    "errors know a room": ("errors.py", "from apd_viewer.geometry import shape", "against the direction"),
+    "a circle": (
+        "geometry/shape.py",
+        "def f():\n  from apd_viewer.geometry.linear_solver import g",
+        "geometry.shape imports itself in a circle",
+    ),
+    "itself": ("ui/window.py", "from . import window", "ui.window imports itself in a circle"),
+    "Qt in the session": ("session/session.py", "from PySide6.QtCore import QObject", "imports PySide6"),
+    "VTK in the files": ("files/reading.py", "def f():\n  import vtkmodules.all", "imports vtkmodules"),
+    "pyvista at the top": ("__main__.py", "import pyvista as pv", "imports pyvista"),
+    "VTK in a panel": ("ui/window.py", "import vtkmodules.vtkRenderingCore", "which others do"),
+    "a second solver": ("geometry/shape.py", "from cholespy import CholeskySolverD", "which others do"),
+    "trimesh in geometry": ("geometry/shape.py", "import trimesh.creation", "imports trimesh"),
+    "a new library": ("ui/window.py", "import matplotlib", "imports matplotlib"),
+    "hidden": ("files/reading.py", "import importlib\nimportlib.import_module('PySide6')", "hides in a call"),
+    "a name that says nothing": ("files/utils.py", "", "says nothing by its name"),
+    "a new room": ("plugins/registry.py", "", "there is no room plugins"),
+    "a long file": ("ui/window.py", "\n" * 400, "is too long"),
+}
+
+
+def build(root, tree):
+    for name, content in tree.items():
+        path = root / PACKAGE / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+
+
+def test_a_tree_that_keeps_the_rules(tmp_path):
+    build(tmp_path, GOOD)
+    assert violations(tmp_path) == []
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_violation_is_noticed(case, tmp_path):
+    where, source, words = BAD[case]
+    build(tmp_path, GOOD | {where: GOOD.get(where, "") + source + "\n"})
+    said = violations(tmp_path)
+    assert said
+    assert all(words in line or "imports itself in a circle" in line for line in said), said
+    assert any(words in line for line in said)
+
+
+HEADLESS = """
+    import sys
+    from pathlib import Path
+    import apd_viewer
+    import apd_viewer.__main__
+    import apd_viewer.session.session
+
+    def screen():
+        return sorted({name.partition(".")[0] for name in sys.modules} & set(sys.argv[2:]))
+
+    assert not screen(), f"importing loads {screen()}"
+    folder = Path(sys.argv[1])
+    V = [[x, y, z] for z in (0, 1, 2) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    faces = [(a + k, b + k, c + k) for k in (0, 4) for i in range(4)
+             for a, b, c in ((i, (i + 1) % 4, i + 4), ((i + 1) % 4, (i + 1) % 4 + 4, i + 4))]
+    text = "".join("v {} {} {}\\n".format(*v) for v in V)
+    text += "".join("f {} {} {}\\n".format(*(i + 1 for i in f)) for f in faces)
+    (folder / "a.obj").write_text(text)
+    mesh = apd_viewer.open_mesh(folder / "a.obj")
+    fixed = [0, 1, 2, 3, 8, 9, 10, 11]
+    result = apd_viewer.deform(mesh.V, mesh.F, fixed, mesh.V[fixed] * 1.1, handle=fixed[4:], iterations=2)
+    for suffix in ("obj", "ply", "stl", "off", "glb"):
+        apd_viewer.save_mesh(mesh, result.U, folder / f"out.{suffix}")
+        apd_viewer.open_mesh(folder / f"out.{suffix}")
+    assert apd_viewer.__main__.main(["info", str(folder / "a.obj")]) == 0
+    assert not screen(), f"working loads {screen()}"
+    import apd_viewer.ui.application
+    assert screen() == ["PySide6"], "the test is blind"
+"""
+
+
+def test_neither_importing_nor_working_without_a_window_loads_qt_or_vtk(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(HEADLESS), str(tmp_path), *sorted(SCREEN)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""

@@ -1,0 +1,133 @@
+"""What the package promises to scripts: names, parameters, fields, the version and the command."""
+
+import dataclasses
+import inspect
+import re
+from importlib.metadata import entry_points, version
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends
+
+import apd_viewer
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_one_version():
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    stated = re.findall(r'(?m)^version = "(.*)"', project)
+    assert stated == [apd_viewer.__version__]
+    assert version("apd-viewer") == apd_viewer.__version__
+
+
+def test_the_command_is_the_main_function():
+    from apd_viewer.__main__ import main
+
+    (script,) = entry_points(group="console_scripts", name="apd-viewer")
+    assert script.load() is main
+
+
+def test_all_names_are_there():
+    assert {"open_mesh", "deform", "Deformation", "save_mesh", "view", "InputError"} <= set(
+        apd_viewer.__all__
+    )
+    assert all(hasattr(apd_viewer, name) for name in apd_viewer.__all__)
+    assert len(set(apd_viewer.__all__)) == len(apd_viewer.__all__)
+
+
+@pytest.mark.parametrize(
+    ("function", "positional", "named"),
+    [
+        (apd_viewer.open_mesh, ["path"], []),
+        (apd_viewer.save_mesh, ["mesh", "U", "path"], []),
+        (apd_viewer.deform, ["V", "F", "fixed", "targets"], ["method", "iterations", "tolerance", "handle"]),
+        (apd_viewer.Deformation, ["V", "F", "fixed"], ["method", "handle", "tolerance"]),
+        (apd_viewer.Deformation.aim, ["self", "targets"], []),
+        (apd_viewer.Deformation.step, ["self"], []),
+        (apd_viewer.view, ["mesh"], []),
+    ],
+    ids=lambda value: getattr(value, "__qualname__", ""),
+)
+def test_parameters(function, positional, named):
+    parameters = inspect.signature(function).parameters
+    assert list(parameters)[: len(positional)] == positional
+    for name in positional:
+        assert parameters[name].kind is inspect.Parameter.POSITIONAL_OR_KEYWORD
+    assert set(named) <= set(parameters)
+    # A call with the promised arguments alone is enough.
+    assert all(p.default is not p.empty for name, p in parameters.items() if name not in positional)
+
+
+def test_promised_defaults():
+    parameters = inspect.signature(apd_viewer.deform).parameters
+    assert parameters["tolerance"].default == 1e-3
+    assert parameters["iterations"].default is None
+
+
+def test_fields_of_a_result():
+    fields = {field.name for field in dataclasses.fields(apd_viewer.Result)}
+    assert fields >= {"U", "area", "area_error", "energy", "iterations", "converged", "warnings"}
+
+
+def test_an_input_error_is_a_value_error():
+    assert issubclass(apd_viewer.InputError, ValueError)
+
+
+def test_the_example_of_the_interfaces(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    V, F = box(1, 1, 4)
+    trimesh.Trimesh(V, F, process=False).export("bar.off")
+
+    mesh = apd_viewer.open_mesh("bar.off")
+    np.testing.assert_array_equal(mesh.V, V)
+    np.testing.assert_array_equal(mesh.F, F)
+    base, handle = ends(mesh.V)
+    fixed = np.concatenate([base, handle])
+    targets = mesh.V[fixed] + np.where(np.isin(fixed, handle)[:, None], [0.5, 0, 0], 0)
+
+    result = apd_viewer.deform(
+        mesh.V, mesh.F, fixed, targets, method="arap", iterations=None, tolerance=1e-3, handle=handle
+    )
+    assert isinstance(result, apd_viewer.Result)
+    assert result.U.shape == V.shape
+    assert result.converged is True
+    assert isinstance(result.iterations, int)
+    assert result.iterations >= 1
+    assert result.area == pytest.approx(trimesh.Trimesh(result.U, F, process=False).area)
+    assert result.area_error == pytest.approx(result.area / trimesh.Trimesh(V, F).area - 1, abs=1e-12)
+    assert result.energy > 0
+    assert tuple(result.warnings) == ()
+
+    solver = apd_viewer.Deformation(mesh.V, mesh.F, fixed, method="arap")
+    solver.aim(targets)
+    for _ in range(result.iterations):
+        frame = solver.step()
+    assert isinstance(frame, apd_viewer.Frame)
+    np.testing.assert_array_equal(frame.U, result.U)
+
+    apd_viewer.save_mesh(mesh, result.U, "out.off")
+    np.testing.assert_allclose(apd_viewer.open_mesh("out.off").V, result.U, rtol=0, atol=1e-13)
+
+
+def test_the_window_takes_meshes_of_other_libraries():
+    import pyvista
+
+    from apd_viewer.ui.application import as_mesh
+
+    V, F = box(1, 1, 1)
+    for other in (
+        trimesh.Trimesh(V, F, process=False),
+        pyvista.PolyData.from_regular_faces(V, F),
+        apd_viewer.Mesh(V, F),
+    ):
+        mesh = as_mesh(other)
+        assert isinstance(mesh, apd_viewer.Mesh)
+        np.testing.assert_array_equal(mesh.V, V)
+        np.testing.assert_array_equal(mesh.F, F)
+    with pytest.raises(apd_viewer.InputError, match="A dict cannot be shown"):
+        as_mesh({})
+    with pytest.raises(apd_viewer.InputError, match="There is no file"):
+        as_mesh("gone.obj")
