@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from dataclasses import dataclass
 from numbers import Integral, Real
 from typing import TYPE_CHECKING
@@ -22,8 +23,15 @@ METHODS = ("paper", "arap")
 DEFAULT_METHOD = "paper"
 DEFAULT_TOLERANCE = 1e-3
 
-# An iteration that moves no vertex by more than this part of the bounding box's diagonal has settled.
-_SETTLED = 1e-5
+# Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
+# all those to come together will move none by more than _REMAINING, guessed from how fast the steps
+# have become shorter over the last _MEMORY iterations. Wrinkles of fine meshes creep on with ever
+# smaller steps for thousands of iterations: below _CREEP nobody would see them go.
+_STILL = 1e-5
+_REMAINING = 1e-3
+_MEMORY = 10
+_CREEP = 5e-6
+_ROUNDING = 1e-12
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000
 
@@ -236,13 +244,14 @@ class Deformation:
         self._asked = asked
         self._method.aim(self._asked)
         self._iteration = 0
+        self._steps: deque[float] = deque(maxlen=_MEMORY + 1)
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
         before = self._method.U
         self._method.iterate()
         self._iteration += 1
-        moved = np.abs(self._method.U - before).max() / self.rest.diagonal
+        self._steps.append(float(np.abs(self._method.U - before).max()) / self.rest.diagonal)
         U = frozen(self._method.U[self.rest.weld.inverse])
         total = area(U, self.rest.F)
         return Frame(
@@ -252,8 +261,17 @@ class Deformation:
             area_error=total / self.rest.area - 1.0,
             volume=self.rest.volume_of(U),
             handle_drift=self._drift(),
-            converged=bool(moved <= _SETTLED and self._method.within_tolerance),
+            converged=self._settled() and self._method.within_tolerance,
         )
+
+    def _settled(self) -> bool:
+        last = self._steps[-1]
+        if last <= _ROUNDING:
+            return True
+        if last > _STILL or len(self._steps) <= _MEMORY:
+            return False
+        rate = (last / self._steps[0]) ** (1.0 / _MEMORY)
+        return rate < 1.0 and (last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING)
 
     def _drift(self) -> float:
         if not self._is_handle.any():
