@@ -24,7 +24,7 @@ LIBRARIES = {
     "errors": set(),
 }
 # Libraries that only the named files may touch.
-DRAWS = {"ui/picture.py", "ui/surface.py", "ui/viewport.py"}
+DRAWS = {"ui/picture.py", "ui/shading.py", "ui/surface.py", "ui/viewport.py"}
 CONFINED = {
     "cholespy": {"geometry/linear_solver.py"},
     "pyvista": DRAWS,

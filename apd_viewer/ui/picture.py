@@ -42,6 +42,8 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
     import pyvista as pv
 
+    from apd_viewer.ui.shading import headlight, shade
+
     plotter = pv.Plotter(off_screen=True, shape=(1, 2), border=False, window_size=list(_SIZE), lighting=None)
     plotter.set_background("white")
     change = f"{100 * result.area_error:+.3f} %"
@@ -53,15 +55,10 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
         plotter.subplot(0, column)
         surface = pv.PolyData.from_regular_faces(U, mesh.F)
         surface.point_data["label"] = label_colors(labels)
-        plotter.add_mesh(surface, scalars="label", rgb=True, smooth_shading=True, specular=0.12, ambient=0.12)
-        plotter.add_text(caption, position=(40, _SIZE[1] - 70), font_size=14, color=_INK, font="arial")
+        shade(plotter.add_mesh(surface, scalars="label", rgb=True, smooth_shading=True))
+        plotter.renderer.AddLight(headlight())
+        plotter.add_text(caption, position=(40, _SIZE[1] - 70), font_size=18, color=_INK, font="arial")
         _aim(plotter, np.concatenate([mesh.V, result.U]))
-        for position, intensity in (
-            ((-0.7, 0.8, 1.0), 0.75),
-            ((0.9, 0.1, 0.8), 0.35),
-            ((0.2, 0.6, -1.0), 0.3),
-        ):
-            plotter.add_light(pv.Light(position=position, intensity=intensity, light_type="camera light"))
     plotter.enable_anti_aliasing("ssaa")
     with replacing(path) as scratch:
         plotter.screenshot(scratch)

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pyvista as pv
-from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkPolyDataMapper
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.operators import vertex_normals
 from apd_viewer.geometry.picking import ray_hit
+from apd_viewer.ui.shading import headlight, match_background, shade
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
@@ -23,25 +24,6 @@ class Hit(NamedTuple):
     face: int
     point: np.ndarray
     normal: np.ndarray
-
-
-# The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
-# ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:
-# they leave half of it dark or wash out the painted colours, which here stay true where the surface
-# faces the viewer. The rim is light on a dark background and dark on a light one.
-SHADING = """
-  vec3 n = normalize(normalVCVSOutput);
-  vec3 v = normalize(-vertexVC.xyz);
-  vec3 key = normalize(vec3(-0.50, 0.62, 0.80));
-  float wrapped = clamp((dot(n, key) + 0.35) / 1.35, 0.0, 1.0);
-  float sky = 0.5 + 0.5 * n.y;
-  float rim = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
-  float gloss = pow(clamp(dot(n, normalize(key + v)), 0.0, 1.0), 36.0);
-  vec3 shaded = diffuseColor * (0.42 + 0.10 * sky + 0.64 * wrapped);
-  shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
-                                  - (1.0 - rimOnDark) * 0.30 * diffuseColor);
-  gl_FragData[0] = vec4(shaded, opacity);
-"""
 
 
 class Surface:
@@ -79,11 +61,10 @@ class Surface:
         prop = self._actor.GetProperty()
         prop.SetInterpolationToPhong()
         prop.SetLineWidth(1.0)
-        shader = self._actor.GetShaderProperty()
-        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, SHADING, False)
+        shade(self._actor)
         viewport.pre_draw.append(self._match_background)
         viewport.renderer.AddActor(self._actor)
-        viewport.renderer.AddLight(_headlight())
+        viewport.renderer.AddLight(headlight())
         viewport.pick = self.point_under
 
     def set_mesh(
@@ -164,8 +145,7 @@ class Surface:
         self._viewport.update()
 
     def _match_background(self) -> None:
-        uniforms = self._actor.GetShaderProperty().GetFragmentCustomUniforms()
-        uniforms.SetUniformf("rimOnDark", float(self._viewport.dark))
+        match_background(self._actor, self._viewport.dark)
 
     def hit(self, position: QPointF) -> Hit | None:
         """What is seen of the surface at a position in the viewport."""
@@ -183,10 +163,3 @@ class Surface:
         """Point of the surface seen at a position in the viewport."""
         hit = self.hit(position)
         return None if hit is None else hit.point
-
-
-def _headlight() -> vtkLight:
-    """Without a light VTK would not hand normals to the shader."""
-    light = vtkLight()
-    light.SetLightTypeToHeadlight()
-    return light
