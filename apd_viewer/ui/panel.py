@@ -33,6 +33,7 @@ METHOD_WORDS = {
     "arap": "Keeps the shape as rigid as possible and the handle in place. Gives up the area.",
 }
 _WIDTH = 288
+_NOTHING = 1e-7
 
 
 class Dot(QWidget):
@@ -231,10 +232,11 @@ class Panel(QScrollArea):
             return
         centre = document.grip[held].mean(axis=0)
         moved = document.pose[:3, :3] @ centre + document.pose[:3, 3] - centre
-        self.moved.setText(_figures(float(np.linalg.norm(moved)), 4))
+        size = max(state.inspection.size)
+        self.moved.setText(_length(float(np.linalg.norm(moved)), size))
         cosine = (np.trace(document.pose[:3, :3]) - 1.0) / 2.0
         self.turned.setText(f"{math.degrees(math.acos(min(1.0, max(-1.0, cosine)))):.1f}°")
-        self.drift.setText(_figures(state.frame.handle_drift, 4))
+        self.drift.setText(_length(state.frame.handle_drift, size))
 
     # Pieces
 
@@ -263,6 +265,11 @@ class Panel(QScrollArea):
 
 def _figures(value: float, digits: int = 6) -> str:
     return f"{value:#.{digits}g}".rstrip(".") if value else "0"
+
+
+def _length(value: float, size: float) -> str:
+    """A length on a mesh of this size; what is nothing but rounding is zero."""
+    return _figures(value, 4) if value > _NOTHING * size else "0"
 
 
 def _signed(value: float, decimals: int) -> str:
