@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
-from apd_viewer.files.samples import open_sample
+from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session.document import IDENTITY, Document, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Outcome
@@ -81,16 +81,11 @@ class Session:
 
     def open(self, path: str | Path) -> None:
         """Open the mesh at ``path``, in the background; what is open stays until the new one is there."""
-        name = Path(path).name
-        self._send(
-            f"Opening {name}", lambda: opened(open_mesh(path)), lambda state: self._opened(state, name)
-        )
+        self._open(Path(path).name, lambda: opened(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        self._send(
-            f"Opening {name}", lambda: opened(*open_sample(name)), lambda state: self._opened(state, name)
-        )
+        self._open(SAMPLES[name], lambda: opened(*open_sample(name)))
 
     def show(self, mesh: Mesh) -> None:
         """Open a mesh that is in memory already."""
@@ -297,8 +292,8 @@ class Session:
             state = replace(state, document=kept)
         self.warnings = ()
         self._jump(state, iterate=False)
-        for finding in state.inspection.findings:
-            self._listener.told(finding)
+        if state.inspection.findings:
+            self._listener.told(" ".join(state.inspection.findings))
 
     # The one way to change the state
 
