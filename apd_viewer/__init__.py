@@ -15,7 +15,8 @@ from typing import Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.deformation import Deformation, Frame, Result, deform
+from apd_viewer.geometry.deform import Result, deform
+from apd_viewer.geometry.deformation import Deformation, Frame
 from apd_viewer.geometry.mesh import Mesh
 
 __version__ = "0.1.0"

@@ -19,15 +19,8 @@ from apd_viewer.files.replacing import make_folder, replacing
 from apd_viewer.files.report import write_report
 from apd_viewer.files.selections import read_selection, read_transform
 from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deformation import (
-    DEFAULT_METHOD,
-    DEFAULT_TOLERANCE,
-    METHODS,
-    MOST_ITERATIONS,
-    Frame,
-    Result,
-    deform,
-)
+from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
+from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, METHODS, Frame
 from apd_viewer.geometry.inspection import inspect
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from apd_viewer.files.replacing import replacing
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deformation import Result, deform
+from apd_viewer.geometry.deform import Result, deform
 
 CASES = {
     "bottle-twist-60": ("bottle", "bottle twisted by 60°"),

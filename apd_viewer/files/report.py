@@ -11,7 +11,7 @@ from apd_viewer.files.replacing import replacing
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.geometry.deformation import Result
+    from apd_viewer.geometry.deform import Result
     from apd_viewer.geometry.mesh import Mesh
 
 

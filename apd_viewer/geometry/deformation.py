@@ -1,23 +1,20 @@
-"""Deform a mesh: factor once, aim, step; or all of it in one call."""
+"""Deform a mesh one iteration at a time: factor once, aim, step."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
 from dataclasses import dataclass
-from numbers import Integral, Real
-from typing import TYPE_CHECKING
+from numbers import Real
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.arap import Arap, RestShape
-from apd_viewer.geometry.mesh import Weld, check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.arap import Arap
+from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.methods import LiHui, PlainArap
-from apd_viewer.geometry.operators import area, volume, why_no_volume
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from apd_viewer.geometry.operators import area
+from apd_viewer.geometry.rest_mesh import RestMesh
 
 METHODS = ("paper", "arap")
 DEFAULT_METHOD = "paper"
@@ -32,8 +29,6 @@ _REMAINING = 1e-3
 _MEMORY = 10
 _CREEP = 5e-6
 _ROUNDING = 1e-12
-# Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
-MOST_ITERATIONS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,87 +58,6 @@ class Frame:
     volume: float | None
     handle_drift: float
     converged: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """A finished deformation; the fields of the command line's report.
-
-    Attributes
-    ----------
-    U : (n, 3) float array
-        Deformed positions in the order of the file, mesh units.
-    energy : float
-        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
-    warnings : tuple of str
-        What the user should know about the mesh or the result.
-    """
-
-    U: np.ndarray
-    method: str
-    iterations: int
-    converged: bool
-    area_rest: float
-    area: float
-    area_error: float
-    volume_rest: float | None
-    volume: float | None
-    energy: float
-    handle_drift: float
-    seconds: float
-    factor_seconds: float
-    seconds_per_iteration: float
-    warnings: tuple[str, ...]
-
-
-class RestMesh:
-    """Everything about a mesh that does not depend on what is held: computed once a mesh.
-
-    Parameters
-    ----------
-    V : (n, 3) float array, rest positions
-    F : (m, 3) int array, triangles
-    weld : Weld, optional
-        The maps to the vertices of the solve, where they are known already.
-    """
-
-    def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
-        self.V, self.F = V, F
-        self.weld = weld or Weld.of(V)
-        self.area = area(V, F)
-        if self.area <= 0.0:
-            raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
-        if not np.isfinite(self.area):
-            raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
-        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
-        self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
-        self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
-        self.volume = self.volume_of(V)
-
-    def volume_of(self, U: np.ndarray) -> float | None:
-        """Volume that the mesh encloses at ``U`` (n, 3); None if it is not closed."""
-        return None if self.why_no_volume else volume(U, self.F)
-
-    def energy(self, U: np.ndarray) -> float:
-        """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
-        return self.shape.energy(U[self.weld.first])
-
-    def loose_pieces(self, fixed: np.ndarray) -> int:
-        """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
-        with_faces = np.unique(self.shape.piece[self.shape.F])
-        return len(np.setdiff1d(with_faces, self.shape.piece[self.weld.inverse[fixed]]))
-
-    def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
-        """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
-        said = []
-        loose = self.loose_pieces(fixed)
-        if loose == 1:
-            said.append("A separate piece is held by nothing; it stays where it is.")
-        elif loose:
-            said.append(f"{loose:,} separate pieces are held by nothing; they stay where they are.")
-        if self.why_no_volume:
-            said.append(f"There is no volume: {self.why_no_volume}.")
-        return tuple(said)
 
 
 class Deformation:
@@ -300,75 +214,3 @@ def _check_method(method: str, is_handle: np.ndarray) -> None:
 def _check_tolerance(tolerance: float) -> None:
     if not isinstance(tolerance, Real) or not tolerance > 0.0:
         raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
-
-
-def deform(
-    V: np.ndarray,
-    F: np.ndarray,
-    fixed: np.ndarray,
-    targets: np.ndarray,
-    method: str = DEFAULT_METHOD,
-    iterations: int | None = None,
-    tolerance: float = DEFAULT_TOLERANCE,
-    *,
-    handle: np.ndarray | None = None,
-    progress: Callable[[Frame], None] | None = None,
-) -> Result:
-    """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
-
-    Parameters
-    ----------
-    V, F, fixed, method, tolerance, handle
-        See :class:`Deformation`.
-    targets : (k, 3) float array
-        A position for each of ``fixed``, mesh units.
-    iterations : int, optional
-        Do exactly so many plain iterations from the rest pose. Without it: until converged.
-    progress : callable, optional
-        Called with every Frame.
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    InputError
-        If the input cannot be used; the message says why.
-    """
-    if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
-        raise InputError("The number of iterations must be a whole number of at least 1.")
-    started = time.perf_counter()
-    solver = Deformation(V, F, fixed, method=method, handle=handle, tolerance=tolerance)
-    solver.aim(targets)
-    iterating = time.perf_counter()
-    while True:
-        frame = solver.step()
-        if progress:
-            progress(frame)
-        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.converged and iterations is None):
-            break
-    ended = time.perf_counter()
-    return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
-
-
-def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
-    stuck = not frame.converged and frame.iteration == MOST_ITERATIONS
-    unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",) if stuck else ()
-    return Result(
-        U=frame.U,
-        method=solver.method,
-        iterations=frame.iteration,
-        converged=frame.converged,
-        area_rest=solver.rest.area,
-        area=frame.area,
-        area_error=frame.area_error,
-        volume_rest=solver.rest.volume,
-        volume=frame.volume,
-        energy=solver.rest.energy(frame.U),
-        handle_drift=frame.handle_drift,
-        seconds=seconds,
-        factor_seconds=solver.factor_seconds,
-        seconds_per_iteration=seconds_per_iteration,
-        warnings=solver.rest.warnings(solver.fixed) + unsettled,
-    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry import picking
-from apd_viewer.geometry.deformation import deform
+from apd_viewer.geometry.deform import deform
 
 
 def warm_up() -> None:

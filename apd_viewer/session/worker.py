@@ -15,8 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deformation import MOST_ITERATIONS, Deformation, Frame, RestMesh
+from apd_viewer.geometry.deform import MOST_ITERATIONS
+from apd_viewer.geometry.deformation import Deformation, Frame
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.session.document import Document
 from apd_viewer.session.slot import Slot
 

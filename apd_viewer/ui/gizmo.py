@@ -48,8 +48,8 @@ class Gizmo(QObject):
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self._viewport = viewport
-        self._pose = np.eye(4)
-        self._pivot = np.zeros(3)
+        self._pose: np.ndarray = np.eye(4)
+        self._pivot: np.ndarray = np.zeros(3)
         self._visible = False
         self._local = False
         self._hot: str | None = None

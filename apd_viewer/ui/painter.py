@@ -56,8 +56,8 @@ class Painter(QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._surface = surface
-        self._F = np.empty((0, 3), dtype=np.int32)
-        self._graph = np.zeros(1, dtype=np.int32), np.empty(0, dtype=np.int32)
+        self._F: np.ndarray = np.empty((0, 3), dtype=np.int32)
+        self._graph: tuple[np.ndarray, np.ndarray] = np.zeros(1, dtype=np.int32), np.empty(0, dtype=np.int32)
         self._enabled = False
         self._radius = 24.0
         self._color = QColor("#ffffff")

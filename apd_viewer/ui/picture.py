@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.replacing import replacing
-from apd_viewer.geometry.deformation import Result
+from apd_viewer.geometry.deform import Result
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.ui.palette import label_colors
 

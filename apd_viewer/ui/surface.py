@@ -44,10 +44,10 @@ class Surface:
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self.F = np.empty((0, 3), dtype=np.int32)
-        self.U = np.empty((0, 3))
+        self.F: np.ndarray = np.empty((0, 3), dtype=np.int32)
+        self.U: np.ndarray = np.empty((0, 3))
         self.revision = 0
-        self._joined_F = self.F
+        self._joined_F: np.ndarray = self.F
         self._source: np.ndarray | None = None  # for each vertex the one whose normal it shares
         self._mesh = pv.PolyData()
         self._mapper = vtkPolyDataMapper()

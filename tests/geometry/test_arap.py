@@ -7,7 +7,9 @@ import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
 from apd_viewer.geometry.arap import Arap, RestShape
-from apd_viewer.geometry.deformation import Deformation, RestMesh, deform
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.rest_mesh import RestMesh
 
 # name: rotation of the handle about its centroid, and its shift in heights of the mesh
 MOVES = {

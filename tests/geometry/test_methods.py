@@ -7,7 +7,8 @@ from meshes import box, ends, moved, rotation, tube
 from scipy.optimize import brentq
 
 from apd_viewer.geometry.arap import Arap, RestShape
-from apd_viewer.geometry.deformation import Deformation, deform
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.methods import LiHui
 from apd_viewer.geometry.operators import area, volume
 

@@ -1,0 +1,119 @@
+"""Deform a mesh in one call."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Integral
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, Deformation, Frame
+
+# Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
+MOST_ITERATIONS = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished deformation; the fields of the command line's report.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Deformed positions in the order of the file, mesh units.
+    energy : float
+        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
+    warnings : tuple of str
+        What the user should know about the mesh or the result.
+    """
+
+    U: np.ndarray
+    method: str
+    iterations: int
+    converged: bool
+    area_rest: float
+    area: float
+    area_error: float
+    volume_rest: float | None
+    volume: float | None
+    energy: float
+    handle_drift: float
+    seconds: float
+    factor_seconds: float
+    seconds_per_iteration: float
+    warnings: tuple[str, ...]
+
+
+def deform(
+    V: np.ndarray,
+    F: np.ndarray,
+    fixed: np.ndarray,
+    targets: np.ndarray,
+    method: str = DEFAULT_METHOD,
+    iterations: int | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+    *,
+    handle: np.ndarray | None = None,
+    progress: Callable[[Frame], None] | None = None,
+) -> Result:
+    """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
+
+    Parameters
+    ----------
+    V, F, fixed, method, tolerance, handle
+        See :class:`Deformation`.
+    targets : (k, 3) float array
+        A position for each of ``fixed``, mesh units.
+    iterations : int, optional
+        Do exactly so many plain iterations from the rest pose. Without it: until converged.
+    progress : callable, optional
+        Called with every Frame.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
+        raise InputError("The number of iterations must be a whole number of at least 1.")
+    started = time.perf_counter()
+    solver = Deformation(V, F, fixed, method=method, handle=handle, tolerance=tolerance)
+    solver.aim(targets)
+    iterating = time.perf_counter()
+    while True:
+        frame = solver.step()
+        if progress:
+            progress(frame)
+        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.converged and iterations is None):
+            break
+    ended = time.perf_counter()
+    return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
+
+
+def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+    stuck = not frame.converged and frame.iteration == MOST_ITERATIONS
+    unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",) if stuck else ()
+    return Result(
+        U=frame.U,
+        method=solver.method,
+        iterations=frame.iteration,
+        converged=frame.converged,
+        area_rest=solver.rest.area,
+        area=frame.area,
+        area_error=frame.area_error,
+        volume_rest=solver.rest.volume,
+        volume=frame.volume,
+        energy=solver.rest.energy(frame.U),
+        handle_drift=frame.handle_drift,
+        seconds=seconds,
+        factor_seconds=solver.factor_seconds,
+        seconds_per_iteration=seconds_per_iteration,
+        warnings=solver.rest.warnings(solver.fixed) + unsettled,
+    )

@@ -1,0 +1,60 @@
+"""Everything about a mesh at rest that a deformation needs, whatever is held."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.arap import RestShape
+from apd_viewer.geometry.mesh import Weld
+from apd_viewer.geometry.operators import area, volume, why_no_volume
+
+
+class RestMesh:
+    """Everything about a mesh that does not depend on what is held: computed once a mesh.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    F : (m, 3) int array, triangles
+    weld : Weld, optional
+        The maps to the vertices of the solve, where they are known already.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
+        self.V, self.F = V, F
+        self.weld = weld or Weld.of(V)
+        self.area = area(V, F)
+        if self.area <= 0.0:
+            raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
+        if not np.isfinite(self.area):
+            raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
+        self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
+        self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
+        self.volume = self.volume_of(V)
+
+    def volume_of(self, U: np.ndarray) -> float | None:
+        """Volume that the mesh encloses at ``U`` (n, 3); None if it is not closed."""
+        return None if self.why_no_volume else volume(U, self.F)
+
+    def energy(self, U: np.ndarray) -> float:
+        """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
+        return self.shape.energy(U[self.weld.first])
+
+    def loose_pieces(self, fixed: np.ndarray) -> int:
+        """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
+        with_faces = np.unique(self.shape.piece[self.shape.F])
+        return len(np.setdiff1d(with_faces, self.shape.piece[self.weld.inverse[fixed]]))
+
+    def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
+        """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
+        said = []
+        loose = self.loose_pieces(fixed)
+        if loose == 1:
+            said.append("A separate piece is held by nothing; it stays where it is.")
+        elif loose:
+            said.append(f"{loose:,} separate pieces are held by nothing; they stay where they are.")
+        if self.why_no_volume:
+            said.append(f"There is no volume: {self.why_no_volume}.")
+        return tuple(said)
