@@ -7,7 +7,7 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QDockWidget,
@@ -75,8 +75,8 @@ class Window(QMainWindow):
                 failed=lambda sentence: self.notice.fail(sentence),
             )
         )
-        self._woken.connect(self.session.receive, Qt.ConnectionType.QueuedConnection)
-        self._invited = False
+        self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self._invited = self._closed = False
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
@@ -239,6 +239,12 @@ class Window(QMainWindow):
 
     # Showing
 
+    @Slot()
+    def _receive(self) -> None:
+        # A call may still be on its way when the window is closed.
+        if not self._closed:
+            self.session.receive()
+
     def _changed(self, old: State | None, new: State) -> None:
         self.canvas.show_state(old, new)
         self.panel.show_state(old, new)
@@ -364,7 +370,7 @@ class Window(QMainWindow):
             return
         self._settings.setValue("geometry", self.saveGeometry())
         self._settings.setValue("layout", self.saveState())
-        self._woken.disconnect(self.session.receive)
+        self._closed = True
         self.session.close()
         self.canvas.viewport.close()
         super().closeEvent(event)
