@@ -47,14 +47,17 @@ class RestMesh:
         with_faces = np.unique(self.shape.piece[self.shape.F])
         return len(np.setdiff1d(with_faces, self.shape.piece[self.weld.inverse[fixed]]))
 
+    def loose_warning(self, fixed: np.ndarray) -> str | None:
+        """What a user should be told about pieces that none of the ``fixed`` vertices holds."""
+        loose = self.loose_pieces(fixed)
+        if not loose:
+            return None
+        if loose == 1:
+            return "A separate piece is held by nothing; it stays where it is."
+        return f"{loose:,} separate pieces are held by nothing; they stay where they are."
+
     def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
         """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
-        said = []
-        loose = self.loose_pieces(fixed)
-        if loose == 1:
-            said.append("A separate piece is held by nothing; it stays where it is.")
-        elif loose:
-            said.append(f"{loose:,} separate pieces are held by nothing; they stay where they are.")
-        if self.why_no_volume:
-            said.append(f"There is no volume: {self.why_no_volume}.")
-        return tuple(said)
+        why = self.why_no_volume
+        said = (self.loose_warning(fixed), f"There is no volume: {why}." if why else None)
+        return tuple(sentence for sentence in said if sentence)

@@ -44,7 +44,7 @@ class Listener:
     changed : callable
         ``changed(old, new)``: the state was replaced; old is None the first time.
     status_changed : callable
-        Activity, warnings, errand or history may differ.
+        Activity, errand or history may differ.
     told : callable
         ``told(sentence)``: something the user should read.
     failed : callable
@@ -73,7 +73,7 @@ class Session:
         self._closed = False
         self.state: State | None = None
         self.activity = Activity.IDLE
-        self.warnings: tuple[str, ...] = ()
+        self._warned: str | None = None
         self.seconds_per_iteration = 0.0
         self.errand: Errand | None = None
 
@@ -256,7 +256,9 @@ class Session:
 
     def _accept(self, reply: Reply) -> None:
         state = self._require_state()
-        self.warnings = reply.warnings
+        if reply.warning and reply.warning != self._warned:
+            self._listener.told(reply.warning)
+        self._warned = reply.warning
         if reply.frame is not None:
             self.seconds_per_iteration = reply.seconds
             settled = reply.frame.converged and reply.document is self._asked
@@ -290,7 +292,7 @@ class Session:
             self.history.record(f"Open {name}", before)
             kept = replace(state.document, method=document.method, tolerance=document.tolerance)
             state = replace(state, document=kept)
-        self.warnings = ()
+        self._warned = None
         self._jump(state, iterate=False)
         if state.inspection.findings:
             self._listener.told(" ".join(state.inspection.findings))

@@ -55,6 +55,8 @@ class Reply:
         Nothing more comes for this request.
     seconds : float
         Time that the last iteration took.
+    warning : str or None
+        What the user should know about what is held.
     """
 
     document: Document
@@ -63,7 +65,7 @@ class Reply:
     finished: bool
     seconds: float = 0.0
     failure: str | None = None
-    warnings: tuple[str, ...] = ()
+    warning: str | None = None
 
 
 class Worker:
@@ -123,13 +125,13 @@ class Worker:
         solver = self._prepared(request)
         if not request.iterate:
             return
-        warnings = solver.rest.warnings(solver.fixed)
+        warning = solver.rest.loose_warning(solver.fixed)
         while True:  # one step at least, or poses that come faster than they are prepared show nothing
             started = time.perf_counter()
             frame = solver.step()
             seconds = time.perf_counter() - started
             finished = frame.converged or frame.iteration >= MOST_ITERATIONS
-            self._reply(Reply(request.document, request.generation, frame, finished, seconds, None, warnings))
+            self._reply(Reply(request.document, request.generation, frame, finished, seconds, None, warning))
             if finished or self._requests.waiting:
                 return
 

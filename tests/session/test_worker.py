@@ -75,7 +75,7 @@ def test_a_pickled_request_gets_the_same_frames_bit_for_bit(method):
     for a, b in zip(again, replies, strict=True):
         assert np.array_equal(a.frame.U, b.frame.U)
         assert replace(a.frame, U=None).__dict__ == replace(b.frame, U=None).__dict__
-        assert (a.finished, a.generation, a.warnings) == (b.finished, b.generation, b.warnings)
+        assert (a.finished, a.generation, a.warning) == (b.finished, b.generation, b.warning)
 
 
 def test_a_reply_survives_pickling(worker):

@@ -1,0 +1,70 @@
+"""The few questions that are worth a dialog."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from apd_viewer.files.meshes import FORMATS
+from apd_viewer.geometry.mesh import Mesh
+
+_OPEN_FILTER = f"Meshes ({' '.join('*' + suffix for suffix in FORMATS)})"
+_EXPORT_FILTERS = {suffix: f"{suffix[1:].upper()} (*{suffix})" for suffix in FORMATS}
+
+
+def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
+    """Which mesh to open; None if the user thought better of it."""
+    path, _ = QFileDialog.getOpenFileName(parent, "Open a mesh", str(folder), _OPEN_FILTER)
+    return Path(path) if path else None
+
+
+def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+    """Where to write the deformed mesh; asks again by itself before a file is replaced."""
+    suffix = mesh.path.suffix.lower() if mesh.path else ".obj"
+    stem = mesh.path.stem if mesh.path else "mesh"
+    path, chosen = QFileDialog.getSaveFileName(
+        parent,
+        "Export the deformed mesh",
+        str(folder / f"{stem}-deformed{suffix}"),
+        ";;".join(_EXPORT_FILTERS.values()),
+        _EXPORT_FILTERS[suffix],
+    )
+    if not path or Path(path).suffix.lower() in FORMATS:
+        return Path(path) if path else None
+    return _ended(parent, path, chosen)
+
+
+def _ended(parent: QWidget, path: str, chosen: str) -> Path | None:
+    """The path with the ending of the chosen format; its file was not the one that was asked about."""
+    target = Path(path + next(suffix for suffix, name in _EXPORT_FILTERS.items() if name == chosen))
+    buttons = QMessageBox.StandardButton
+    if not target.exists():
+        return target
+    question = f"{target.name} already exists. Replace it?"
+    answer = QMessageBox.question(parent, "Replace the file?", question, buttons.Yes | buttons.No, buttons.No)
+    return target if answer == buttons.Yes else None
+
+
+def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
+    """What to do with a shape that was not exported when the window is closed: Save, Discard or Cancel."""
+    buttons = QMessageBox.StandardButton
+    return QMessageBox.question(
+        parent,
+        "Close without exporting?",
+        "The deformed mesh has not been exported. Closing loses it.",
+        buttons.Save | buttons.Discard | buttons.Cancel,
+        buttons.Cancel,
+    )
+
+
+def about(parent: QWidget) -> None:
+    """Say what the program is and what it is made of."""
+    QMessageBox.about(
+        parent,
+        "About APD Viewer",
+        f"<h3>APD Viewer {version('apd-viewer')}</h3>"
+        "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
+        "<p>Built on NumPy, SciPy, Numba, cholespy, trimesh, PyVista and Qt for Python. MIT licence.</p>",
+    )

@@ -1,0 +1,63 @@
+"""What the window remembers from one start to the next."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QSettings, Qt
+from PySide6.QtWidgets import QMainWindow
+
+_MOST_RECENT = 8
+
+
+class Memory:
+    """Recent files, the folder of the last one, the layout of the window, light or dark.
+
+    Parameters
+    ----------
+    settings : QSettings
+        Where the platform keeps such things.
+    """
+
+    def __init__(self, settings: QSettings) -> None:
+        self._settings = settings
+
+    @property
+    def recent(self) -> list[Path]:
+        """The files that were opened last, the latest first."""
+        value = self._settings.value("recent", [])
+        return [Path(path) for path in ([value] if isinstance(value, str) else list(value or []))]
+
+    @property
+    def folder(self) -> Path:
+        """Where the last file was."""
+        return Path(str(self._settings.value("folder", str(Path.home()))))
+
+    def remember(self, path: Path) -> None:
+        """Put ``path`` at the head of the recent files."""
+        path = path.resolve()
+        recent = [path, *(other for other in self.recent if other != path)][:_MOST_RECENT]
+        self._settings.setValue("recent", [str(other) for other in recent])
+        self._settings.setValue("folder", str(path.parent))
+
+    @property
+    def scheme(self) -> Qt.ColorScheme:
+        """Light, dark, or as the platform has it."""
+        return Qt.ColorScheme(self._settings.value("scheme", 0, int))
+
+    @scheme.setter
+    def scheme(self, scheme: Qt.ColorScheme) -> None:
+        self._settings.setValue("scheme", scheme.value)
+
+    def keep_layout(self, window: QMainWindow) -> None:
+        """Remember size, place and panels of ``window``."""
+        self._settings.setValue("geometry", window.saveGeometry())
+        self._settings.setValue("layout", window.saveState())
+
+    def restore_layout(self, window: QMainWindow) -> None:
+        """Give ``window`` the size, place and panels that it had."""
+        geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
+        if geometry is not None:
+            window.restoreGeometry(geometry)
+        if layout is not None:
+            window.restoreState(layout)
