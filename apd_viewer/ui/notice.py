@@ -10,6 +10,7 @@ from apd_viewer.ui.theme import LIGHT, Theme
 
 _MARGIN = 12
 _WIDEST = 480
+_INVITATION_PADDING = 20
 _READING_TIME = 7000  # ms; failures stay until they are read
 
 
@@ -95,7 +96,7 @@ class Invitation(QLabel):
     """One line at the bottom of the canvas that says what to do first."""
 
     def __init__(self, canvas: QWidget) -> None:
-        super().__init__(canvas)
+        super().__init__(canvas, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
         self._canvas = canvas
         self.setObjectName("invitation")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -115,9 +116,13 @@ class Invitation(QLabel):
         return super().eventFilter(watched, event)
 
     def _place(self) -> None:
+        if self.isHidden():
+            return
         canvas = self._canvas
-        self.adjustSize()
-        self.move((canvas.width() - self.width()) // 2, canvas.height() - self.height() - 2 * _MARGIN)
+        words = self.fontMetrics().horizontalAdvance(self.text())
+        width = min(words + 2 * _INVITATION_PADDING, canvas.width() - 2 * _MARGIN)
+        self.setFixedSize(width, self.heightForWidth(width))
+        self.move((canvas.width() - width) // 2, canvas.height() - self.height() - 2 * _MARGIN)
 
 
 class Empty(QWidget):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QComboBox,
@@ -79,7 +79,6 @@ class Panel(QScrollArea):
         self._theme = LIGHT
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(_WIDTH)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         body = QWidget(objectName="panel")
         self._column = QVBoxLayout(body)
@@ -92,6 +91,23 @@ class Panel(QScrollArea):
         self._add_paint()
         self._column.addStretch(1)
         self.setWidget(body)
+        self.percent.setText("–")
+
+    def minimumSizeHint(self) -> QSize:
+        """As wide as the widest line, so that nothing is ever cut off at the side."""
+        body, bar = self.widget(), self.verticalScrollBar().sizeHint().width()
+        lines = body.minimumSizeHint().width() + bar if body else 0
+        return QSize(max(_WIDTH, lines), super().minimumSizeHint().height())
+
+    def sizeHint(self) -> QSize:
+        """No wider than it must be."""
+        return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Ask for another width when the letters of the body grow."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
 
     # Sections
 
@@ -104,7 +120,7 @@ class Panel(QScrollArea):
         row.addWidget(self.activity)
         row.addWidget(self._dot)
         self._column.addLayout(row)
-        self.percent = QLabel("–", accessibleName="Area in percent of the rest area")
+        self.percent = QLabel("100.000 %", accessibleName="Area in percent of the rest area")
         font = QFont(self.percent.font())
         font.setPointSizeF(font.pointSizeF() * 2.5)
         font.setWeight(QFont.Weight.DemiBold)
