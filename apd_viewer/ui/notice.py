@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.viewport import Viewport
 
 _MARGIN = 12
 _WIDEST = 480
@@ -17,7 +19,7 @@ _READING_TIME = 7000  # ms; failures stay until they are read
 class Notice(QFrame):
     """One message at the top of the canvas; a newer one takes the place of an older one."""
 
-    def __init__(self, canvas: QWidget) -> None:
+    def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
         self._canvas = canvas
         self._theme = LIGHT
@@ -37,7 +39,7 @@ class Notice(QFrame):
         self._timer.timeout.connect(self.hide)
         self._kind = "message"
         self.hide()
-        canvas.installEventFilter(self)
+        canvas.resized.connect(self._place)
 
     @property
     def text(self) -> str:
@@ -59,12 +61,6 @@ class Notice(QFrame):
         self._theme = theme
         self._close.setIcon(icon("cancel", theme))
         self._draw_symbol()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay centred at the top of the canvas."""
-        if event.type() == QEvent.Type.Resize:
-            self._place()
-        return super().eventFilter(watched, event)
 
     def _show(self, sentence: str, kind: str) -> None:
         self._kind = kind
@@ -95,25 +91,19 @@ class Notice(QFrame):
 class Invitation(QLabel):
     """One line at the bottom of the canvas that says what to do first."""
 
-    def __init__(self, canvas: QWidget) -> None:
+    def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
         self._canvas = canvas
         self.setObjectName("invitation")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.hide()
-        canvas.installEventFilter(self)
+        canvas.resized.connect(self._place)
 
     def say(self, sentence: str) -> None:
         """Show ``sentence``, or nothing where it is empty."""
         self.setText(sentence)
         self.setVisible(bool(sentence))
         self._place()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay centred at the bottom of the canvas."""
-        if event.type() == QEvent.Type.Resize:
-            self._place()
-        return super().eventFilter(watched, event)
 
     def _place(self) -> None:
         if self.isHidden():
@@ -128,7 +118,7 @@ class Invitation(QLabel):
 class Empty(QWidget):
     """The middle of the canvas while no mesh is open."""
 
-    def __init__(self, canvas: QWidget, buttons: list[QWidget]) -> None:
+    def __init__(self, canvas: Viewport, buttons: list[QWidget]) -> None:
         super().__init__(canvas)
         self._canvas = canvas
         self.setObjectName("empty")
@@ -142,12 +132,14 @@ class Empty(QWidget):
             row.addWidget(button)
         column.addLayout(row)
         self.hide()
-        canvas.installEventFilter(self)
+        canvas.resized.connect(self._place)
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Stay in the middle of the canvas."""
-        if event.type() in (QEvent.Type.Resize, QEvent.Type.Show):
-            canvas = self._canvas
-            self.adjustSize()
-            self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)
-        return super().eventFilter(watched, event)
+    def showEvent(self, event: QShowEvent) -> None:
+        """Stand in the middle of the canvas."""
+        super().showEvent(event)
+        self._place()
+
+    def _place(self) -> None:
+        self.adjustSize()
+        canvas = self._canvas
+        self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QComboBox,
@@ -91,7 +91,6 @@ class Panel(QScrollArea):
         self._add_paint()
         self._column.addStretch(1)
         self.setWidget(body)
-        self.percent.setText("–")
 
     def minimumSizeHint(self) -> QSize:
         """As wide as the widest line, so that nothing is ever cut off at the side."""
@@ -103,11 +102,11 @@ class Panel(QScrollArea):
         """No wider than it must be."""
         return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Ask for another width when the letters of the body grow."""
-        if event.type() == QEvent.Type.LayoutRequest:
-            self.updateGeometry()
-        return super().eventFilter(watched, event)
+    def changeEvent(self, event: QEvent) -> None:
+        """Ask for another width once the letters have grown."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            QTimer.singleShot(0, self, self.updateGeometry)
 
     # Sections
 
@@ -120,11 +119,12 @@ class Panel(QScrollArea):
         row.addWidget(self.activity)
         row.addWidget(self._dot)
         self._column.addLayout(row)
-        self.percent = QLabel("100.000 %", accessibleName="Area in percent of the rest area")
+        self.percent = QLabel("–", accessibleName="Area in percent of the rest area")
         font = QFont(self.percent.font())
         font.setPointSizeF(font.pointSizeF() * 2.5)
         font.setWeight(QFont.Weight.DemiBold)
         self.percent.setFont(font)
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
         self._column.addWidget(self.percent)
         self.area = self._value("Area, and area at rest")
         self.verdict = self._value("Change of the area")

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
@@ -49,7 +49,10 @@ class Viewport(QtInteractor):
         From a position in the widget to the point of the surface seen there, or None.
     dark : bool
         Whether the background is dark.
+    resized : Signal()
     """
+
+    resized = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[Any] = []
@@ -270,6 +273,7 @@ class Viewport(QtInteractor):
         """Keep the overlay as large as the view, and in frame what was, until the camera is moved."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
+        self.resized.emit()
         if self._framed is not None and np.array_equal(self._framed[1], self.eye.position):
             self.frame(self._framed[0])
 
