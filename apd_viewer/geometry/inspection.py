@@ -67,7 +67,7 @@ def _findings(mesh: Mesh, F: np.ndarray) -> list[str]:
         )
     flat = int((face_areas(mesh.V, mesh.F) == 0.0).sum())
     if flat:
-        findings.append(f"{counted(flat, 'face has', 'faces have')} no area; they do not resist.")
+        findings.append(f"{counted(flat, 'face has', 'faces have')} no area and no stiffness.")
     count = len(np.unique(pieces(F, len(mesh.weld.first))[F]))
     if count > 1:
         findings.append(f"There are {count:,} separate pieces; each needs base or handle to move.")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import FREE, Constraints, constraints, what_is_missing
 from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, Frame
 from apd_viewer.geometry.inspection import Inspection, inspect
@@ -88,6 +89,8 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
     if labels is None:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
     inspection = inspect(mesh)
+    if inspection.area <= 0.0:
+        raise InputError(f"{mesh.name} has no area: all its faces are degenerate; export it again.")
     return State(Document(mesh, labels, mesh.V), inspection, rest_frame(mesh, inspection))
 
 

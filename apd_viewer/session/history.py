@@ -38,6 +38,11 @@ class History:
         """Name of the gesture that redo would do again."""
         return self._redo[-1].gesture if self._redo else None
 
+    @property
+    def past(self) -> list[State]:
+        """The states that undo leads back to, the oldest first."""
+        return [entry.state for entry in self._undo]
+
     def record(self, gesture: str, before: State) -> None:
         """Remember the state before a gesture that has just been finished."""
         self._redo.clear()

@@ -67,7 +67,7 @@ class Session:
         self._outcomes: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
         self._generation = 0
         self._gesture: State | None = None
-        self._saved: np.ndarray | None = None
+        self._saved: list[np.ndarray] = []
         self.history = History()
         self._asked: Document | None = None
         self._closed = False
@@ -103,7 +103,7 @@ class Session:
             save_mesh(state.document.mesh, U, check_target(path))
 
         def written(_: object) -> None:
-            self._saved = U
+            self._saved.append(U)
             self._listener.told(f"Exported {path.name}: area {state.frame.area:.6g}.")
 
         self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
@@ -116,11 +116,21 @@ class Session:
             self._listener.status_changed()
 
     @property
-    def unsaved(self) -> bool:
-        """Whether there is a deformed shape that has not been exported."""
-        return self.state is not None and not any(
-            self.state.frame.U is kept for kept in (self.state.document.mesh.V, self._saved)
-        )
+    def unsaved(self) -> list[Mesh]:
+        """The meshes, on screen or a few undos away, whose latest shape has not been exported."""
+        states = [*self.history.past, *([self.state] if self.state else [])]
+        latest = {id(state.document.mesh): state for state in states}
+        return [
+            state.document.mesh
+            for state in latest.values()
+            if not any(state.frame.U is kept for kept in (state.document.mesh.V, *self._saved))
+        ]
+
+    @property
+    def moved(self) -> bool:
+        """Whether anything is not as it was at rest."""
+        state = self._require_state()
+        return state.frame.U is not state.document.mesh.V or not np.array_equal(state.document.pose, IDENTITY)
 
     # Painting
 
@@ -173,7 +183,7 @@ class Session:
         self.cancel_gesture()
         state = self._require_state()
         mesh = state.document.mesh
-        if state.frame.U is mesh.V and np.array_equal(state.document.pose, np.eye(4)):
+        if not self.moved:
             return
         self.history.record("Reset handle", state)
         rest = rest_frame(mesh, state.inspection)

@@ -85,7 +85,7 @@ class Actions:
             words = tool.words
             action = QAction(f"{words.title}", self._window, checkable=True)
             action.setShortcut(QKeySequence(words.key))
-            action.setToolTip(f"{words.tip} ({words.key})")
+            action.setToolTip(f"<b>{words.title}</b> ({words.key})<br>{words.tip}")
             action.setStatusTip(words.tip)
             action.triggered.connect(lambda _checked=False, tool=tool: self._verbs["take"](tool))
             self._group.addAction(action)
@@ -166,6 +166,7 @@ class Actions:
     def _make_bar(self) -> QToolBar:
         bar = QToolBar("Tools", self._window, objectName="tools", movable=False)
         bar.setIconSize(SIZE)
+        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         bar.addActions([self.open, self.export])
         bar.addSeparator()
         bar.addActions(list(self.tools.values()))

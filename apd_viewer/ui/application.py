@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -104,6 +105,7 @@ def run(mesh: object = None) -> None:
         window.show_mesh(shown)
     else:
         window.open_path(shown)
+    signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
     application.exec()
     warming.join()  # a thread that compiles while the interpreter ends would take it down
 

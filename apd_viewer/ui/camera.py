@@ -9,7 +9,7 @@ import numpy as np
 
 UP = np.array([0.0, 1.0, 0.0])
 DEGREES_PER_PIXEL = 0.4
-MARGIN = 1.4  # room for the gizmo at the border of what is framed
+MARGIN = 1.15
 
 # Where the camera stands, and which way is up in the picture.
 STANDPOINTS = {
@@ -114,13 +114,19 @@ class Camera:
             focal=point + (self.focal - point) / factor,
         )
 
-    def framed(self, points: np.ndarray) -> Camera:
-        """Show all points as large as they fit, seen from the same direction."""
+    def framed(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> Camera:
+        """Show all points as large as they fit, seen from the same direction.
+
+        ``room``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
+        """
         centre = (points.min(axis=0) + points.max(axis=0)) / 2
         local = (points - centre) @ self.axes.T
         half = np.tan(self.angle / 2)
-        wide = np.abs(local[:, 0]) / (half * self.width / self.height)
-        away = float((np.maximum(wide, np.abs(local[:, 1]) / half) * MARGIN - local[:, 2]).max())
+        # A tiny view cannot hold the room; there the points must do with a tenth of it.
+        across, along = (np.maximum(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
+        wide = np.abs(local[:, 0]) / (half * self.width / self.height * across)
+        tall = np.abs(local[:, 1]) / (half * along)
+        away = float((np.maximum(wide, tall) * MARGIN - local[:, 2]).max())
         return replace(self, position=centre - (away or 1.0) * self.axes[2], focal=centre)
 
     def placed(self, axis: str) -> Camera:

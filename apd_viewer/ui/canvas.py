@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
@@ -9,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.session.document import State
 from apd_viewer.ui.gizmo import Gizmo
+from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.painter import Painter
 from apd_viewer.ui.palette import label_colors
 from apd_viewer.ui.surface import Surface
@@ -86,7 +88,6 @@ class Canvas(QObject):
             mesh = document.mesh
             self.surface.set_mesh(mesh.F, new.frame.U, label_colors(document.labels), mesh.joined_F)
             self.painter.set_topology(mesh.joined_F, len(mesh.V))
-            self.viewport.frame(new.frame.U)
         else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
@@ -94,10 +95,17 @@ class Canvas(QObject):
                 self.surface.set_colors(label_colors(document.labels))
         if old is None or old.document is not document:
             self._place_gizmo(new)
+        if old is None or old.document.mesh is not document.mesh:
+            self.viewport.look_home()
+            self.frame_mesh()
 
     def frame_mesh(self) -> None:
-        """Show the whole mesh."""
-        self.viewport.frame(self.surface.U)
+        """Show the whole mesh, and all of the gizmo."""
+        points, room = self.surface.U, np.zeros(len(self.surface.U))
+        if self._movable:
+            points = np.vstack([points, self.gizmo.frame.centre])
+            room = np.append(room, SIZE)
+        self.viewport.frame(points, room)
 
     def _place_gizmo(self, state: State) -> None:
         document = state.document

@@ -18,6 +18,7 @@ SHAFT = (15.0, 92.0)
 TIP = 110.0
 TIP_RADIUS = 6.5
 LABEL = 124.0
+SIZE = 136.0  # all of it, letters included, lies within this distance of the centre
 RING = 76.0
 SQUARE = (27.0, 43.0)
 DOT = 5.0

@@ -12,6 +12,7 @@ from apd_viewer.ui.viewport import Viewport
 
 _MARGIN = 12
 _WIDEST = 480
+_UNBOUNDED = 16_777_215  # Qt's largest size of a widget
 _INVITATION_PADDING = 20
 _READING_TIME = 7000  # ms; failures stay until they are read
 
@@ -29,7 +30,7 @@ class Notice(QFrame):
         self._symbol = QLabel()
         self._close = QToolButton(accessibleName="Dismiss the message", toolTip="Dismiss", iconSize=SIZE)
         self._close.clicked.connect(self.hide)
-        row = QHBoxLayout(self)
+        row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8, 8)
         row.setSpacing(8)
         row.addWidget(self._symbol)
@@ -83,7 +84,11 @@ class Notice(QFrame):
         canvas = self._canvas
         room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
         width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
+        # The height for a width is never less than the smallest height, which the last text has set.
+        self._text.setMinimumSize(0, 0)
+        self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)
         self._text.setFixedSize(width, self._text.heightForWidth(width))
+        self._row.activate()
         self.adjustSize()
         self.move((canvas.width() - self.width()) // 2, _MARGIN)
 

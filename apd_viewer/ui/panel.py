@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QFont, QKeyEvent, QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
@@ -57,6 +58,32 @@ class Dot(QWidget):
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(self._color)
         painter.drawEllipse(QPointF(8, 8), 5, 5)
+
+
+class _Choice(QComboBox):
+    """A box that the wheel scrolls past: it lies where people scroll the panel."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()
+
+
+class _Number(QDoubleSpinBox):
+    """A field that gives the keyboard back after Enter and Esc, and that the wheel scrolls past."""
+
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(**properties)
+        self.lineEdit().returnPressed.connect(self.clearFocus)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        super().keyPressEvent(event)
+        if event.key() == Qt.Key.Key_Escape:
+            self.clearFocus()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
 
 
 class Panel(QScrollArea):
@@ -142,13 +169,13 @@ class Panel(QScrollArea):
     def _add_method(self) -> None:
         self._rule()
         self._heading("Method")
-        self.method = QComboBox(accessibleName="Method")
+        self.method = _Choice(accessibleName="Method")
         for key, name in METHOD_NAMES.items():
             self.method.addItem(name, key)
         self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
         self._column.addWidget(self.method)
         self._words = self._value("What the method keeps and gives up")
-        self.tolerance = QDoubleSpinBox(
+        self.tolerance = _Number(
             accessibleName="Tolerance of the area in percent", minimum=0.001, maximum=10.0, decimals=3
         )
         self.tolerance.setSuffix(" %")
@@ -218,14 +245,13 @@ class Panel(QScrollArea):
 
     def _show_readings(self, state: State) -> None:
         frame, rest = state.frame, state.inspection
-        within = abs(frame.area_error) <= state.document.tolerance
+        promised = state.document.method != "arap"
+        within = abs(frame.area_error) <= state.document.tolerance or not promised
         self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
         self._dot.set_color(self._theme.good if within else self._theme.warm)
         self.area.setText(f"{_figures(frame.area)} of {_figures(rest.area)}")
-        self.verdict.setText(
-            f"{_signed(100 * frame.area_error, 3)} %, {'within' if within else 'outside'} "
-            f"{100 * state.document.tolerance:.3g} %"
-        )
+        verdict = f", {'within' if within else 'outside'} {100 * state.document.tolerance:.3g} %"
+        self.verdict.setText(f"{_signed(100 * frame.area_error, 3)} %{verdict if promised else ''}")
         self._show_volume(state)
         self._show_handle(state)
 
@@ -235,7 +261,8 @@ class Panel(QScrollArea):
             self.volume_change.setText("none")
             self.volume.setText(state.inspection.why_no_volume or "The surface encloses nothing.")
             return
-        self.volume_change.setText(f"{_signed(100 * (now / rest - 1), 2)} %")
+        change = _signed(100 * (now / rest - 1), 2)
+        self.volume_change.setText("unchanged" if float(change.replace("−", "-")) == 0 else f"{change} %")
         self.volume.setText(f"{_figures(now)} of {_figures(rest)}")
 
     def _show_handle(self, state: State) -> None:

@@ -47,6 +47,7 @@ class Surface:
         self.F: np.ndarray = np.empty((0, 3), dtype=np.int32)
         self.U: np.ndarray = np.empty((0, 3))
         self.revision = 0
+        self._origin = np.zeros(3)
         self._joined_F: np.ndarray = self.F
         self._source: np.ndarray | None = None  # for each vertex the one whose normal it shares
         self._mesh = pv.PolyData()
@@ -84,7 +85,10 @@ class Surface:
         self.F = np.array(F, dtype=np.int32, order="C")
         self._join(joined_F, len(U))
         self.U = np.array(U, dtype=np.float64)
-        self._mesh = pv.PolyData.from_regular_faces(self.U.astype(np.float32), self.F)
+        # Far from the origin single precision is coarser than the mesh.
+        self._origin = self.U.mean(axis=0)
+        self._actor.SetPosition(*self._origin)
+        self._mesh = pv.PolyData.from_regular_faces((self.U - self._origin).astype(np.float32), self.F)
         self._mesh.point_data["Normals"] = np.zeros_like(self._mesh.points)
         self._mesh.point_data["rgba"] = np.array(rgba, dtype=np.uint8)
         self._mesh.GetPointData().SetActiveNormals("Normals")
@@ -102,7 +106,7 @@ class Surface:
     def set_points(self, U: np.ndarray) -> None:
         """Move the vertices to ``U``, an (n, 3) float array, and turn the normals with them."""
         self.U[:] = U
-        self._mesh.points[:] = self.U
+        self._mesh.points[:] = self.U - self._origin
         normals = self._mesh.point_data["Normals"]
         N = np.asarray(normals).view(np.ndarray)
         vertex_normals(self.U, self._joined_F, N)

@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
-from apd_viewer.ui.camera import Camera
+from apd_viewer.ui.camera import UP, Camera
 from apd_viewer.ui.navigation import Navigation
 from apd_viewer.ui.overlay import Overlay
 from apd_viewer.ui.tools import Dispatcher
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
     from PySide6.QtWidgets import QWidget
 
+HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
 OPENING = np.deg2rad(30.0)
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
 SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
@@ -64,7 +65,8 @@ class Viewport(QtInteractor):
         self._software = False
         self._refine = False
         self._extent = 1.0
-        self._framed: tuple[np.ndarray, np.ndarray] | None = None  # points, and where the camera went
+        # Points, the room around them, and where the camera went to show them.
+        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
@@ -111,13 +113,18 @@ class Viewport(QtInteractor):
         """Length of a logical pixel, in mesh units, at a point."""
         return self.eye.world_per_pixel(np.asarray(point))
 
-    def frame(self, points: np.ndarray) -> None:
-        """Show all of the (k, 3) points, from the same direction."""
+    def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
+        """Show all of the (k, 3) points, from the same direction, with ``room`` pixels around each."""
         if len(points):
-            points = np.asarray(points)
-            self.eye = self.eye.framed(points)
+            points, room = np.asarray(points), np.broadcast_to(room, len(points))
+            self.eye = self.eye.framed(points, room)
             self._extent = self.eye.distance
-            self._framed = points[:: 1 + len(points) // 5000].copy(), self.eye.position
+            self._framed = points, room, self.eye.position
+
+    def look_home(self) -> None:
+        """Look from where the view began: from the front, a little from the right and from above."""
+        eye = self.eye
+        self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
 
     def look_along(self, axis: str) -> None:
         """Look from the 'front' (+Z), 'side' (+X) or 'top' (+Y), or with '-' before from the opposite."""
@@ -135,8 +142,7 @@ class Viewport(QtInteractor):
 
     def _make_camera(self) -> None:
         eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), OPENING, 1, 1)
-        # From the front, a little from the right and from above.
-        self.eye = replace(eye, position=np.array([0.42, 0.32, 0.85]))
+        self.eye = replace(eye, position=HOME)
 
     # ---- looks
 
@@ -185,7 +191,13 @@ class Viewport(QtInteractor):
     def resizeGL(self, width: int, height: int) -> None:
         """Draw at the new size."""
         super().resizeGL(width, height)
+        # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
+        ratio = self.devicePixelRatioF()
+        self.ren_win.GetInteractor().UpdateSize(int(width * ratio + 0.5), int(height * ratio + 0.5))
         self._stale = True
+
+    def _blit(self, target: int, _rect: object) -> None:
+        super()._blit(target, QRect(0, 0, *self.ren_win.GetSize()))
 
     def paintGL(self) -> None:
         """Draw if the scene has changed, and bring the picture to the screen."""
@@ -226,6 +238,7 @@ class Viewport(QtInteractor):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Offer the press to the tools, then to the camera."""
+        self.setFocus()  # or keys would go on into the field that was typed in last
         self._dispatcher.press(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -274,8 +287,8 @@ class Viewport(QtInteractor):
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
         self.resized.emit()
-        if self._framed is not None and np.array_equal(self._framed[1], self.eye.position):
-            self.frame(self._framed[0])
+        if self._framed is not None and np.array_equal(self._framed[2], self.eye.position):
+            self.frame(*self._framed[:2])
 
     def showEvent(self, event: QShowEvent) -> None:
         """Draw what changed while the view was hidden."""
@@ -290,3 +303,6 @@ class Viewport(QtInteractor):
             self.tools.clear()
             self.pick = self._framed = None
         super().close()
+        # Qt frees context and surface itself and may put others at their addresses, where Python
+        # would still find these wrappers: of the wrong class, or of an object that is gone.
+        self._ctx = self._surface = None

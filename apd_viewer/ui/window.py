@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import (
     QDockWidget,
     QMainWindow,
@@ -31,7 +31,7 @@ from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool
 
-_TWIST = "Take the ring around the handle and twist"
+_TWIST = "Drag a ring around the handle to twist, an arrow to bend"
 _WORDS = {
     Activity.IDLE: "ready",
     Activity.REFINING: "refining",
@@ -58,6 +58,7 @@ class Window(QMainWindow):
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
         self.setMinimumSize(800, 600)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
         self.resize(1280, 800)
         self.session = Session(
             Listener(
@@ -179,13 +180,12 @@ class Window(QMainWindow):
         self._invite()
 
     def _undo(self) -> None:
-        if self.session.state is not None:
-            self.canvas.viewport.cancel()
+        # In the middle of a drag it is the drag that is taken back, and no more.
+        if self.session.state is not None and not self.canvas.viewport.cancel():
             self.session.undo()
 
     def _redo(self) -> None:
-        if self.session.state is not None:
-            self.canvas.viewport.cancel()
+        if self.session.state is not None and not self.canvas.viewport.cancel():
             self.session.redo()
 
     def _reset(self) -> None:
@@ -232,7 +232,9 @@ class Window(QMainWindow):
         self.actions_.show_history(session.history.next_undo, session.history.next_redo)
         opened = session.state is not None
         self.actions_.export.setEnabled(opened)
-        self.actions_.reset.setEnabled(opened)
+        moved = session.state is not None and session.moved
+        self.actions_.reset.setEnabled(moved)
+        self.panel.reset.setEnabled(moved)
         self.panel.setEnabled(opened)
         self._empty.setVisible(not opened and session.errand is None)
         self.panel.activity.setText(_WORDS[session.activity] if opened else "")
@@ -273,6 +275,12 @@ class Window(QMainWindow):
 
     # Events
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Put the tool away on Esc, where nothing was under way that Esc could cancel."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.take(Tool.ORBIT)
+        super().keyPressEvent(event)
+
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Take one file, whatever it is; opening says what is wrong with it."""
         if len(event.mimeData().urls()) == 1 and event.mimeData().urls()[0].isLocalFile():
@@ -300,9 +308,10 @@ class Window(QMainWindow):
         super().closeEvent(event)
 
     def _worth_asking(self) -> bool:
-        state = self.session.state
-        path = state.document.mesh.path if state else None
-        return self.session.unsaved and path is not None and resource("") not in path.parents
+        """Whether a shape would be lost; the samples are there to be played with."""
+        return any(
+            mesh.path is None or resource("") not in mesh.path.parents for mesh in self.session.unsaved
+        )
 
     def _may_close(self) -> bool:
         answer = dialogs.ask_before_losing(self)

@@ -17,6 +17,7 @@ from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.operators import area
 from apd_viewer.session.session import Activity
+from apd_viewer.ui import dialogs
 from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.window import Window
 
@@ -27,8 +28,9 @@ def settings(tmp_path):
 
 
 @pytest.fixture
-def window(qtbot, settings):
-    """A window without a mesh."""
+def window(qtbot, settings, monkeypatch):
+    """A window without a mesh, that does not ask before it is closed."""
+    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
     window = Window(settings)
     show(qtbot, window, window.canvas.viewport)
     yield window
@@ -455,8 +457,8 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     idle(qtbot, window)
     asked = []
     answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
-    monkeypatch.setattr(QMessageBox, "question", lambda *_: asked.append(1) or answers[len(asked) - 1])
-    assert not window._worth_asking()
+    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: asked.append(1) or answers[len(asked) - 1])
+    assert not window._worth_asking(), "nothing is lost yet"
     session = window.session
     session.begin_gesture()
     session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
@@ -471,6 +473,79 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     assert len(asked) == 1
     window.close()
     assert not window.isVisible()
+
+
+# The keyboard and the wheel
+
+
+def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
+    field = bottle.panel.tolerance
+    field.setFocus()  # without a window manager no widget has it, but the window knows who would
+    assert bottle.focusWidget() is field
+    field.selectAll()
+    qtbot.keyClicks(field, "0.05")
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert document(bottle).tolerance == pytest.approx(0.0005)
+    assert bottle.focusWidget() is not field
+    field.setFocus()
+    drag(qtbot, bottle, ring_grip(bottle, 1), (20, 0), steps=2)
+    assert bottle.focusWidget() is bottle.canvas.viewport
+
+
+def test_the_wheel_scrolls_past_the_settings(qtbot, bottle):
+    bottle.canvas.viewport.setFocus()
+    before = document(bottle)
+    for field in (bottle.panel.method, bottle.panel.tolerance):
+        Mouse(field).wheel((5, 5), -1)
+    assert document(bottle) is before
+
+
+def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
+    idle(qtbot, bottle)
+    posed = document(bottle)
+    mouse = Mouse(bottle.canvas.viewport)
+    at = np.asarray(arrow_grip(bottle, 0))
+    mouse.move(at)
+    mouse.press(at)
+    mouse.move(at + (30, 0))
+    assert document(bottle) is not posed
+    bottle.actions_.undo.trigger()
+    mouse.release(at + (30, 0))
+    assert document(bottle) is posed
+    assert bottle.session.history.next_redo is None
+
+
+def test_escape_puts_a_brush_away(qtbot, bottle):
+    bottle.take(Tool.BASE)
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_Escape)
+    assert bottle.canvas.tool is Tool.ORBIT
+
+
+@pytest.mark.parametrize("size", [(800, 600), (1280, 720), (1920, 1000)])
+def test_the_whole_gizmo_is_in_the_first_picture(qtbot, window, size):
+    window.resize(*size)
+    qtbot.wait(20)
+    for sample in ("bottle", "duck"):
+        window.session.open_sample(sample)
+        idle(qtbot, window)
+        frame, view = window.canvas.gizmo.frame, window.canvas.viewport
+        letters = np.vstack([frame.arrow(axis)[3] for axis in range(3)])
+        assert (letters > 8).all()
+        assert (letters < np.array([view.width(), view.height()]) - 8).all()
+
+
+def test_a_mesh_far_from_the_origin_looks_like_one_at_the_origin(qtbot, window):
+    V, F = meshes.sphere(4)
+    pictures = []
+    for offset in (0.0, 1e6):
+        window.show_mesh(Mesh(V + offset, F))
+        idle(qtbot, window)
+        window.invitation.say("")
+        window.notice.hide()
+        pictures.append(np.asarray(window.canvas.viewport.screenshot(return_img=True), dtype=float))
+    assert np.abs(pictures[0] - pictures[1]).mean() < 1.0
+    assert pictures[0].std() > 5
 
 
 # The window itself
