@@ -227,7 +227,10 @@ def test_unsaved_from_a_deformation_until_it_is_written_or_taken_back(session, t
     session.undo()
     assert session.unsaved
     session.show_now(bar())
-    assert not session.unsaved
+    assert len(session.unsaved) == 1, "the mesh before is an undo away, and would be lost with the session"
+    session.undo()
+    session.undo()
+    assert session.unsaved == []
 
 
 def test_nothing_is_unsaved_before_a_mesh_is_open():
