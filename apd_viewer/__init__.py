@@ -17,10 +17,22 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.geometry.deform import Result, deform
 from apd_viewer.geometry.deformation import Deformation, Frame
+from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.mesh import Mesh
 
 __version__ = "0.1.0"
-__all__ = ["Deformation", "Frame", "InputError", "Mesh", "Result", "deform", "open_mesh", "save_mesh", "view"]
+__all__ = [
+    "Deformation",
+    "Frame",
+    "InputError",
+    "Mesh",
+    "Region",
+    "Result",
+    "deform",
+    "open_mesh",
+    "save_mesh",
+    "view",
+]
 
 
 def view(mesh: Any = None) -> None:

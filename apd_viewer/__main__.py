@@ -127,7 +127,7 @@ def _deform(options: argparse.Namespace) -> None:
         check_picture(options.picture)
     mesh = open_mesh(options.mesh)
     labels = read_selection(options.selection, len(mesh.V))
-    held = constraints(labels, mesh.V, read_transform(options.transform))
+    held = constraints(labels, mesh.V, [read_transform(options.transform)])
     result = deform(
         mesh.V,
         mesh.F,
@@ -136,7 +136,7 @@ def _deform(options: argparse.Namespace) -> None:
         options.method,
         options.iterations,
         options.tolerance,
-        handle=held.handle,
+        handle=held.handles,
         progress=_progress(options.iterations) if sys.stderr.isatty() else None,
     )
     with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has

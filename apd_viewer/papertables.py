@@ -49,9 +49,9 @@ def rows(folder: Path | None = None) -> Iterator[Row]:
     """Run the moves one after another; with ``folder`` draw a picture of each there."""
     for name, (sample, title) in CASES.items():
         mesh, labels = open_sample(sample)
-        held = constraints(labels, mesh.V, read_transform(resource(f"{name}.def")))
+        held = constraints(labels, mesh.V, [read_transform(resource(f"{name}.def"))])
         results = [
-            deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handle)
+            deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles)
             for method in ("arap", "paper")
         ]
         if folder is not None:

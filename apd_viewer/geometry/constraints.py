@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 
-# The codes of the survey's .sel files [Botsch & Sorkine 2008].
+# The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
 
 
@@ -19,14 +20,14 @@ class Constraints(NamedTuple):
     ----------
     fixed : (k,) int array
         Base and handle vertices, ascending.
-    handle : (h,) int array
-        Those of ``fixed`` that belong to the handle.
+    handles : tuple of int arrays
+        Those of ``fixed`` that belong to each handle; a handle without a vertex is left out.
     targets : (k, 3) float array
         Where each of ``fixed`` is held.
     """
 
     fixed: np.ndarray
-    handle: np.ndarray
+    handles: tuple[np.ndarray, ...]
     targets: np.ndarray
 
 
@@ -35,38 +36,45 @@ def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
     return X @ pose[:3, :3].T + pose[:3, 3]
 
 
-def constraints(labels: np.ndarray, grip: np.ndarray, pose: np.ndarray) -> Constraints:
-    """Hold the base at ``grip`` and the handle at ``pose`` applied to ``grip``.
+def constraints(labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray]) -> Constraints:
+    """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
 
     Parameters
     ----------
-    labels : (n,) int array of BASE, FREE and HANDLE
+    labels : (n,) int array of BASE, FREE, and HANDLE + k for the handle number k, from 0
     grip : (n, 3) float array
         Positions when the labels were last changed. Measured from there and not from rest, a
         vertex that is painted after a drag stays where it is.
-    pose : (4, 4) float array
-        Motion of the handle since then.
+    poses : sequence of (4, 4) float arrays
+        Motion of each handle since then.
 
     Raises
     ------
     InputError
-        If there is no base, no handle or nothing free.
+        If there is no base, no handle, nothing free, or a handle without a pose.
     """
     problem = what_is_missing(labels)
     if problem:
         raise InputError(problem)
+    count = int(labels.max()) - HANDLE + 1
+    if count > len(poses):
+        raise InputError(f"There are {count} handles but {len(poses)} motions; give one for each handle.")
     fixed = np.flatnonzero(labels != FREE)
-    is_handle = labels[fixed] == HANDLE
     targets = grip[fixed].astype(np.float64)
-    targets[is_handle] = transform(pose, targets[is_handle])
-    return Constraints(fixed, fixed[is_handle], targets)
+    handles = []
+    for k in range(count):
+        mine = labels[fixed] == HANDLE + k
+        targets[mine] = transform(poses[k], targets[mine])
+        if mine.any():
+            handles.append(fixed[mine])
+    return Constraints(fixed, tuple(handles), targets)
 
 
 def what_is_missing(labels: np.ndarray) -> str | None:
-    """What must be painted before the handle can move, as a sentence; None if nothing."""
+    """What must be painted before a handle can move, as a sentence; None if nothing."""
     if not (labels == BASE).any():
         return "There is no base: paint the part that stays in place as base."
-    if not (labels == HANDLE).any():
+    if not (labels >= HANDLE).any():
         return "There is no handle: paint the part to be moved as handle."
     if not (labels == FREE).any():
         return "Everything is painted: erase some paint, so that a part is free to deform."

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Integral
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, Deformation, Frame
+from apd_viewer.geometry.deformation import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    Deformation,
+    Frame,
+)
+from apd_viewer.geometry.goals import Region
 
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000
@@ -24,6 +32,10 @@ class Result:
     ----------
     U : (n, 3) float array
         Deformed positions in the order of the file, mesh units.
+    regions : tuple of float
+        Area of each region.
+    local_change : float
+        Largest relative change of the area of a triangle, up or down.
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
     warnings : tuple of str
@@ -41,6 +53,8 @@ class Result:
     volume: float | None
     energy: float
     handle_drift: float
+    regions: tuple[float, ...]
+    local_change: float
     seconds: float
     factor_seconds: float
     seconds_per_iteration: float
@@ -55,15 +69,21 @@ def deform(
     method: str = DEFAULT_METHOD,
     iterations: int | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
+    stiffness: float = 0.0,
     *,
-    handle: np.ndarray | None = None,
+    handle: np.ndarray | Sequence[np.ndarray] | None = None,
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    area: float | None = None,
+    volume: float | None = None,
+    regions: Sequence[Region] = (),
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
     """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
 
     Parameters
     ----------
-    V, F, fixed, method, tolerance, handle
+    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness, area, volume, regions
         See :class:`Deformation`.
     targets : (k, 3) float array
         A position for each of ``fixed``, mesh units.
@@ -84,22 +104,38 @@ def deform(
     if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
         raise InputError("The number of iterations must be a whole number of at least 1.")
     started = time.perf_counter()
-    solver = Deformation(V, F, fixed, method=method, handle=handle, tolerance=tolerance)
+    solver = Deformation(
+        V,
+        F,
+        fixed,
+        method=method,
+        handle=handle,
+        tolerance=tolerance,
+        stiffness=stiffness,
+        area_stiffness=area_stiffness,
+        shear_stiffness=shear_stiffness,
+        area=area,
+        volume=volume,
+        regions=regions,
+    )
     solver.aim(targets)
     iterating = time.perf_counter()
     while True:
         frame = solver.step()
         if progress:
             progress(frame)
-        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.converged and iterations is None):
+        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and iterations is None):
             break
     ended = time.perf_counter()
     return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
 
 
 def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
-    stuck = not frame.converged and frame.iteration == MOST_ITERATIONS
-    unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",) if stuck else ()
+    unsettled: tuple[str, ...] = ()
+    if frame.unreached:
+        unsettled = (frame.unreached,)
+    elif not frame.settled and frame.iteration == MOST_ITERATIONS:
+        unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",)
     return Result(
         U=frame.U,
         method=solver.method,
@@ -112,6 +148,8 @@ def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_itera
         volume=frame.volume,
         energy=solver.rest.energy(frame.U),
         handle_drift=frame.handle_drift,
+        regions=frame.regions,
+        local_change=frame.local_change,
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,

@@ -4,21 +4,36 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.arap import Arap
+from apd_viewer.geometry.constrained import MET, Constrained
+from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.goals import Goal, Region, faces_within, make_goals
+from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
-from apd_viewer.geometry.methods import LiHui, PlainArap
-from apd_viewer.geometry.operators import area
+from apd_viewer.geometry.operators import face_areas
 from apd_viewer.geometry.rest_mesh import RestMesh
 
-METHODS = ("paper", "arap")
-DEFAULT_METHOD = "paper"
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    Method: TypeAlias = Constrained | LiHui
+
+METHODS = ("exact", "local", "paper", "arap", "sr-arap")
+DEFAULT_METHOD = "exact"
 DEFAULT_TOLERANCE = 1e-3
+# Against a stiffness of 1 of each cell of Eq. 1, of which "local" keeps a tenth to hold the corners together.
+DEFAULT_AREA_STIFFNESS = 20.0
+DEFAULT_SHEAR_STIFFNESS = 0.1
+_LOCAL_RIGIDITY = 0.1
+# These two are about the total area; the others leave it free unless asked.
+_KEEP_THE_AREA = ("exact", "paper")
 
 # Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
 # all those to come together will move none by more than _REMAINING, guessed from how fast the steps
@@ -46,9 +61,18 @@ class Frame:
     volume : float or None
         Enclosed volume; None if the surface is not closed.
     handle_drift : float
-        Distance between the centroid of the handle where it was asked for and where it is.
+        Distance between the centroid of a handle where it was asked for and where it is; the largest
+        of several handles.
     converged : bool
-        The shape has settled and its area is within the tolerance.
+        The shape has settled and meets what is asked of it.
+    settled : bool
+        Nothing more comes of iterating, converged or not.
+    regions : tuple of float
+        Area of each region.
+    local_change : float
+        Largest relative change of the area of a triangle, up or down.
+    unreached : str or None
+        What was asked for but cannot be reached in this pose, and how near it came: a sentence.
     """
 
     U: np.ndarray
@@ -58,6 +82,10 @@ class Frame:
     volume: float | None
     handle_drift: float
     converged: bool
+    settled: bool = True
+    regions: tuple[float, ...] = ()
+    local_change: float = 0.0
+    unreached: str | None = None
 
 
 class Deformation:
@@ -70,13 +98,26 @@ class Deformation:
     F : (m, 3) int array
         Triangles.
     fixed : (k,) int array
-        Vertices that are held: base and handle together.
+        Vertices that are held: base and handles together.
     method : str
-        "arap" (as rigid as possible) or "paper" (Li & Hui: area kept to the tolerance).
-    handle : int array, optional
-        Those of ``fixed`` that are handle. "paper" needs it; without it no drift is measured.
+        "exact" (as rigid as possible, the total area kept to the last digits), "local" (every
+        triangle keeps its area), "paper" (Li & Hui: the total area kept to the tolerance, handles give
+        way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations, as CGAL has it).
+    handle : int array or sequence of int arrays, optional
+        Those of ``fixed`` that are handle, or those of each handle. "paper" needs it; without it no drift is
+        measured.
     tolerance : float
         Relative error of the total area that "paper" accepts.
+    stiffness : float
+        Weight of bending, 0 to about 0.1: see :class:`apd_viewer.geometry.rest_shape.Bending`. For "sr-arap"
+        it is CGAL's alpha.
+    area_stiffness, shear_stiffness : float
+        How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
+    area, volume : float, optional
+        What the total area and the enclosed volume should be, in percent of what they are at rest. Without,
+        "exact" and "paper" keep the area; all else is free. "paper" cannot keep a volume.
+    regions : sequence of Region, optional
+        Parts that are measured, or that have an area to keep.
     rest : RestMesh, optional
         Of the same V and F, to save computing it again.
 
@@ -93,8 +134,14 @@ class Deformation:
         fixed: np.ndarray,
         *,
         method: str = DEFAULT_METHOD,
-        handle: np.ndarray | None = None,
+        handle: np.ndarray | Sequence[np.ndarray] | None = None,
         tolerance: float = DEFAULT_TOLERANCE,
+        stiffness: float = 0.0,
+        area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+        shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+        area: float | None = None,
+        volume: float | None = None,
+        regions: Sequence[Region] = (),
         rest: RestMesh | None = None,
     ) -> None:
         if rest is None:
@@ -104,35 +151,61 @@ class Deformation:
         self.rest = rest
         self.method = method
         self.fixed = _checked_ids(fixed, len(rest.V), "held")
-        handle = _checked_ids([] if handle is None else handle, len(rest.V), "handle")
         solve_ids, self._chosen, self._inverse = np.unique(
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
-        if not np.isin(rest.weld.inverse[handle], solve_ids).all():
-            raise InputError("A handle vertex is not held; name the handle's vertices among the held ones.")
-        self._is_handle = np.isin(solve_ids, rest.weld.inverse[handle])
-        _check_method(method, self._is_handle)
+        self._handle_of = _handle_of(handle, rest, solve_ids)
+        _check_method(method, self._handle_of)
         _check_tolerance(tolerance)
+        self._tolerance = tolerance
+        material = _material(method, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
+        goals = self._goals(area, volume, regions)
         started = time.perf_counter()
-        self._arap = Arap(rest.shape, solve_ids)
-        if method == "paper":
-            self._method: LiHui | PlainArap = LiHui(self._arap, self._is_handle, tolerance)
-        else:
-            self._method = PlainArap(self._arap, tolerance)
+        elastic = Elastic(rest.shape, solve_ids, material)
+        self._method: Method = (
+            LiHui(elastic, self._handle_of, goals, tolerance)
+            if method == "paper"
+            else Constrained(elastic, goals)
+        )
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
+    def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
+        if area is None and self.method in _KEEP_THE_AREA:
+            area = 100.0
+        if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
+            raise InputError(
+                "The method 'paper' keeps only the total area; choose 'exact' for a volume or a region."
+            )
+        self._faces_of = [faces_within(self.rest, part) for part in regions]
+        return make_goals(self.rest, area, volume, regions)
+
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area that is accepted."""
-        return self._method.tolerance
+        """Relative error of the total area that "paper" accepts."""
+        return self._tolerance
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
         _check_tolerance(tolerance)
-        self._method.tolerance = tolerance
+        self._tolerance = tolerance
+        if isinstance(self._method, LiHui):
+            self._method.tolerance = tolerance
+
+    def keep(
+        self, area: float | None = None, volume: float | None = None, regions: Sequence[Region] = ()
+    ) -> None:
+        """Ask for other areas or another volume from now on; nothing is factored for it.
+
+        Parameters
+        ----------
+        area, volume, regions
+            See the class.
+        """
+        self._method.keep(self._goals(area, volume, regions))
+        self._begin()
 
     def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
         """Hold the fixed vertices at ``targets`` from now on.
@@ -154,20 +227,26 @@ class Deformation:
             U = numbers(U, "Positions to start from")
             if U.shape != self.rest.V.shape or not np.isfinite(U).all():
                 raise InputError(f"Positions to start from must be {len(self.rest.V)} finite positions.")
-            self._arap.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+            self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
         self._asked = asked
         self._method.aim(self._asked)
+        self._begin()
+
+    def _begin(self) -> None:
         self._iteration = 0
         self._steps: deque[float] = deque(maxlen=_MEMORY + 1)
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
-        before = self._method.U
-        self._method.iterate()
+        method = self._method
+        before = method.U
+        method.iterate()
         self._iteration += 1
-        self._steps.append(float(np.abs(self._method.U - before).max()) / self.rest.diagonal)
-        U = frozen(self._method.U[self.rest.weld.inverse])
-        total = area(U, self.rest.F)
+        self._steps.append(float(np.abs(method.U - before).max()) / self.rest.diagonal)
+        U = frozen(method.U[self.rest.weld.inverse])
+        areas = face_areas(U, self.rest.F)
+        total = float(areas.sum())
+        settled = method.stuck or (self._still() and method.met)
         return Frame(
             U=U,
             iteration=self._iteration,
@@ -175,10 +254,14 @@ class Deformation:
             area_error=total / self.rest.area - 1.0,
             volume=self.rest.volume_of(U),
             handle_drift=self._drift(),
-            converged=self._settled() and self._method.within_tolerance,
+            converged=settled and method.met,
+            settled=settled,
+            regions=tuple(float(areas[faces].sum()) for faces in self._faces_of),
+            local_change=self.rest.largest_change(areas),
+            unreached=self._unreached() if method.stuck else None,
         )
 
-    def _settled(self) -> bool:
+    def _still(self) -> bool:
         last = self._steps[-1]
         if last <= _ROUNDING:
             return True
@@ -188,24 +271,53 @@ class Deformation:
         return rate < 1.0 and (last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING)
 
     def _drift(self) -> float:
-        if not self._is_handle.any():
-            return 0.0
-        return float(np.linalg.norm((self._method.held - self._asked)[self._is_handle].mean(axis=0)))
+        away = self._method.held - self._asked
+        handles = range(1, int(self._handle_of.max()) + 1)
+        centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
+        return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
+
+    def _unreached(self) -> str | None:
+        method = self._method
+        missed = [
+            goal.shortfall(float(value))
+            for goal, value in zip(method.goals, method.values, strict=True)
+            if abs(goal.miss(float(value))) > MET
+        ]
+        if not missed:
+            return None
+        return (
+            f"Out of reach in this pose: {', '.join(missed)}. Move the handle less, or ask for another value."
+        )
 
 
-def _checked_ids(ids: np.ndarray | list[int], n: int, what: str) -> np.ndarray:
+def _checked_ids(ids: np.ndarray | Sequence[int], n: int, what: str) -> np.ndarray:
     ids = whole_numbers(ids, f"The {what} vertices").ravel()
     if len(ids) and (ids.min() < 0 or ids.max() >= n):
         raise InputError(f"A {what} vertex does not exist: ids go from 0 to {n - 1:,}.")
     return ids
 
 
-def _check_method(method: str, is_handle: np.ndarray) -> None:
+def _handle_of(
+    handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
+) -> np.ndarray:
+    """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
+    several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
+    handles = () if handle is None else handle if several else (handle,)
+    number = np.zeros(len(solve_ids), dtype=np.int64)
+    for k, ids in enumerate(handles, start=1):
+        ids = np.unique(rest.weld.inverse[_checked_ids(ids, len(rest.V), "handle")])
+        if not np.isin(ids, solve_ids).all():
+            raise InputError("A handle vertex is not held; name the handle's vertices among the held ones.")
+        number[np.searchsorted(solve_ids, ids)] = k
+    return number
+
+
+def _check_method(method: str, handle_of: np.ndarray) -> None:
     if method not in METHODS:
         raise InputError(f"There is no method {method!r}; choose one of {', '.join(METHODS)}.")
-    if len(is_handle) == 0:
+    if len(handle_of) == 0:
         raise InputError("Nothing is held; name the vertices that stay or move as given.")
-    if method == "paper" and (is_handle.all() or not is_handle.any()):
+    if method == "paper" and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(
             "The method 'paper' needs base and handle; name the handle's vertices among the held ones."
         )
@@ -214,3 +326,16 @@ def _check_method(method: str, is_handle: np.ndarray) -> None:
 def _check_tolerance(tolerance: float) -> None:
     if not isinstance(tolerance, Real) or not tolerance > 0.0:
         raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
+
+
+def _material(method: str, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
+    """The weights of the energy that a method minimises."""
+    given = {"stiffness": stiffness, "area stiffness": area_stiffness, "shear stiffness": shear_stiffness}
+    for name, weight in given.items():
+        if not isinstance(weight, Real) or not 0.0 <= weight < np.inf:
+            raise InputError(f"The {name} must be a number of at least zero.")
+    if method == "sr-arap":
+        return Material(coupling=stiffness)
+    if method == "local":
+        return Material(_LOCAL_RIGIDITY, shear_stiffness, area_stiffness, stiffness)
+    return Material(bending=stiffness)

@@ -145,6 +145,8 @@ def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 _WEIGHT_FLOOR = 1e-6
 # Slivers: a weight this large is already rigid to eight digits; a larger one costs the others theirs.
 _STEEPEST = 1e8
+# Where cotangents are squared, half as many digits are left.
+_NEEDLE = 1e4
 
 
 def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
@@ -181,3 +183,29 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
 def laplacian(W: sp.csr_array) -> sp.csr_array:
     """Positive semi-definite Laplacian ``L_ij = -w_ij`` of the weights ``W`` (n, n)."""
     return (sp.diags_array(W.sum(axis=1)) - W).tocsr()
+
+
+def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
+    """Laplacian (n, n) assembled from the ``cot`` (m, 3) of every corner of the triangles ``F`` (m, 3)."""
+    w = 0.5 * cot.ravel()
+    i, j = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
+    W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
+    return laplacian(W.tocsr())
+
+
+def cotangent_laplacian(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
+    """Cotangent Laplacian of finite elements, (n, n), positive semi-definite: no cotangent is clamped to 0.
+
+    ``u^T C u`` is the integral of the squared gradient of the function with the values u at the vertices.
+    """
+    return element_laplacian(np.clip(cotangents(V, F), -_NEEDLE, _NEEDLE), F, len(V))
+
+
+def border_vertices(F: np.ndarray, n: int) -> np.ndarray:
+    """Vertices of the edges that only one triangle has, ascending."""
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    edge = a != b
+    low, high = np.minimum(a, b)[edge].astype(np.int64), np.maximum(a, b)[edge].astype(np.int64)
+    keys, uses = np.unique(low * n + high, return_counts=True)
+    border = keys[uses == 1]
+    return np.unique(np.concatenate([border // n, border % n]))

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.arap import RestShape
 from apd_viewer.geometry.mesh import Weld
-from apd_viewer.geometry.operators import area, volume, why_no_volume
+from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
+from apd_viewer.geometry.rest_shape import RestShape
+
+# The area of a triangle this much smaller than the mean is nothing but rounding.
+_SLIVER = 1e-9
 
 
 class RestMesh:
@@ -24,7 +27,8 @@ class RestMesh:
     def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
         self.V, self.F = V, F
         self.weld = weld or Weld.of(V)
-        self.area = area(V, F)
+        self._face_areas = face_areas(V, F)
+        self.area = float(self._face_areas.sum())
         if self.area <= 0.0:
             raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
         if not np.isfinite(self.area):
@@ -37,6 +41,12 @@ class RestMesh:
     def volume_of(self, U: np.ndarray) -> float | None:
         """Volume that the mesh encloses at ``U`` (n, 3); None if it is not closed."""
         return None if self.why_no_volume else volume(U, self.F)
+
+    def largest_change(self, areas: np.ndarray) -> float:
+        """Largest relative change of a triangle's area to what it is in ``areas`` (m,), up or down."""
+        rest = self._face_areas
+        counts = rest > _SLIVER * self.area / len(rest)
+        return float(np.abs(areas[counts] / rest[counts] - 1.0).max())
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""

@@ -46,7 +46,7 @@ class Document:
 
     def constraints(self) -> Constraints:
         """Held vertices and where they are held; raises InputError where ``problem`` says why."""
-        return constraints(self.labels, self.grip, self.pose)
+        return constraints(self.labels, self.grip, [self.pose])
 
     def regripped(self, U: np.ndarray) -> Document:
         """The same document, with base and handle gripped where they are at ``U`` (n, 3)."""

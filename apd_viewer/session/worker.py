@@ -145,7 +145,7 @@ class Worker:
             self._solver = None  # its memory is needed for the next one
             rest = self._rest_of(document.mesh)
             self._solver = Deformation(
-                rest.V, rest.F, held.fixed, method=document.method, handle=held.handle, rest=rest
+                rest.V, rest.F, held.fixed, method=document.method, handle=held.handles, rest=rest
             )
             self._key = key
         self._solver.tolerance = document.tolerance

@@ -6,10 +6,11 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.arap import Arap, RestShape
 from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.rest_shape import RestShape
 
 # name: rotation of the handle about its centroid, and its shift in heights of the mesh
 MOVES = {
@@ -108,7 +109,7 @@ def test_energy_never_rises_and_rotations_stay_rotations(mesh, move):
     V, F = mesh
     fixed, _, targets = held_ends(V, move)
     rest = RestShape(V, F)
-    arap = Arap(rest, fixed)
+    arap = Elastic(rest, fixed)
     energies = []
     for _ in range(40):
         arap.iterate(targets)
@@ -122,7 +123,7 @@ def test_energy_at_the_end_is_a_minimum_in_every_direction():
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, "bend")
     rest = RestShape(V, F)
-    arap = Arap(rest, fixed)
+    arap = Elastic(rest, fixed)
     for _ in range(1500):
         arap.iterate(targets)
     rng = np.random.default_rng(0)

@@ -42,9 +42,9 @@ def test_every_labelling_is_used_or_refused_with_the_right_sentence(labels):
     has = {code: (labels == code).any() for code in (BASE, FREE, HANDLE)}
     if all(has.values()):
         assert what_is_missing(labels) is None
-        held = constraints(labels, grip, pose(shift=[100.0, 0.0, 0.0]))
+        held = constraints(labels, grip, [pose(shift=[100.0, 0.0, 0.0])])
         assert held.fixed.tolist() == [i for i, code in enumerate(labels) if code != FREE]
-        assert held.handle.tolist() == [i for i, code in enumerate(labels) if code == HANDLE]
+        assert held.handles[0].tolist() == [i for i, code in enumerate(labels) if code == HANDLE]
         expected = grip + np.where(labels[:, None] == HANDLE, [100.0, 0.0, 0.0], 0.0)
         assert np.array_equal(held.targets, expected[held.fixed])
         return
@@ -52,7 +52,7 @@ def test_every_labelling_is_used_or_refused_with_the_right_sentence(labels):
     expected = "base" if not has[BASE] else "handle" if not has[HANDLE] else "Everything is painted"
     assert expected in sentence
     with pytest.raises(InputError) as refused:
-        constraints(labels, grip, np.eye(4))
+        constraints(labels, grip, [np.eye(4)])
     assert str(refused.value) == sentence
 
 
@@ -60,7 +60,7 @@ def test_base_stays_at_its_grip_bit_for_bit_and_nothing_given_is_written_to():
     rng = np.random.default_rng(0)
     labels, grip = np.array([HANDLE, BASE, FREE, HANDLE, BASE]), rng.normal(size=(5, 3))
     given_labels, given_grip = labels.copy(), grip.copy()
-    held = constraints(labels, grip, pose(rotation([1, 1, 0], 1.0), [1, 2, 3]))
+    held = constraints(labels, grip, [pose(rotation([1, 1, 0], 1.0), [1, 2, 3])])
     assert np.array_equal(held.targets[[1, 3]], grip[[1, 4]])
     held.targets[:] = 0.0
     assert np.array_equal(labels, given_labels)
@@ -68,5 +68,5 @@ def test_base_stays_at_its_grip_bit_for_bit_and_nothing_given_is_written_to():
 
 
 def test_a_grip_of_integers_is_not_rounded():
-    held = constraints(np.array([BASE, FREE, HANDLE]), np.eye(3, dtype=int), pose(shift=[0.5, 0, 0]))
+    held = constraints(np.array([BASE, FREE, HANDLE]), np.eye(3, dtype=int), [pose(shift=[0.5, 0, 0])])
     assert held.targets.tolist() == [[1.0, 0, 0], [0.5, 0, 1]]

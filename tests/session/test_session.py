@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from meshes import box, ends, rotation
 
-from apd_viewer.geometry import arap, linear_solver, methods
+from apd_viewer.geometry import elastic, li_hui, linear_solver
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.mesh import Mesh
@@ -167,8 +167,8 @@ def factored(monkeypatch):
             counter.count += 1
             super().__init__(A)
 
-    monkeypatch.setattr(arap, "LinearSolver", Counting)
-    monkeypatch.setattr(methods, "LinearSolver", Counting)
+    monkeypatch.setattr(elastic, "LinearSolver", Counting)
+    monkeypatch.setattr(li_hui, "LinearSolver", Counting)
     return counter
 
 
@@ -674,7 +674,7 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
             raise error
         return real(A)
 
-    monkeypatch.setattr(arap, "LinearSolver", failing_once)
+    monkeypatch.setattr(elastic, "LinearSolver", failing_once)
     session.set_method("arap")
     session.until(lambda: session.failed)
     assert len(session.failed) == 1
@@ -706,7 +706,7 @@ def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):
     def failing(_):
         raise MemoryError
 
-    monkeypatch.setattr(arap, "LinearSolver", failing)
+    monkeypatch.setattr(elastic, "LinearSolver", failing)
     empty.show_now(bar())
     empty.paint_ends()
     empty.until(lambda: empty.failed)

@@ -1,0 +1,150 @@
+"""An elastic surface with some vertices held: a local step, and a global step that is factored once.
+
+The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
+cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), curvature
+that is only turned (:class:`Bending`). While those are held, the energy is quadratic in the positions and
+its matrix is always the same:
+
+    grad E = 4 (K U - b),        K factored once, b from the local step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry import cells
+from apd_viewer.geometry.linear_solver import LinearSolver
+from apd_viewer.geometry.membrane import Membrane
+from apd_viewer.geometry.rest_shape import RestShape
+
+
+@dataclass(frozen=True)
+class Material:
+    """Weights of the terms of the energy.
+
+    Attributes
+    ----------
+    rigidity : float
+        Of Eq. 1; greater than zero.
+    shear, area : float
+        Of what keeps the shape and the area of every triangle.
+    bending : float
+        Of what keeps the curvature.
+    coupling : float
+        Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
+    """
+
+    rigidity: float = 1.0
+    shear: float = 0.0
+    area: float = 0.0
+    bending: float = 0.0
+    coupling: float = 0.0
+
+
+class Elastic:
+    """Local and global steps with some vertices held.
+
+    Parameters
+    ----------
+    rest : RestShape
+    fixed : (k,) int array
+        Held vertices, each once.
+    material : Material
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Current positions. Replaced, never written into.
+    free : (f,) int array
+        Vertices that are solved for. A piece without any held vertex is not: nothing says where
+        it belongs, so it stays where it is.
+    K_ff : (f, f) csr_array
+        The matrix's rows and columns of the free vertices.
+    """
+
+    def __init__(self, rest: RestShape, fixed: np.ndarray, material: Material | None = None) -> None:
+        self.rest = rest
+        self.fixed = fixed
+        self.material = material = material or Material()
+        moves = np.isin(rest.piece, rest.piece[fixed])
+        moves[fixed] = False
+        self.free = np.flatnonzero(moves)
+        K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
+        self._membrane = None
+        if material.shear > 0.0 or material.area > 0.0:
+            self._membrane = Membrane(rest.V, rest.F, material.shear, material.area)
+            K = K + self._membrane.K
+        self._bending = rest.bending if material.bending > 0.0 else None
+        if self._bending is not None:
+            K = K + material.bending * self._bending.K
+        rows = K.tocsr()[self.free]
+        self.K_ff = rows[:, self.free].tocsr()
+        self._K_fc = rows[:, fixed].tocsr()
+        self._solver = LinearSolver(self.K_ff)
+        self._coupling = material.coupling * float(rest.vertex_areas.sum())
+        self._b = np.empty_like(rest.V)
+        self.restart(rest.V)
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+        self.q, self.R = self.rest.identity()
+        self.U = U
+        if U is not self.rest.V:
+            self.local_step(U)
+
+    def pull(self) -> np.ndarray:
+        """What the terms ask for: ``b`` of the gradient, (n, 3) float array, overwritten by the next call."""
+        b, material = self._b, self.material
+        cells.pull(*self.rest.graph, self.rest.V, self.R, b)
+        if material.rigidity != 1.0:
+            b *= material.rigidity
+        if self._membrane is not None:
+            self._membrane.pull(self.U, b)
+        if self._bending is not None:
+            b += material.bending * self._bending.pull(self.R)
+        return b
+
+    def free_rows(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array."""
+        return b[self.free] - self._K_fc @ targets
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """``K_ff^-1 b_f``, both (f, 3) float arrays."""
+        return self._solver.solve(b_f)
+
+    def global_step(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """Positions (n, 3) that minimise the energy while ``b`` (n, 3) is held; they are not yet current."""
+        return self.assembled(self.solve(self.free_rows(b, targets)), targets)
+
+    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        U = self.U.copy()
+        U[self.fixed] = targets
+        U[self.free] = X
+        return U
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
+        self.U = U
+        S0 = cells.FLAT
+        if self._bending is not None:
+            share = self.material.bending / self.material.rigidity * self._bending.weight
+            S0 = (share[:, None] * (self._bending.C @ U))[:, :, None] * self._bending.CV[:, None, :]
+        cells.local_step(*self.rest.graph, self.rest.V, U, S0, self._coupling, self.q, self.R)
+
+    def iterate(self, targets: np.ndarray) -> None:
+        """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
+        self.local_step(self.global_step(self.pull(), targets))
+
+    @property
+    def energy(self) -> float:
+        """The energy of the current positions, without the coupling of the rotations."""
+        material = self.material
+        E = material.rigidity * cells.energy(*self.rest.graph, self.rest.V, self.U, self.R)
+        if self._membrane is not None:
+            E += self._membrane.energy(self.U)
+        if self._bending is not None:
+            E += material.bending * self._bending.energy(self.U, self.R)
+        return float(E)

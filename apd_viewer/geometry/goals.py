@@ -1,0 +1,122 @@
+"""What is asked of areas and of the volume: goals that are met exactly, not only aimed at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.measures import area_and_gradient, area_of, volume_and_gradient
+from apd_viewer.geometry.mesh import whole_numbers
+from apd_viewer.geometry.operators import volume
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A named part of a mesh: the triangles with all three corners among its vertices.
+
+    Attributes
+    ----------
+    name : str
+    vertices : int array
+        Ids in the order of the file.
+    area : float or None
+        What its area should be, in percent of its area at rest; None only measures it.
+    """
+
+    name: str
+    vertices: np.ndarray
+    area: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """An area or a volume that should have a value.
+
+    Attributes
+    ----------
+    name : str
+        "the area", "the volume" or the name of a region.
+    F : (m, 3) int array
+        The triangles that are measured, in vertices of the solve.
+    is_volume : bool
+    rest, target : float
+        Value at rest, and the value asked for.
+    """
+
+    name: str
+    F: np.ndarray
+    is_volume: bool
+    rest: float
+    target: float
+
+    def value(self, U: np.ndarray) -> float:
+        """What is measured at ``U`` (n, 3)."""
+        return volume(U, self.F) if self.is_volume else float(area_of(U, self.F))
+
+    def value_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
+        """The same; its gradient is written into ``g`` (n, 3)."""
+        measure = volume_and_gradient if self.is_volume else area_and_gradient
+        return float(measure(U, self.F, g))
+
+    def miss(self, value: float) -> float:
+        """How far a value is from the target, relative to the value at rest."""
+        return (value - self.target) / abs(self.rest)
+
+    def shortfall(self, value: float) -> str:
+        """How near a value came, in words."""
+        return (
+            f"{self.name} is at {_percent(value / self.rest)} instead of {_percent(self.target / self.rest)}"
+        )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.4g} %"
+
+
+def faces_within(rest: RestMesh, region: Region) -> np.ndarray:
+    """Ids of the triangles that belong to a region."""
+    vertices = whole_numbers(region.vertices, f"The vertices of the region “{region.name}”").ravel()
+    if len(vertices) and not 0 <= vertices.min() <= vertices.max() < len(rest.V):
+        raise InputError(f"The region “{region.name}” has a vertex that does not exist; correct its ids.")
+    inside = np.zeros(len(rest.weld.first), dtype=bool)
+    inside[rest.weld.inverse[vertices]] = True
+    return np.flatnonzero(inside[rest.shape.F].all(axis=1))
+
+
+def make_goals(
+    rest: RestMesh, area: float | None, inside: float | None, regions: Sequence[Region]
+) -> tuple[Goal, ...]:
+    """The goals that percentages of the area and the volume inside at rest stand for; None asks nothing.
+
+    Raises
+    ------
+    InputError
+        If a percentage is not a positive number, or there is nothing to measure.
+    """
+    goals = []
+    if area is not None:
+        goals.append(_goal("the area", rest.shape.F, False, rest.area, area))
+    if inside is not None:
+        if rest.why_no_volume or not rest.volume:
+            why = rest.why_no_volume or "the surface encloses nothing"
+            raise InputError(f"There is no volume to keep: {why}; leave the volume free.")
+        goals.append(_goal("the volume", rest.shape.F, True, rest.volume, inside))
+    for region in regions:
+        if region.area is not None:
+            F = rest.shape.F[faces_within(rest, region)]
+            at_rest = float(area_of(rest.shape.V, F))
+            if at_rest <= 0.0:
+                raise InputError(f"The region “{region.name}” covers no whole triangle; make it larger.")
+            goals.append(_goal(f"“{region.name}”", F, False, at_rest, region.area))
+    return tuple(goals)
+
+
+def _goal(name: str, F: np.ndarray, is_volume: bool, rest: float, percent: float) -> Goal:
+    if not isinstance(percent, Real) or not 0.0 < percent < np.inf:
+        raise InputError(f"What {name} should be must be a percentage greater than zero, such as 100.")
+    return Goal(name, np.ascontiguousarray(F), is_volume, rest, rest * float(percent) / 100.0)

@@ -1,0 +1,133 @@
+"""The membrane: every triangle keeps its shape a little and its area a lot.
+
+A triangle's deformation gradient ``D`` (3, 2) maps its rest plane to space; its singular values
+s1 >= s2 are the stretches. Two terms, each a squared distance to the nearest matrix that it would
+rather see [Bouaziz et al. 2014, Projective Dynamics: Fusing Constraint Projections for Fast Simulation]:
+
+    E = sum_t A_t ( shear |D_t - R_t|^2 + area |D_t - P_t|^2 ),
+
+``R`` the nearest with s1 = s2 = 1 (the triangle is only turned), ``P`` the nearest with s1 s2 = 1 (it may
+be sheared, but keeps its area).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.operators import cotangents, element_laplacian
+
+# A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
+_NEEDLE = 1e4
+_NEWTON_STEPS = 20
+
+
+@njit(cache=True, nogil=True)
+def _larger_stretch(s1: float, s2: float) -> float:
+    """``p >= 1`` that minimises ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
+    # From here Newton goes straight to the root: the slope's own slope is positive on the way.
+    p = max(s1, 1.0)
+    for _ in range(_NEWTON_STEPS):
+        q = 1.0 / p
+        slope = p - s1 - (q - s2) * q * q
+        step = slope / (1.0 + (3.0 * q - 2.0 * s2) * q * q * q)
+        p -= step
+        if abs(step) < 1e-14 * p:
+            break
+    return p
+
+
+@njit(cache=True, nogil=True)
+def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
+    """Write ``shear R + area P`` into ``T`` (3, 2); return ``shear |D - R|^2 + area |D - P|^2``."""
+    a = D[0, 0] * D[0, 0] + D[1, 0] * D[1, 0] + D[2, 0] * D[2, 0]
+    b = D[0, 0] * D[0, 1] + D[1, 0] * D[1, 1] + D[2, 0] * D[2, 1]
+    d = D[0, 1] * D[0, 1] + D[1, 1] * D[1, 1] + D[2, 1] * D[2, 1]
+    # D^T D = V diag(s1^2, s2^2) V^T, V a rotation by theta.
+    theta = 0.5 * np.arctan2(2.0 * b, a - d)
+    c, s = np.cos(theta), np.sin(theta)
+    s1 = np.sqrt(max(a * c * c + 2.0 * b * c * s + d * s * s, 0.0))
+    s2 = np.sqrt(max(a * s * s - 2.0 * b * c * s + d * c * c, 0.0))
+    tiny = 1e-12 * s1
+    if s2 <= tiny:
+        # Collapsed: there is no plane to open it into. Keeping it is a subgradient.
+        for i in range(3):
+            for j in range(2):
+                T[i, j] = (shear + area) * D[i, j]
+        return 0.0
+    p1 = _larger_stretch(s1, s2)
+    p2 = 1.0 / p1
+    f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
+    # T = D V diag(f) V^T
+    m00, m01, m11 = f1 * c * c + f2 * s * s, (f1 - f2) * c * s, f1 * s * s + f2 * c * c
+    for i in range(3):
+        x, y = D[i, 0], D[i, 1]
+        T[i, 0] = x * m00 + y * m01
+        T[i, 1] = x * m01 + y * m11
+    return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def _pull(
+    F: np.ndarray, rest: np.ndarray, cot: np.ndarray, U: np.ndarray, shear: float, area: float, b: np.ndarray
+) -> float:
+    """Add a quarter of what the membrane's projections pull with to ``b`` (n, 3); return the energy."""
+    D, T = np.empty((3, 2)), np.empty((3, 2))
+    energy = 0.0
+    for t in range(F.shape[0]):
+        x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
+        if x1 == 0.0:
+            continue
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        for a in range(3):
+            D[a, 0] = (U[j, a] - U[i, a]) / x1
+            D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
+        energy += 0.5 * x1 * y2 * _project(D, shear, area, T)
+        # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
+        ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
+        for a in range(3):
+            ij = ck * T[a, 0] * x1
+            ik = cj * (T[a, 0] * x2 + T[a, 1] * y2)
+            jk = ci * (T[a, 0] * (x2 - x1) + T[a, 1] * y2)
+            b[i, a] -= ij + ik
+            b[j, a] += ij - jk
+            b[k, a] += ik + jk
+    return energy
+
+
+class Membrane:
+    """The triangles of a rest shape, laid flat.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    F : (m, 3) int array, triangles
+    shear, area : float
+        Weights of the two terms.
+
+    Attributes
+    ----------
+    K : (n, n) csr_array
+        A quarter of the Hessian of the energy while the projections are held; positive semi-definite.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, shear: float, area: float) -> None:
+        self.F, self.shear, self.area = F, shear, area
+        self._cot = cotangents(V, F)
+        e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
+        x1 = np.linalg.norm(e, axis=1)
+        usable = (np.abs(self._cot).max(axis=1) < _NEEDLE) & (np.abs(self._cot).sum(axis=1) > 0.0)
+        x1 = np.where(usable, x1, 0.0)
+        x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
+        y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)
+        self._rest = np.column_stack([x1, x2, y2])
+        self._cot[~usable] = 0.0
+        self.K = 0.5 * (shear + area) * element_laplacian(self._cot, F, len(V))
+
+    def pull(self, U: np.ndarray, b: np.ndarray) -> None:
+        """Add what the terms ask for at ``U`` (n, 3) to ``b`` (n, 3): ``grad E = 4 (K U - b)``."""
+        _pull(self.F, self._rest, self._cot, U, self.shear, self.area, b)
+
+    def energy(self, U: np.ndarray) -> float:
+        """The energy at ``U`` (n, 3)."""
+        return float(_pull(self.F, self._rest, self._cot, U, self.shear, self.area, np.zeros_like(U)))

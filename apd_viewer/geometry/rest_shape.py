@@ -1,0 +1,119 @@
+"""What depends on the rest mesh alone: weights, Laplacian, pieces, vertex areas, curvature."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from apd_viewer.geometry import cells
+from apd_viewer.geometry.mesh import pieces
+from apd_viewer.geometry.operators import (
+    border_vertices,
+    cotangent_laplacian,
+    edge_weights,
+    laplacian,
+    vertex_areas,
+)
+
+# A vertex with next to no area around it, among needles, would outweigh the bends of all others.
+_SMALLEST_AREA = 1e-2
+
+
+class RestShape:
+    """The rest mesh that is solved on.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    F : (m, 3) int array, triangles
+
+    Attributes
+    ----------
+    W, L : (n, n) csr_array
+        Edge weights, and their Laplacian (positive semi-definite, ``L_ij = -w_ij``).
+    piece : (n,) int array
+        The connected piece of every vertex.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray) -> None:
+        self.V = np.ascontiguousarray(V)
+        self.F = F
+        self.W = edge_weights(self.V, F)
+        self.L = laplacian(self.W)
+        self.piece = pieces(F, len(V))
+
+    @cached_property
+    def vertex_areas(self) -> np.ndarray:
+        """One third of the area of the triangles around every vertex, (n,) float array."""
+        return vertex_areas(self.V, self.F)
+
+    @cached_property
+    def masses(self) -> np.ndarray:
+        """Vertex areas divided by their mean, (n,) float array."""
+        areas = self.vertex_areas
+        return areas / areas[areas > 0].mean()
+
+    @cached_property
+    def bending(self) -> Bending:
+        """How the mesh is bent, and what a change of that costs."""
+        return Bending(self)
+
+    @property
+    def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``start, neighbour, weight`` of the edges, for the kernels."""
+        return self.W.indptr, self.W.indices, self.W.data
+
+    def energy(self, U: np.ndarray) -> float:
+        """Eq. 1 at ``U`` (n, 3) with the rotations that are optimal for it."""
+        q, R = self.identity()
+        cells.local_step(*self.graph, self.V, U, cells.FLAT, 0.0, q, R)
+        return float(cells.energy(*self.graph, self.V, U, R))
+
+    def identity(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rotations of the rest pose: quaternions (n, 4) and matrices (n, 3, 3)."""
+        n = len(self.V)
+        return np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)), np.tile(np.eye(3), (n, 1, 1))
+
+
+class Bending:
+    """The curvature of the rest mesh, and the energy of a change of it.
+
+        E = A sum_i |(C u)_i - R_i (C v)_i|^2 / m_i
+
+    with C the cotangent Laplacian, so that ``C v`` are the mean curvature vectors, m the vertex areas and
+    A the total area [Wardetzky et al. 2007, Discrete quadratic curvature energies; Bouaziz et al. 2014,
+    Projective Dynamics]. The sum tends to an integral of squared curvature, which no refinement and no
+    unit of length changes; A makes it a squared length, as Eq. 1 is.
+
+    Attributes
+    ----------
+    C : (n, n) csr_array
+        Not clamped: a triangle that is stretched in its plane is not bent.
+    CV : (n, 3) float array
+        The mean curvature vectors at rest, each times its vertex area.
+    weight : (n,) float array
+        ``A / m_i``; zero along open borders, where C measures no curvature.
+    K : (n, n) csr_array
+        A quarter of the energy's Hessian while the rotations are held.
+    """
+
+    def __init__(self, rest: RestShape) -> None:
+        self.C = cotangent_laplacian(rest.V, rest.F)
+        self.CV = self.C @ rest.V
+        m = rest.vertex_areas
+        used = m > 0
+        self.weight = np.where(used, m.sum() / np.maximum(m, _SMALLEST_AREA * m[used].mean()), 0.0)
+        self.weight[border_vertices(rest.F, len(rest.V))] = 0.0
+        self.K = (self.C @ sp.diags_array(0.5 * self.weight) @ self.C).tocsr()
+
+    def pull(self, R: np.ndarray) -> np.ndarray:
+        """What curvature that is turned by ``R`` (n, 3, 3) asks for: ``grad E = 4 (K U - pull)``."""
+        turned = np.einsum("nij,nj->ni", R, self.CV)
+        return self.C @ (0.5 * self.weight[:, None] * turned)
+
+    def energy(self, U: np.ndarray, R: np.ndarray) -> float:
+        """The energy at ``U`` (n, 3) with the rotations ``R`` (n, 3, 3)."""
+        change = self.C @ U - np.einsum("nij,nj->ni", R, self.CV)
+        return float(self.weight @ (change * change).sum(axis=1))
