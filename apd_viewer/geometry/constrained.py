@@ -26,6 +26,8 @@ _REFRESH = 10
 _FADED = 0.5
 # The gradients lag one iteration behind: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5
+# Goals that nearly contradict each other would press against each other without end.
+_STRONGEST = 8.0
 _SHORTER = (1.0, 0.25, 0.0625)
 # Goals out of reach are given up once so many iterations have not brought them a hundredth nearer.
 _PATIENCE = 60
@@ -108,13 +110,14 @@ class Constrained:
         for mult, g in zip(self._mult, self._g, strict=True):
             b += mult * g
         start, end = self.U, elastic.global_step(b, self.held)
-        steady = 1.0 / max(1.0, _STEADY + float(np.abs(self._mult) @ self._stiffening()))
+        steady = 1.0 / max(1.0, _STEADY + self._pressure())
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady
             U, mu = self._meet(end if share == 1.0 else self._part_of_the_way(start, end, share))
             if self._worst(self.values) <= MET:
                 break
         self._mult += share * mu
+        self._mult /= max(1.0, self._pressure() / _STRONGEST)
         elastic.local_step(U)
         self._judge()
 
@@ -123,10 +126,11 @@ class Constrained:
         U[self._elastic.fixed] = self.held
         return U
 
-    def _stiffening(self) -> np.ndarray:
-        """How fast a goal's gradient changes with the shape, against the matrix K, for a multiplier of 1."""
+    def _pressure(self) -> float:
+        """How hard the multipliers press, against the matrix K: how fast their forces change with the shape."""
         edge = np.sqrt(self._elastic.rest.vertex_areas.mean())
-        return np.array([edge if goal.is_volume else 1.0 for goal in self.goals])
+        each = [edge if goal.is_volume else 1.0 for goal in self.goals]
+        return float(np.abs(self._mult) @ np.array(each)) if each else 0.0
 
     # Meeting the goals
 
@@ -190,7 +194,7 @@ class Constrained:
         movable = np.flatnonzero(self._power > 0.0)
         scale = np.sqrt(self._power[movable])
         slopes = self._slopes[np.ix_(movable, movable)] / np.outer(scale, scale)
-        step[movable] = np.linalg.lstsq(slopes, missing[movable] / scale, rcond=1e-8)[0] / scale
+        step[movable] = np.linalg.lstsq(slopes, missing[movable] / scale, rcond=1e-4)[0] / scale
         return step
 
     def _judge(self) -> None:

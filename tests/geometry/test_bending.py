@@ -1,0 +1,150 @@
+"""Bending and smooth rotations: closed forms, laws of scale and resolution, and a naive SR-ARAP."""
+
+import numpy as np
+import oracle
+import pytest
+from meshes import box, ends, grid, moved, rotation, sphere, tube
+
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.rest_shape import RestShape
+
+MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
+
+
+def bent(rest, U):
+    """The bending energy of ``U`` with the rotations that are optimal for its cells."""
+    elastic = Elastic(rest, np.array([0]), Material(bending=1.0))
+    elastic.restart(U)
+    return rest.bending.energy(U, elastic.R)
+
+
+def test_a_sheet_rolled_to_a_cylinder_costs_the_square_of_its_curvature():
+    """The integral of (2H)^2 over the inner sheet, times the area of it all; the border is free."""
+    n, radius = 40, 7.0
+    V, F = grid(n, n)
+    U = np.column_stack([radius * np.sin(V[:, 0] / radius), V[:, 1], radius * np.cos(V[:, 0] / radius)])
+    inner = (n - 1) * (n - 1)
+    assert bent(RestShape(V, F), U) == pytest.approx(n * n * inner / radius**2, rel=5e-3)
+
+
+def test_a_flat_sheet_stretched_in_its_plane_is_not_bent():
+    V, F = grid(9, 7)
+    V = V + np.random.default_rng(0).uniform(-0.3, 0.3, V.shape) * [1, 1, 0]
+    assert bent(RestShape(V, F), V @ np.diag([1.7, 0.6, 1.0])) <= 1e-20
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_it_costs_nothing_to_turn_and_grows_with_the_square_of_the_unit(mesh):
+    V, F = MESHES[mesh]
+    rest = RestShape(V, F)
+    U = V + 0.1 * np.random.default_rng(1).normal(size=V.shape)
+    assert bent(rest, V @ rotation([1, 2, 3], 2.5).T - 3.0) <= 1e-18
+    assert bent(RestShape(1e3 * V, F), 1e3 * U) == pytest.approx(1e6 * bent(rest, U), rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["exact", "local"])
+def test_the_same_stiffness_means_the_same_in_millimetres_and_in_metres(method):
+    V, F = MESHES["tube"]
+    base, handle = ends(V)
+    fixed = np.concatenate([base, handle])
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 1, 0], 0.7), [0.5, 0, 0])])
+    metres = deform(V, F, fixed, targets, method, 50, stiffness=0.01)
+    millimetres = deform(1e3 * V, F, fixed, 1e3 * targets, method, 50, stiffness=0.01)
+    assert np.abs(millimetres.U / 1e3 - metres.U).max() <= 1e-9
+
+
+def test_a_stiff_sheet_deforms_alike_however_finely_it_is_divided():
+    """A sheet that is bent over a free middle: without stiffness the two differ, as nothing bends them."""
+
+    def profile(n, stiffness):
+        V, F = grid(2 * n, n)
+        V = V / n
+        base, handle = np.flatnonzero(V[:, 0] <= 0.25 + 1e-9), np.flatnonzero(V[:, 0] >= 1.75 - 1e-9)
+        targets = np.vstack([V[base], moved(V[handle], rotation([0, 1, 0], -1.2), [-0.3, 0, 0.2])])
+        result = deform(
+            V, F, np.concatenate([base, handle]), targets, "arap", 1500, stiffness=stiffness, handle=handle
+        )
+        middle = np.flatnonzero(np.abs(V[:, 1] - 0.5) <= 1e-9)
+        return result.U[middle][np.isclose(V[middle, 0] * 8, np.rint(V[middle, 0] * 8))]
+
+    coarse, fine = profile(8, 0.01), profile(24, 0.01)
+    assert coarse.shape == fine.shape == (17, 3)
+    assert np.abs(coarse - fine).max() <= 0.02
+
+
+@pytest.mark.parametrize("stiffness", [1e-3, 0.1])
+@pytest.mark.parametrize("mesh", MESHES)
+def test_energy_never_rises_and_its_slope_is_the_force(mesh, stiffness):
+    V, F = MESHES[mesh]
+    base, handle = ends(V)
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5), [0.3, 0, 0.2])])
+    elastic = Elastic(RestShape(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
+    energies = []
+    for _ in range(50):
+        elastic.iterate(targets)
+        energies.append(elastic.energy)
+    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
+    assert energies[-1] < energies[0]
+
+    K = elastic.rest.L + stiffness * elastic.rest.bending.K
+    direction = np.zeros_like(V)
+    direction[elastic.free] = np.random.default_rng(0).normal(size=(len(elastic.free), 3))
+    U, slope = elastic.U, 4 * ((K @ elastic.U - elastic.pull()) * direction).sum()
+    values = []
+    for h in (1e-6, -1e-6):
+        elastic.local_step(U + h * direction)
+        values.append(elastic.energy)
+    assert (values[0] - values[1]) / 2e-6 == pytest.approx(slope, rel=1e-5, abs=1e-6 * energies[-1])
+
+
+def test_more_stiffness_bends_less():
+    V, F = tube(16, 20)
+    base, handle = ends(V)
+    fixed = np.concatenate([base, handle])
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5))])
+    rest = RestShape(V, F)
+    bends = [
+        bent(rest, deform(V, F, fixed, targets, "arap", 300, stiffness=stiffness).U)
+        for stiffness in (0.0, 1e-4, 1e-3, 1e-2, 1e-1)
+    ]
+    assert bends == sorted(bends, reverse=True)
+
+
+def test_isolated_vertices_and_needles_leave_it_finite():
+    V, F = grid(4, 4)
+    V = np.vstack([V, [[9.0, 9, 9]]])
+    V[12] = V[7] + [1e-9, 1e-12, 0]
+    bending = RestShape(V, F).bending
+    assert np.isfinite(bending.weight).all()
+    assert np.isfinite(bending.K.toarray()).all()
+    assert bending.weight[-1] == 0.0
+
+
+def naive_sr_arap(V, F, fixed, targets, alpha, iterations):
+    """[Levi & Gotsman 2015]: rotations one after another, each with its neighbours' newest."""
+    w, area = oracle.edges_of(V, F), oracle.areas(V, F).sum()
+    neighbours = {i: [j for (k, j) in w if k == i] for i in range(len(V))}
+    R = np.tile(np.eye(3), (len(V), 1, 1))
+    for _ in range(iterations):
+        U = oracle.solve_held(*oracle.normal_equations(V, w, R), fixed, targets)
+        for i, ring in neighbours.items():
+            S = sum(w[i, j] * np.outer(U[i] - U[j], V[i] - V[j]) for j in ring)
+            S = S + alpha * area / len(ring) * sum(R[j] for j in ring)
+            A, _, Bt = np.linalg.svd(S)
+            A[:, 2] *= np.sign(np.linalg.det(A @ Bt))
+            R[i] = A @ Bt
+    return U
+
+
+def test_sr_arap_equals_the_naive_one():
+    V, F = MESHES["tube"]
+    base, handle = ends(V)
+    fixed = np.concatenate([base, handle])
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 1, 0], 1.0), [0.5, 0, -0.4])])
+    expected = naive_sr_arap(V, F, fixed, targets, 0.02, 20)
+    result = deform(V, F, fixed, targets, "sr-arap", 20, stiffness=0.02)
+    assert np.abs(result.U - expected).max() <= 1e-11 * np.ptp(V)
+    assert np.abs(result.U - deform(V, F, fixed, targets, "arap", 20).U).max() > 1e-3
+    plain = deform(V, F, fixed, targets, "sr-arap", 20, stiffness=0.0)
+    assert np.array_equal(plain.U, deform(V, F, fixed, targets, "arap", 20).U)

@@ -1,0 +1,74 @@
+"""From percentages to goals: what is measured, what is refused, and the words."""
+
+import numpy as np
+import pytest
+from meshes import box, soup, tube
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.goals import Region, faces_within, make_goals
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+V, F = box(2, 3, 4)
+REST = RestMesh(V, F)
+TOP = np.flatnonzero(V[:, 2] == 4)
+
+
+def test_percentages_become_areas_and_a_volume():
+    area, volume, region = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90), Region("read only", TOP)])
+    assert area.target == pytest.approx(1.1 * 52)
+    assert area.value(2 * V) == pytest.approx(4 * 52)
+    assert volume.target == pytest.approx(12)
+    assert volume.value(2 * V) == pytest.approx(8 * 24)
+    assert region.target == pytest.approx(0.9 * 6)
+    assert region.value(V) == pytest.approx(6)
+    assert make_goals(REST, None, None, []) == ()
+
+
+@pytest.mark.parametrize("goal", make_goals(REST, 110, 50.0, [Region("lid", TOP, 90)]), ids=lambda g: g.name)
+def test_value_and_gradient_belong_together(goal):
+    rng = np.random.default_rng(0)
+    U, direction, g = V + 0.1 * rng.normal(size=V.shape), rng.normal(size=V.shape), np.empty(V.shape)
+    assert goal.value_and_gradient(U, g) == pytest.approx(goal.value(U), rel=1e-13)
+    quotient = (goal.value(U + 1e-5 * direction) - goal.value(U - 1e-5 * direction)) / 2e-5
+    assert quotient == pytest.approx((g * direction).sum(), rel=1e-6)
+    assert goal.miss(goal.target) == 0.0
+    assert goal.miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
+
+
+def test_a_region_is_the_triangles_with_all_corners_in_it():
+    faces = faces_within(REST, Region("lid", TOP))
+    assert (V[F[faces]][:, :, 2] == 4).all()
+    assert len(faces) == 2 * 6
+    assert len(faces_within(REST, Region("a point", TOP[:1]))) == 0
+
+
+def test_a_region_goes_over_seams():
+    """Only one of the copies at each place is named."""
+    X, G = soup(V, F)
+    rest = RestMesh(X, G)
+    named = rest.weld.first[X[rest.weld.first][:, 2] == 4]
+    assert len(faces_within(rest, Region("lid", named))) == 2 * 6
+
+
+def test_words_for_what_is_not_reached():
+    (area,) = make_goals(REST, 10, None, [])
+    assert area.shortfall(52 * 0.31234) == "the area is at 31.23 % instead of 10 %"
+
+
+@pytest.mark.parametrize("percent", [0, -5, np.nan, np.inf, "all"])
+def test_percentages_that_are_none_are_refused(percent):
+    for asked in ((percent, None, []), (None, percent, []), (None, None, [Region("lid", TOP, percent)])):
+        with pytest.raises(InputError, match="must be a percentage greater than zero"):
+            make_goals(REST, *asked)
+
+
+def test_there_must_be_something_to_measure():
+    open_mesh = RestMesh(*tube(8, 4))
+    with pytest.raises(InputError, match="There is no volume to keep: the surface is open"):
+        make_goals(open_mesh, None, 100, [])
+    with pytest.raises(InputError, match="“speck” covers no whole triangle"):
+        make_goals(REST, None, None, [Region("speck", TOP[:2], 100)])
+    assert make_goals(REST, None, None, [Region("speck", TOP[:2])]) == ()
+    for ids in ([-1], [len(V)]):
+        with pytest.raises(InputError, match="“lid” has a vertex that does not exist"):
+            faces_within(REST, Region("lid", np.array(ids)))

@@ -1,0 +1,86 @@
+"""Areas and volume with their gradients: closed forms, finite differences, invariances."""
+
+import numpy as np
+import pytest
+from meshes import box, rotation, soup, sphere, tube
+
+from apd_viewer.geometry.measures import area_and_gradient, area_of, volume_and_gradient
+from apd_viewer.geometry.operators import area, cotangent_laplacian, volume
+
+
+def wild(V, seed=0):
+    """The mesh pushed about, so that no symmetry hides a mistake."""
+    rng = np.random.default_rng(seed)
+    return V @ np.diag([1.0, 2.0, 3.0]) + 0.05 * rng.normal(size=V.shape)
+
+
+MESHES = {"sphere": sphere(2), "box": box(2, 3, 4), "tube": tube(9, 7), "soup": soup(*sphere(1))}
+CLOSED = {name: MESHES[name] for name in ("sphere", "box")}
+
+
+def difference(measure, U, F, direction, h):
+    scratch = np.empty_like(U)
+    return (measure(U + h * direction, F, scratch) - measure(U - h * direction, F, scratch)) / (2 * h)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("mesh", MESHES)
+def test_the_area_gradient_is_the_difference_quotient(mesh, seed):
+    V, F = MESHES[mesh]
+    U, g = wild(V, seed), np.full(V.shape, np.nan)
+    assert area_and_gradient(U, F, g) == pytest.approx(area(U, F), rel=1e-13)
+    assert area_of(U, F) == pytest.approx(area(U, F), rel=1e-13)
+    direction = np.random.default_rng(seed + 10).normal(size=V.shape)
+    slope = (g * direction).sum()
+    assert difference(area_and_gradient, U, F, direction, 1e-5) == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("mesh", CLOSED)
+def test_the_volume_gradient_is_the_difference_quotient(mesh, seed):
+    V, F = CLOSED[mesh]
+    U, g = wild(V, seed), np.full(V.shape, np.nan)
+    assert volume_and_gradient(U, F, g) == pytest.approx(volume(U, F), rel=1e-13)
+    direction = np.random.default_rng(seed + 10).normal(size=V.shape)
+    slope = (g * direction).sum()
+    assert difference(volume_and_gradient, U, F, direction, 1e-5) == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_the_area_gradient_is_the_cotangent_laplacian_of_the_positions(mesh):
+    """[Pinkall & Polthier 1993]: another way to the same vectors."""
+    V, F = MESHES[mesh]
+    U, g = wild(V), np.empty(V.shape)
+    area_and_gradient(U, F, g)
+    assert np.abs(g - cotangent_laplacian(U, F) @ U).max() <= 1e-11
+
+
+@pytest.mark.parametrize("mesh", CLOSED)
+def test_growing_by_a_scale(mesh):
+    """Euler's theorem: x . grad f is the degree of f times f."""
+    V, F = CLOSED[mesh]
+    U, g = wild(V), np.empty(V.shape)
+    total = area_and_gradient(U, F, g)
+    assert (U * g).sum() == pytest.approx(2 * total, rel=1e-12)
+    inside = volume_and_gradient(U, F, g)
+    assert (U * g).sum() == pytest.approx(3 * inside, rel=1e-12)
+
+
+@pytest.mark.parametrize("measure", [area_and_gradient, volume_and_gradient])
+def test_shifts_and_rotations_change_nothing(measure):
+    V, F = CLOSED["sphere"]
+    U, g, there = wild(V), np.empty(V.shape), np.empty(V.shape)
+    value = measure(U, F, g)
+    R = rotation([1, 2, 3], 1.1)
+    assert measure(U @ R.T + [1e3, -2e3, 5e2], F, there) == pytest.approx(value, rel=1e-10)
+    assert np.abs(there - g @ R.T).max() <= 1e-9
+    assert np.abs(g.sum(axis=0)).max() <= 1e-12
+
+
+def test_triangles_without_area_have_no_gradient():
+    U = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]])
+    g = np.empty(U.shape)
+    assert area_and_gradient(U, np.array([[0, 1, 2], [1, 1, 2]]), g) == 0.0
+    assert np.array_equal(g, np.zeros(U.shape))
+    assert area_and_gradient(U, np.array([[0, 1, 2], [0, 1, 3]]), g) == 0.5
+    assert np.isfinite(g).all()

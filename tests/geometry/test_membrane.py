@@ -1,0 +1,143 @@
+"""The membrane's projections against brute force, its forces against its energy, and what "local" keeps."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from meshes import box, ends, grid, moved, rotation, sphere, tube
+from scipy.optimize import minimize_scalar
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.membrane import Membrane, _project
+from apd_viewer.geometry.operators import face_areas
+from apd_viewer.geometry.rest_shape import RestShape
+
+MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
+entries = st.floats(-4.0, 4.0, allow_nan=False, width=32)
+
+
+def nearest_of_unit_area(s1, s2):
+    """Squared distance from diag(s1, s2) to the nearest diag(p, 1/p), by looking everywhere."""
+
+    def distance(log_p):
+        return (np.exp(log_p) - s1) ** 2 + (np.exp(-log_p) - s2) ** 2
+
+    start = np.linspace(-6, 6, 2401)
+    best = start[np.argmin(distance(start))]
+    return minimize_scalar(
+        distance, bounds=(best - 0.01, best + 0.01), method="bounded", options={"xatol": 1e-12}
+    ).fun
+
+
+@settings(max_examples=300, deadline=None)
+@given(arrays(np.float64, (3, 2), elements=entries))
+def test_the_projections_are_the_nearest_of_all(D):
+    left, s, right = np.linalg.svd(D, full_matrices=False)
+    if s[1] < 1e-6 * s[0] or s[0] < 1e-3:
+        return
+    R, P = np.empty((3, 2)), np.empty((3, 2))
+    shear = _project(D, 1.0, 0.0, R)
+    assert np.abs(R - left @ right).max() <= 1e-7 * s[0] / s[1]
+    assert shear == pytest.approx(((s - 1) ** 2).sum(), rel=1e-7, abs=1e-9)
+    area = _project(D, 0.0, 1.0, P)
+    p = np.linalg.svd(P, compute_uv=False)
+    assert p[0] * p[1] == pytest.approx(1.0, rel=1e-9)
+    assert area == pytest.approx(((D - P) ** 2).sum(), rel=1e-6, abs=1e-12)
+    assert area <= nearest_of_unit_area(*s) * (1 + 1e-6) + 1e-9
+
+
+def test_collapsed_triangles_pull_finitely():
+    T = np.empty((3, 2))
+    for D in (np.zeros((3, 2)), np.outer([1.0, 2, 3], [1.0, 0]), np.full((3, 2), 1e-200)):
+        assert np.isfinite(_project(D, 0.1, 20.0, T))
+        assert np.isfinite(T).all()
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_the_forces_are_the_slope_of_the_energy(mesh):
+    V, F = MESHES[mesh]
+    membrane = Membrane(V, F, 0.3, 5.0)
+    rng = np.random.default_rng(0)
+    U, direction = V + 0.05 * rng.normal(size=V.shape), rng.normal(size=V.shape)
+    b = np.zeros_like(V)
+    membrane.pull(U, b)
+    slope = (4 * (membrane.K @ U - b) * direction).sum()
+    h = 1e-6
+    quotient = (membrane.energy(U + h * direction) - membrane.energy(U - h * direction)) / (2 * h)
+    assert quotient == pytest.approx(slope, rel=1e-6)
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_it_costs_nothing_to_turn_and_something_to_grow(mesh):
+    V, F = MESHES[mesh]
+    membrane = Membrane(V, F, 0.1, 20.0)
+    assert membrane.energy(V @ rotation([1, 2, 3], 2.0).T + 5.0) <= 1e-20 * len(F)
+    assert np.abs(membrane.K @ np.ones(len(V))).max() <= 1e-12
+    assert np.linalg.eigvalsh(membrane.K.toarray()).min() >= -1e-12
+    # Twice as large: every stretch is 2, and the nearest of area 1 is found by looking.
+    expected = face_areas(V, F).sum() * (0.1 * 2 + 20.0 * nearest_of_unit_area(2.0, 2.0))
+    assert membrane.energy(2 * V) == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_area_term_lets_a_sheet_shear_freely():
+    V, F = grid(5, 5)
+    only_area = Membrane(V, F, 0.0, 1.0)
+    assert only_area.energy(V @ np.diag([2.0, 0.5, 1.0])) <= 1e-20
+    assert Membrane(V, F, 1.0, 0.0).energy(V @ np.diag([2.0, 0.5, 1.0])) == pytest.approx(25 * 1.25)
+
+
+@pytest.mark.parametrize("material", [Material(0.1, 0.1, 20.0), Material(1.0, 2.0, 0.0), Material(0.5, 0, 3)])
+@pytest.mark.parametrize("mesh", MESHES)
+def test_energy_never_rises(mesh, material):
+    V, F = MESHES[mesh]
+    base, handle = ends(V)
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 2.0), [0.3, 0, 0.2])])
+    elastic = Elastic(RestShape(V, F), np.concatenate([base, handle]), material)
+    energies = []
+    for _ in range(60):
+        elastic.iterate(targets)
+        energies.append(elastic.energy)
+    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
+    assert energies[-1] < energies[0]
+
+
+def test_the_stiffnesses_do_what_their_names_say():
+    V, F = tube(16, 20)
+    base, handle = ends(V)
+    fixed = np.concatenate([base, handle])
+    targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.2), [0, 0, 1.0])])
+
+    def run(**stiffness):
+        U = deform(V, F, fixed, targets, "local", 200, handle=handle, **stiffness).U
+        change = np.abs(face_areas(U, F) - face_areas(V, F)).sum()
+        return change, Membrane(V, F, 1.0, 0.0).energy(U)
+
+    soft, firm = run(area_stiffness=2.0), run(area_stiffness=50.0)
+    assert firm[0] < soft[0]
+    loose, rigid = run(shear_stiffness=0.01), run(shear_stiffness=5.0)
+    assert rigid[1] < loose[1]
+
+
+@pytest.mark.parametrize("name", ["stiffness", "area_stiffness", "shear_stiffness"])
+@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "much"])
+def test_stiffnesses_that_are_none_are_refused(name, value):
+    V, F = tube(6, 5)
+    fixed = np.concatenate(ends(V))
+    with pytest.raises(InputError, match=f"The {name.replace('_', ' ')} must be a number of at least zero"):
+        deform(V, F, fixed, V[fixed], "local", 1, **{name: value})
+
+
+def test_needles_leave_the_membrane_finite():
+    V, F = grid(4, 4)
+    V = V.copy()
+    V[12] = V[7] + [1e-9, 1e-12, 0]
+    membrane = Membrane(V, F, 0.1, 20.0)
+    U = V @ rotation([1, 0, 0], 1.0).T
+    b = np.zeros_like(V)
+    membrane.pull(U, b)
+    assert np.isfinite(b).all()
+    assert np.isfinite(membrane.K.toarray()).all()
+    assert membrane.energy(U) <= 1e-8
