@@ -243,6 +243,69 @@ def test_the_paper_s_method_keeps_the_area_and_moves_the_handle_for_it(bar, defo
     assert plain["handle_drift"] < 1e-12 < report["handle_drift"]
 
 
+def test_exact_is_the_default_and_takes_targets(bar, deformed):
+    report, mesh, out = deformed(bar, "--area", 105, "--volume", 95, "--stiffness", 0.01)
+    assert report["method"] == "exact"
+    assert report["converged"] is True
+    after = trimesh.Trimesh(mesh.V, bar.F, process=False)
+    assert after.area == pytest.approx(1.05 * report["area_rest"], rel=1e-9)
+    assert after.volume == pytest.approx(0.95 * report["volume_rest"], rel=1e-9)
+    assert report["area_target"] == pytest.approx(1.05 * report["area_rest"], rel=1e-12)
+    assert report["volume_target"] == pytest.approx(0.95 * report["volume_rest"], rel=1e-12)
+    assert report["handle_drift"] == 0.0
+    assert report["local_change"] >= 0.05
+    assert "(+5.000 %)" in out
+    assert "(-5.000 %)" in out
+
+
+def test_stiffness_and_the_stiffnesses_of_local_change_the_shape(bar, deformed):
+    shapes = [
+        deformed(bar, "--method", "local", "--iterations", 5, *words)[1].V
+        for words in ([], ["--stiffness", 0.05], ["--area-stiffness", 1], ["--shear-stiffness", 5])
+    ]
+    for i, shape in enumerate(shapes):
+        assert all(np.abs(shape - other).max() > 1e-3 for other in shapes[:i])
+
+
+def test_regions_are_read_measured_and_kept(bar, deformed):
+    z = bar.V[:, 2]
+    for name, inside in (("low", z <= 2), ("high", z >= 3)):
+        (bar.folder / f"{name}.txt").write_text("\n".join(map(str, inside.astype(int))))
+    low, high = bar.folder / "low.txt", bar.folder / "high.txt"
+    report, mesh, out = deformed(bar, "--region", "neck", high, 110, "--region", "label", low)
+    (neck, label) = report["regions"]
+    faces = bar.F[(z[bar.F] >= 3).all(axis=1)]
+    assert neck["name"] == "neck"
+    assert neck["area"] == pytest.approx(1.1 * trimesh.Trimesh(bar.V, faces, process=False).area, rel=1e-9)
+    assert neck["area"] == pytest.approx(trimesh.Trimesh(mesh.V, faces, process=False).area, rel=1e-9)
+    assert neck["area_target"] == pytest.approx(neck["area"], rel=1e-9)
+    assert label["area_target"] is None
+    assert abs(report["area_error"]) <= 1e-9
+    assert "“neck”" in out
+
+
+def test_two_handles_each_with_its_motion(bar, deformed):
+    labels = np.where((bar.labels == 2) & (bar.V[:, 0] > 0.5), 3, bar.labels)
+    (bar.folder / "s.sel").write_text("\n".join(map(str, labels)))
+    other = pose(-0.3, (-0.2, 0.0, 0.5))
+    np.savetxt(bar.folder / "other.def", other, fmt="%.17g")
+    report, mesh, _ = deformed(bar, "--transform", bar.folder / "other.def")
+    for label, M in ((2, bar.M), (3, other)):
+        ids = np.flatnonzero(labels == label)
+        assert np.abs(mesh.V[ids] - transform(M, bar.V[ids])).max() <= 1e-12
+    assert report["handle_drift"] == 0.0
+    assert abs(report["area_error"]) <= 1e-9
+
+
+def test_what_is_out_of_reach_is_said_and_written(bar, deformed):
+    report, mesh, out = deformed(bar, "--area", 5)
+    assert report["converged"] is False
+    assert "Out of reach in this pose: the area is at" in report["warnings"][-1]
+    assert report["warnings"][-1] in out
+    assert "not converged" in out
+    assert np.isfinite(mesh.V).all()
+
+
 def test_what_is_not_converged_says_so(bar, deformed):
     report, _, out = deformed(bar, "--method", "paper", "--iterations", 1)
     assert report["converged"] is False
@@ -333,7 +396,8 @@ def one(label):
 WRONG_SELECTIONS = {
     "one too few": (lambda labels: labels[1:], r"for a mesh of \d+ vertices, but this one has \d+"),
     "one too many": (lambda labels: [*labels, 1], r"for a mesh of \d+ vertices, but this one has \d+"),
-    "another label": (lambda labels: np.where(labels == 2, 3, labels), "a label other than 0"),
+    "another label": (lambda labels: np.where(labels == 2, 12, labels), "a label other than 0"),
+    "two handles": (lambda labels: np.where(labels == 2, 3, labels), "There are 2 handles but one motion"),
     "a negative label": (lambda labels: np.where(labels == 2, -1, labels), "a label other than 0"),
     "words": (lambda labels: ["free"] * len(labels), "is not a selection"),
     "no base": (lambda labels: np.maximum(labels, 1), "There is no base"),
@@ -402,6 +466,11 @@ def test_a_wrong_output(out, words, bar, refused):
         ("--tolerance", "-1", "tolerance must be greater than zero"),
         ("--tolerance", "nan", "tolerance must be greater than zero"),
         ("--tolerance", "small", "invalid float value: 'small'"),
+        ("--stiffness", "-1", "stiffness must be a number of at least zero"),
+        ("--area-stiffness", "nan", "area stiffness must be a number of at least zero"),
+        ("--area", "0", "What the area should be must be a percentage greater than zero"),
+        ("--volume", "-10", "What the volume should be must be a percentage greater than zero"),
+        ("--region", "lid", "--region takes a name, a file"),
         ("--unknown", "1", "unrecognized arguments: --unknown 1"),
         ("--picture", "picture.jpg", "end it in .png"),
     ],

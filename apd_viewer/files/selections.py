@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import frozen
 
 
 def read_selection(path: str | Path, n: int) -> np.ndarray:
-    """Labels of the ``n`` vertices of a mesh: 0 held (base), 1 free, 2 handle.
+    """Labels of the ``n`` vertices of a mesh: 0 held (base), 1 free, 2 handle, 3 the next handle and so on.
 
     Returns
     -------
@@ -27,15 +27,24 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
         If the file does not fit the mesh or is no selection.
     """
     path = Path(path)
-    numbers = _numbers(path, "a selection: one integer (0 held, 1 free, 2 handle) a vertex")
-    if len(numbers) != n:
+    labels = _one_a_vertex(path, n, "a selection: one integer (0 held, 1 free, 2 handle) a vertex")
+    last = HANDLE + MOST_HANDLES - 1
+    if not np.isin(labels, np.arange(BASE, last + 1)).all():
         raise InputError(
-            f"{path.name} is for a mesh of {len(numbers):,} vertices, but this one has {n:,}; "
-            "use the selection that was made for it."
+            f"{path.name} has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it."
         )
-    if not np.isin(numbers, np.arange(BASE, HANDLE + 1)).all():
-        raise InputError(f"{path.name} has a label other than 0 (held), 1 (free) and 2 (handle); correct it.")
-    return frozen(numbers.astype(np.uint8))
+    return frozen(labels.astype(np.uint8))
+
+
+def read_region(path: str | Path, n: int) -> np.ndarray:
+    """Ids of the vertices that a file of one number a vertex marks with anything but 0.
+
+    Raises
+    ------
+    InputError
+        If the file does not fit the mesh of ``n`` vertices.
+    """
+    return np.flatnonzero(_one_a_vertex(Path(path), n, "a region: one number (0 outside, 1 inside) a vertex"))
 
 
 def read_transform(path: str | Path) -> np.ndarray:
@@ -54,6 +63,16 @@ def read_transform(path: str | Path) -> np.ndarray:
     if not np.array_equal(M[3], [0, 0, 0, 1]):
         raise InputError(f"{path.name} is not an affine transform; its last row must be 0 0 0 1.")
     return M
+
+
+def _one_a_vertex(path: Path, n: int, what: str) -> np.ndarray:
+    numbers = _numbers(path, what)
+    if len(numbers) != n:
+        raise InputError(
+            f"{path.name} is for a mesh of {len(numbers):,} vertices, but this one has {n:,}; "
+            "use the file that was made for it."
+        )
+    return numbers
 
 
 def _numbers(path: Path, what: str) -> np.ndarray:

@@ -127,7 +127,7 @@ class Constrained:
         return U
 
     def _pressure(self) -> float:
-        """How hard the multipliers press, against the matrix K: how fast their forces change with the shape."""
+        """How hard the multipliers press: how fast their forces change with the shape, against K."""
         edge = np.sqrt(self._elastic.rest.vertex_areas.mean())
         each = [edge if goal.is_volume else 1.0 for goal in self.goals]
         return float(np.abs(self._mult) @ np.array(each)) if each else 0.0

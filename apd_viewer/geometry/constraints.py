@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 
 # The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
+MOST_HANDLES = 8
 
 
 class Constraints(NamedTuple):
@@ -58,7 +59,8 @@ def constraints(labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray
         raise InputError(problem)
     count = int(labels.max()) - HANDLE + 1
     if count > len(poses):
-        raise InputError(f"There are {count} handles but {len(poses)} motions; give one for each handle.")
+        given = "one motion" if len(poses) == 1 else f"{len(poses)} motions"
+        raise InputError(f"There are {count} handles but {given}; give one for each handle.")
     fixed = np.flatnonzero(labels != FREE)
     targets = grip[fixed].astype(np.float64)
     handles = []

@@ -18,7 +18,7 @@ from apd_viewer.geometry.deformation import (
     Deformation,
     Frame,
 )
-from apd_viewer.geometry.goals import Region
+from apd_viewer.geometry.goals import Reading, Region
 
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000
@@ -32,8 +32,10 @@ class Result:
     ----------
     U : (n, 3) float array
         Deformed positions in the order of the file, mesh units.
-    regions : tuple of float
-        Area of each region.
+    area_target, volume_target : float or None
+        What was asked of the total area and the volume.
+    regions : tuple of Reading
+        What became of each region.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
     energy : float
@@ -49,11 +51,13 @@ class Result:
     area_rest: float
     area: float
     area_error: float
+    area_target: float | None
     volume_rest: float | None
     volume: float | None
+    volume_target: float | None
     energy: float
     handle_drift: float
-    regions: tuple[float, ...]
+    regions: tuple[Reading, ...]
     local_change: float
     seconds: float
     factor_seconds: float
@@ -144,11 +148,13 @@ def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_itera
         area_rest=solver.rest.area,
         area=frame.area,
         area_error=frame.area_error,
+        area_target=solver.target("the area"),
         volume_rest=solver.rest.volume,
         volume=frame.volume,
+        volume_target=solver.target("the volume"),
         energy=solver.rest.energy(frame.U),
         handle_drift=frame.handle_drift,
-        regions=frame.regions,
+        regions=solver.readings(frame),
         local_change=frame.local_change,
         seconds=seconds,
         factor_seconds=solver.factor_seconds,

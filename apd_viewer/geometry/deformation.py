@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import MET, Constrained
 from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.goals import Goal, Region, faces_within, make_goals
+from apd_viewer.geometry.goals import Goal, Reading, Region, faces_within, make_goals
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.operators import face_areas
@@ -179,7 +179,8 @@ class Deformation:
             raise InputError(
                 "The method 'paper' keeps only the total area; choose 'exact' for a volume or a region."
             )
-        self._faces_of = [faces_within(self.rest, part) for part in regions]
+        self._regions = tuple(regions)
+        self._faces_of = [faces_within(self.rest, region) for region in regions]
         return make_goals(self.rest, area, volume, regions)
 
     @property
@@ -260,6 +261,19 @@ class Deformation:
             local_change=self.rest.largest_change(areas),
             unreached=self._unreached() if method.stuck else None,
         )
+
+    def readings(self, frame: Frame) -> tuple[Reading, ...]:
+        """What became of each region in ``frame``."""
+        readings = []
+        for region, faces, area in zip(self._regions, self._faces_of, frame.regions, strict=True):
+            rest = float(self.rest.face_areas[faces].sum())
+            target = None if region.area is None else rest * region.area / 100.0
+            readings.append(Reading(region.name, rest, area, target))
+        return tuple(readings)
+
+    def target(self, name: str) -> float | None:
+        """What "the area" or "the volume" should be; None if nothing was asked."""
+        return next((goal.target for goal in self._method.goals if goal.name == name), None)
 
     def _still(self) -> bool:
         last = self._steps[-1]

@@ -33,6 +33,16 @@ class Region:
     area: float | None = None
 
 
+@dataclass(frozen=True)
+class Reading:
+    """What became of a region: its area at rest, now, and the one asked for, if any."""
+
+    name: str
+    area_rest: float
+    area: float
+    area_target: float | None
+
+
 @dataclass(frozen=True, eq=False)
 class Goal:
     """An area or a volume that should have a value.

@@ -27,8 +27,8 @@ class RestMesh:
     def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
         self.V, self.F = V, F
         self.weld = weld or Weld.of(V)
-        self._face_areas = face_areas(V, F)
-        self.area = float(self._face_areas.sum())
+        self.face_areas = face_areas(V, F)
+        self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
             raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
         if not np.isfinite(self.area):
@@ -44,7 +44,7 @@ class RestMesh:
 
     def largest_change(self, areas: np.ndarray) -> float:
         """Largest relative change of a triangle's area to what it is in ``areas`` (m,), up or down."""
-        rest = self._face_areas
+        rest = self.face_areas
         counts = rest > _SLIVER * self.area / len(rest)
         return float(np.abs(areas[counts] / rest[counts] - 1.0).max())
 

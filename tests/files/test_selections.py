@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selections import read_selection, read_transform
+from apd_viewer.files.selections import read_region, read_selection, read_transform
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_labels_come_in_the_order_of_the_file(content, file):
     assert not labels.flags.writeable
 
 
-@given(labels=st.lists(st.sampled_from([0, 1, 2]), max_size=40))
+@given(labels=st.lists(st.integers(0, 9), max_size=40))
 def test_any_labels(labels, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "any.sel"
     path.write_text("# made in a test\n" + "\n".join(map(str, labels)))
@@ -52,7 +52,7 @@ def test_any_labels(labels, tmp_path_factory):
         ("0\n1\n2\n" * 500, r"for a mesh of 1,500 vertices, but this one has 4"),
         ("", "for a mesh of 0 vertices, but this one has 4"),
         ("# 0 1 1 2\n", "for a mesh of 0 vertices, but this one has 4"),
-        ("0 1 1 3", r"a label other than 0 \(held\), 1 \(free\) and 2 \(handle\)"),
+        ("0 1 1 10", r"a label other than 0 \(held\), 1 \(free\) and 2 to 9 \(handles\)"),
         ("0 1 -1 2", "a label other than"),
         ("0 1 0.5 2", "a label other than"),
         ("0 1 nan 2", "a label other than"),
@@ -127,3 +127,11 @@ def test_files_that_cannot_be_read_at_all(read, tmp_path):
         read(tmp_path)
     with pytest.raises(InputError):
         read(tmp_path / ("x" * 300))
+
+
+def test_a_region_is_what_is_not_zero(file):
+    assert read_region(file("# neck\n0 1 0 2.5\n-1"), 5).tolist() == [1, 3, 4]
+    with pytest.raises(InputError, match="for a mesh of 2 vertices, but this one has 5"):
+        read_region(file("0 1"), 5)
+    with pytest.raises(InputError, match="is not a region: one number"):
+        read_region(file("inside"), 1)

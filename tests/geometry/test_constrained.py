@@ -132,7 +132,12 @@ def test_regions_and_a_volume_together(move):
     inside = 100.0 if move not in ("stretch", "crush") else 120.0 if move == "stretch" else 80.0
     result = deform(V, F, fixed, targets, "arap", 80, handle=handle, volume=inside, regions=regions)
     at_rest = [area(V, F[np.isin(F, ids).all(axis=1)]) for ids in (low, high)]
-    assert result.regions == pytest.approx([at_rest[0], 1.1 * at_rest[1], at_rest[0]], rel=1e-9)
+    assert [part.name for part in result.regions] == ["low", "high", "seen"]
+    found = [(part.area_rest, part.area, part.area_target) for part in result.regions]
+    for expected, (_, now, target) in zip((at_rest[0], 1.1 * at_rest[1]), found[:2], strict=True):
+        assert now == pytest.approx(expected, rel=1e-9)
+        assert target == pytest.approx(expected, rel=1e-13)
+    assert found[2] == (*found[0][:2], None)
     assert volume(result.U, F) == pytest.approx(inside / 100 * volume(V, F), rel=1e-9)
     assert np.array_equal(result.U[fixed], targets)
 
