@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 
 
@@ -99,3 +102,13 @@ def moved(X: np.ndarray, R=None, shift=(0.0, 0.0, 0.0)) -> np.ndarray:
     """Points turned by ``R`` about their centroid, then shifted."""
     centre = X.mean(axis=0)
     return (X - centre) @ (np.eye(3) if R is None else R).T + centre + np.asarray(shift)
+
+
+def sample_bottle(edge: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The sample bottle with edges so many times as long, and its labels."""
+    script = runpy.run_path(str(Path(__file__).parents[1] / "resources" / "make_samples.py"))
+    sizes = script["bottle"].__globals__
+    sizes["BOTTLE_EDGE"] *= edge
+    sizes["NECK_EDGE"] *= edge
+    V, F = script["bottle"]()
+    return V, F, script["bottle_labels"](V)

@@ -1,0 +1,56 @@
+"""What an iteration of each method costs, against one of ARAP on the same mesh in the same run.
+
+    python tests/benchmarks/iteration_cost.py
+
+The methods take turns, so that whatever else the machine does falls on all of them.
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from meshes import rotation, sample_bottle
+
+from apd_viewer.geometry.constraints import constraints
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+EDGES = {1.13: 60, 0.565: 40, 0.282: 30}  # length of the edges: iterations
+METHODS = {
+    "arap": {"method": "arap"},
+    "exact": {"method": "exact"},
+    "exact, stiff": {"method": "exact", "stiffness": 1e-3},
+    "local": {"method": "local"},
+    "paper": {"method": "paper"},
+}
+WARM_UP = 3
+
+
+def main() -> None:
+    """Print the medians and their ratios to ARAP's."""
+    print(f"{'vertices':>9}  " + "  ".join(f"{name:>20}" for name in METHODS))
+    twist = np.eye(4)
+    twist[:3, :3] = rotation([0, 1, 0], np.pi / 3)
+    for edge, iterations in EDGES.items():
+        V, F, labels = sample_bottle(edge)
+        held, rest = constraints(labels, V, [twist]), RestMesh(V, F)
+        solvers = {}
+        for name, options in METHODS.items():
+            solvers[name] = Deformation(V, F, held.fixed, handle=held.handles, rest=rest, **options)
+            solvers[name].aim(held.targets)
+        times = {name: [] for name in METHODS}
+        for _ in range(iterations):
+            for name, solver in solvers.items():
+                started = time.perf_counter()
+                solver.step()
+                times[name].append(time.perf_counter() - started)
+        median = {name: np.median(taken[WARM_UP:]) for name, taken in times.items()}
+        cells = [f"{1e3 * t:8.2f} ms x {t / median['arap']:6.3f}" for t in median.values()]
+        print(f"{len(V):9,}  " + "  ".join(f"{cell:>20}" for cell in cells), flush=True)
+
+
+if __name__ == "__main__":
+    main()
