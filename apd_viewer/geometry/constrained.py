@@ -26,8 +26,10 @@ _REFRESH = 10
 _FADED = 0.5
 # The gradients lag one iteration behind: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5
-# Goals that nearly contradict each other would press against each other without end.
-_STRONGEST = 8.0
+# What it takes to meet the goals far from rest says little about the end; and goals that nearly contradict
+# each other would press against each other without end.
+_RUSH = 0.5
+_STRONGEST = 2.0
 _SHORTER = (1.0, 0.25, 0.0625)
 # Goals out of reach are given up once so many iterations have not brought them a hundredth nearer.
 _PATIENCE = 60
@@ -110,14 +112,14 @@ class Constrained:
         for mult, g in zip(self._mult, self._g, strict=True):
             b += mult * g
         start, end = self.U, elastic.global_step(b, self.held)
-        steady = 1.0 / max(1.0, _STEADY + self._pressure())
+        steady = 1.0 / max(1.0, _STEADY + self._pressure(self._mult))
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady
             U, mu = self._meet(end if share == 1.0 else self._part_of_the_way(start, end, share))
             if self._worst(self.values) <= MET:
                 break
-        self._mult += share * mu
-        self._mult /= max(1.0, self._pressure() / _STRONGEST)
+        self._mult += share * mu / max(1.0, self._pressure(mu) / _RUSH)
+        self._mult /= max(1.0, self._pressure(self._mult) / _STRONGEST)
         elastic.local_step(U)
         self._judge()
 
@@ -126,11 +128,11 @@ class Constrained:
         U[self._elastic.fixed] = self.held
         return U
 
-    def _pressure(self) -> float:
-        """How hard the multipliers press: how fast their forces change with the shape, against K."""
+    def _pressure(self, multipliers: np.ndarray) -> float:
+        """How hard multipliers press: how fast their forces change with the shape, against K."""
         edge = np.sqrt(self._elastic.rest.vertex_areas.mean())
         each = [edge if goal.is_volume else 1.0 for goal in self.goals]
-        return float(np.abs(self._mult) @ np.array(each)) if each else 0.0
+        return float(np.abs(multipliers) @ np.array(each)) if each else 0.0
 
     # Meeting the goals
 
@@ -163,7 +165,8 @@ class Constrained:
         """
         mu = np.zeros(len(self.goals))
         values = np.array([goal.value(U) for goal in self.goals])
-        share, current = 1.0, False  # whether gradients and slopes are those of U
+        share = 1.0
+        current = fresh = False  # whether the gradients, and whether the directions too, are those of U
         for _ in range(_NEWTON_STEPS):
             worst = self._worst_that_can_move(values)
             if worst <= MET:
@@ -171,15 +174,17 @@ class Constrained:
             step = share * self._newton_step(values)
             there = U + np.tensordot(step, self._y, 1)
             tried = self._evaluate(there)
+            current = False
             if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:
-                U, values, mu, share, current = there, tried, mu + step, 1.0, True
+                U, values, mu, share, current, fresh = there, tried, mu + step, 1.0, True, False
                 self._slopes = self._measure_slopes()
-            elif current:
+            elif fresh:
                 share *= 0.5
             else:
                 self._evaluate(U)
-                self._slopes, current = self._measure_slopes(), True
-        self.values = self._evaluate(U) if share < 1.0 or not current else values
+                self._make_directions()
+                current = fresh = True
+        self.values = values if current else self._evaluate(U)
         if (np.diag(self._slopes) < _FADED * self._power).any():
             self._age = 0
         return U, mu
