@@ -26,9 +26,9 @@ ifneq ($(display),)
 else
 	@mkdir -p out
 	@.venv/bin/apd-viewer deform resources/bottle.obj --selection resources/bottle.sel \
-	    --transform resources/bottle-twist-60.def --method paper \
+	    --transform resources/bottle-twist-60.def \
 	    -o out/bottle.obj --report out/report.json --picture out/bottle.png
-	@echo "There is no display, so no window: the sample bottle was twisted by 60 degrees by the paper's method instead."
+	@echo "There is no display, so no window: the sample bottle was twisted by 60 degrees, its area kept, instead."
 	@echo "Its shape is in out/bottle.obj, a picture in out/bottle.png, the measurements in out/report.json."
 endif
 
