@@ -32,7 +32,8 @@ class LinearSolver:
         self._factor = CholeskySolverD(A.shape[0], rows, columns, data, MatrixType.CSR)
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """Return ``A^-1 B`` for ``B`` of shape (n, k), C-contiguous float64."""
+        """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
+        B = np.ascontiguousarray(B)
         X = np.empty_like(B)
         self._factor.solve(B, X)
         return X
