@@ -72,7 +72,7 @@ class Constrained:
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
-        if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
+        if [goal.measured for goal in goals] != [goal.measured for goal in self.goals]:
             self._mult = np.zeros(len(goals))
         self.goals = goals
         self._g = np.zeros((len(goals), *self.U.shape))

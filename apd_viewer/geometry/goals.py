@@ -64,6 +64,11 @@ class Goal:
     rest: float
     target: float
 
+    @property
+    def measured(self) -> tuple[bool, int]:
+        """What tells goals apart, whatever they are called and whatever they ask for."""
+        return self.is_volume, len(self.F)
+
     def value(self, U: np.ndarray) -> float:
         """What is measured at ``U`` (n, 3)."""
         return volume(U, self.F) if self.is_volume else float(area_of(U, self.F))
