@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +40,7 @@ class Handle:
     """
 
     name: str
-    pose: np.ndarray = IDENTITY
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +155,7 @@ class Document:
         corners = self.member[self.mesh.F]
         alike = (corners[:, 0] == corners[:, 1]) & (corners[:, 1] == corners[:, 2])
         number = np.where(alike, corners[:, 0], 0)
-        return tuple(
-            float(area_of(U, self.mesh.F[number == k])) for k in range(1, len(self.regions) + 1)
-        )
+        return tuple(float(area_of(U, self.mesh.F[number == k])) for k in range(1, len(self.regions) + 1))
 
     def painted_like(self, other: Document) -> bool:
         """Whether both have the very same paint: labels and regions."""

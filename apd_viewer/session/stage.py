@@ -98,7 +98,7 @@ class Stage:
         self.show(self.required().at(document))
 
     def say(self, document: Document) -> None:
-        """Replace the document, and have the worker answer unless all is at rest and nothing else is asked."""
+        """Replace the document; the worker answers, unless all is at rest and nothing else is asked."""
         state = self.required().at(document)
         at_rest = state.frame.U is document.mesh.V and not document.posed and not state.lacks
         iterate = self.activity is Activity.REFINING or not at_rest

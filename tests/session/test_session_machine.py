@@ -99,7 +99,7 @@ class Use(RuleBasedStateMachine):
     @precondition(_dragging)
     @rule()
     def end_drag(self) -> None:
-        self.session.end_drag("Move handle")
+        self.session.end_gesture("Move handle")
         if self.session.state.document is not self.before.document:
             self._recorded(self.before)
         self.gesture = None
