@@ -186,18 +186,21 @@ class Document:
         return replace(self.regripped(self.mesh.V), area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
-        """The same document with the vertices ``ids``, and those at the same places, labelled."""
-        return replace(self, labels=self._with(self.labels, ids, label))
+        """The document with the vertices ``ids``, and those at the same places, labelled."""
+        labels = self._with(self.labels, ids, label)
+        return self if labels is self.labels else replace(self, labels=labels)
 
     def painted_region(self, ids: np.ndarray, number: int) -> Document:
-        """The same document with ``ids``, and those at the same places, in region ``number``; 0 is none."""
-        return replace(self, member=self._with(self.member, ids, number))
+        """The document with ``ids``, and those at the same places, in region ``number``; 0 is none."""
+        member = self._with(self.member, ids, number)
+        return self if member is self.member else replace(self, member=member)
 
     def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
         inverse = self.mesh.weld.inverse
         covered = np.zeros(len(self.mesh.weld.first), dtype=bool)
         covered[inverse[ids]] = True
-        return frozen(np.where(covered[inverse], np.uint8(code), codes))
+        painted = np.where(covered[inverse], np.uint8(code), codes)
+        return codes if np.array_equal(painted, codes) else frozen(painted)
 
     def moved(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""

@@ -166,17 +166,10 @@ class Session:
 
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; under new labels, base and handles are gripped where they are now."""
-        before, self._gesture = self._gesture, None
-        state = self._stage.required()
-        if before is None:
-            return
-        if not np.array_equal(before.document.labels, state.document.labels):
-            self._record(gesture, before)
-            self._stage.regrip(before.document, state.document)
-        elif not np.array_equal(before.document.member, state.document.member):
-            self._record(gesture, before)
-        else:
-            self._stage.show(state.at(before.document))
+        before, document = self._gesture, self._stage.required().document
+        self.end_gesture(gesture)
+        if before is not None and not np.array_equal(before.document.labels, document.labels):
+            self._stage.regrip(before.document, document)
 
     # Handles
 
