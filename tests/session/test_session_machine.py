@@ -95,14 +95,15 @@ class Use(RuleBasedStateMachine):
         shift=st.tuples(*[st.floats(-0.4, 0.4)] * 3),
         steps=st.integers(1, 8),
         seconds=st.sampled_from([0.0, 0.0, 0.001]),
-        k=NUMBERS,
+        which=NUMBERS,
     )
-    def drag(self, angle, shift, steps, seconds, k) -> None:
+    def drag(self, angle, shift, steps, seconds, which) -> None:
+        which %= len(self.session.state.document.handles)
         for k in range(1, steps + 1):
             pose = np.eye(4)
             pose[:3, :3] = rotation((0, 0, 1), angle * k / steps)
             pose[:3, 3] = np.array(shift) * k / steps
-            self.session.move_handle(pose, k % len(self.session.state.document.handles))
+            self.session.move_handle(pose, which)
             time.sleep(seconds)
 
     @precondition(_painting)
