@@ -618,6 +618,27 @@ def test_frames_of_an_older_mesh_never_arrive(session, slow):
     assert all(state.frame.U.shape == state.document.mesh.V.shape for _, state in session.changes)
 
 
+def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
+    """The frame lay there unread when the handle was moved on."""
+    session.set_method("arap")
+    session.drag(pose(0.02))
+    (thread,) = solver_threads()
+    clock = time.pthread_getcpuclockid(thread.ident)
+    before = -1.0
+    while time.clock_gettime(clock) - before > 1e-4:
+        before = time.clock_gettime(clock)
+        time.sleep(0.05)
+    session.drag(BENT)
+    session.receive()
+    assert session.state.frame.iteration
+    assert not session.state.frame.settled
+    session.undo()
+    session.redo()
+    session.settle()
+    held = session.state.document.constraints()
+    assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
+
+
 # Painting after a drag
 
 

@@ -57,6 +57,20 @@ class Use(RuleBasedStateMachine):
             before = self.session.state
             self.session.stroke(np.flatnonzero(ids), label)
             self._recorded(before)
+        for verb in (
+            self.session.add_handle,
+            lambda: self.session.stroke(np.flatnonzero(z == z.max())[:2], HANDLE + 1),
+            self.session.add_region,
+            lambda: self._region_stroke(np.flatnonzero(z <= 2)),
+        ):
+            before = self.session.state
+            verb()
+            self._recorded(before)
+
+    def _region_stroke(self, ids) -> None:
+        self.session.begin_gesture()
+        self.session.paint_region(ids, 1)
+        self.session.end_stroke("Paint region")
 
     def _recorded(self, before) -> None:
         self.undos.append(before)
@@ -316,4 +330,4 @@ class Use(RuleBasedStateMachine):
 
 
 TestUse = Use.TestCase
-TestUse.settings = settings(max_examples=30, stateful_step_count=25, deadline=None)
+TestUse.settings = settings(max_examples=150, stateful_step_count=30, deadline=None)
