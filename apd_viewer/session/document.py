@@ -3,16 +3,67 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import FREE, Constraints, constraints, what_is_missing
-from apd_viewer.geometry.deformation import DEFAULT_METHOD, DEFAULT_TOLERANCE, Frame
+from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, what_is_missing
+from apd_viewer.geometry.deformation import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    Frame,
+)
+from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
+from apd_viewer.geometry.measures import area_of
 from apd_viewer.geometry.mesh import Mesh, frozen
 
 IDENTITY = frozen(np.eye(4))
+# These say nothing of the total area.
+_LEAVE_THE_AREA = ("arap", "sr-arap")
+# To what part of its value at rest a goal is promised to be met.
+_MET = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Handle:
+    """A part that is moved as one.
+
+    Attributes
+    ----------
+    name : str
+    pose : (4, 4) float array
+        Its motion since it was gripped, read-only.
+    """
+
+    name: str
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
+
+
+@dataclass(frozen=True, eq=False)
+class NamedRegion:
+    """A part whose area is measured, and kept if that is asked for.
+
+    Attributes
+    ----------
+    name : str
+    area : float or None
+        What its area should be, in percent of its area at rest; None only measures it.
+    """
+
+    name: str
+    area: float | None = None
+
+
+class Asked(NamedTuple):
+    """What is asked of areas and of the volume, as :meth:`Deformation.keep` takes it."""
+
+    area: float | None
+    volume: float | None
+    regions: tuple[Region, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,42 +73,162 @@ class Document:
     Attributes
     ----------
     mesh : Mesh
-    labels : (n,) uint8 array of BASE, FREE and HANDLE
+    labels : (n,) uint8 array of BASE, FREE, and HANDLE + k for ``handles[k]``
     grip : (n, 3) float array
-        Positions when the labels were last changed: what base and handle were gripped at.
-    pose : (4, 4) float array
-        Motion of the handle since then.
+        Positions when the labels were last changed: what base and handles were gripped at.
+    member : (n,) uint8 array
+        k + 1 for the vertices of ``regions[k]``, 0 for those in none.
+    handles : tuple of Handle, never empty
+    regions : tuple of NamedRegion
     method : str
     tolerance : float
-        Relative error of the area that is accepted.
+        Relative error of the area that "paper" accepts.
+    stiffness, area_stiffness, shear_stiffness : float
+        See :class:`apd_viewer.geometry.deformation.Deformation`.
+    area : float
+        What the total area should be, in percent of what it is at rest.
+    hold_area : bool
+        Whether "local" keeps the total area too.
+    volume : float or None
+        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
     """
 
     mesh: Mesh
     labels: np.ndarray
     grip: np.ndarray
-    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
+    member: np.ndarray
+    handles: tuple[Handle, ...] = (Handle("Handle 1"),)
+    regions: tuple[NamedRegion, ...] = ()
     method: str = DEFAULT_METHOD
     tolerance: float = DEFAULT_TOLERANCE
+    stiffness: float = 0.0
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
+    area: float = 100.0
+    hold_area: bool = False
+    volume: float | None = None
+
+    # What follows from it
 
     @property
     def problem(self) -> str | None:
-        """What must be painted before the handle can move, as a sentence; None if nothing."""
+        """What must be painted before a handle can move, as a sentence; None if nothing."""
         return what_is_missing(self.labels)
 
     def constraints(self) -> Constraints:
         """Held vertices and where they are held; raises InputError where ``problem`` says why."""
-        return constraints(self.labels, self.grip, [self.pose])
+        return constraints(self.labels, self.grip, [handle.pose for handle in self.handles])
+
+    @property
+    def posed(self) -> bool:
+        """Whether a handle is to be elsewhere than where it was gripped."""
+        return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
+
+    @property
+    def targets(self) -> tuple[float | None, ...]:
+        """Percentages that were said: of the area, the volume and each region."""
+        return self.area, self.volume, *(part.area for part in self.regions)
+
+    @property
+    def asked(self) -> Asked:
+        """What of the targets the method is asked for: a region has an area once it has a triangle."""
+        leaves_area = self.method in _LEAVE_THE_AREA or (self.method == "local" and not self.hold_area)
+        only_area = self.method == "paper"
+        rest = self.region_areas(self.mesh.V)
+        return Asked(
+            None if leaves_area else self.area,
+            None if only_area else self.volume,
+            tuple(
+                Region(
+                    part.name,
+                    np.flatnonzero(self.member == k),
+                    part.area if at_rest > 0.0 and not only_area else None,
+                )
+                for k, (part, at_rest) in enumerate(zip(self.regions, rest, strict=True), start=1)
+            ),
+        )
+
+    def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
+        """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""
+        if not self.regions:
+            return ()
+        corners = self.member[self.mesh.F]
+        alike = (corners[:, 0] == corners[:, 1]) & (corners[:, 1] == corners[:, 2])
+        number = np.where(alike, corners[:, 0], 0)
+        return tuple(float(area_of(U, self.mesh.F[number == k])) for k in range(1, len(self.regions) + 1))
+
+    def painted_like(self, other: Document) -> bool:
+        """Whether both have the very same paint: labels and regions."""
+        return self.labels is other.labels and self.member is other.member
+
+    # The same document, but for one thing
+
+    def with_settings_of(self, other: Document) -> Document:
+        """The same document, deformed by the method and the weights of another."""
+        return replace(
+            self,
+            method=other.method,
+            tolerance=other.tolerance,
+            stiffness=other.stiffness,
+            area_stiffness=other.area_stiffness,
+            shear_stiffness=other.shear_stiffness,
+            hold_area=other.hold_area,
+        )
 
     def regripped(self, U: np.ndarray) -> Document:
-        """The same document, with base and handle gripped where they are at ``U`` (n, 3)."""
-        return replace(self, grip=U, pose=IDENTITY)
+        """The same document, with base and handles gripped where they are at ``U`` (n, 3)."""
+        return replace(self, grip=U, handles=tuple(Handle(handle.name) for handle in self.handles))
+
+    def at_rest(self) -> Document:
+        """The same document with all handles put back, and 100 % where any percentage was said."""
+        regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
+        volume = None if self.volume is None else 100.0
+        return replace(self.regripped(self.mesh.V), area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
-        """The same document with the vertices ``ids``, and those at the same places, labelled."""
+        """The document with the vertices ``ids``, and those at the same places, labelled."""
+        labels = self._with(self.labels, ids, label)
+        return self if labels is self.labels else replace(self, labels=labels)
+
+    def painted_region(self, ids: np.ndarray, number: int) -> Document:
+        """The document with ``ids``, and those at the same places, in region ``number``; 0 is none."""
+        member = self._with(self.member, ids, number)
+        return self if member is self.member else replace(self, member=member)
+
+    def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
         inverse = self.mesh.weld.inverse
         covered = np.zeros(len(self.mesh.weld.first), dtype=bool)
         covered[inverse[ids]] = True
-        return replace(self, labels=frozen(np.where(covered[inverse], np.uint8(label), self.labels)))
+        painted = np.where(covered[inverse], np.uint8(code), codes)
+        return codes if np.array_equal(painted, codes) else frozen(painted)
+
+    def moved(self, k: int, pose: np.ndarray) -> Document:
+        """The same document with handle ``k`` at ``pose`` (4, 4)."""
+        return self.with_handle(k, Handle(self.handles[k].name, frozen(np.array(pose, dtype=np.float64))))
+
+    def with_handle(self, k: int, handle: Handle) -> Document:
+        """The same document with another handle ``k``, or one more."""
+        return replace(self, handles=(*self.handles[:k], handle, *self.handles[k + 1 :]))
+
+    def with_region(self, k: int, region: NamedRegion) -> Document:
+        """The same document with another region ``k``, or one more."""
+        return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
+
+    def without_handle(self, k: int) -> Document:
+        """The same document without handle ``k``; what it held is free."""
+        left = self.handles[:k] + self.handles[k + 1 :]
+        labels = _without(self.labels, HANDLE + k, FREE)
+        return replace(self, handles=left or (Handle("Handle 1"),), labels=labels)
+
+    def without_region(self, k: int) -> Document:
+        """The same document without region ``k``."""
+        left = self.regions[:k] + self.regions[k + 1 :]
+        return replace(self, regions=left, member=_without(self.member, k + 1, 0))
+
+
+def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
+    """The codes with ``instead`` for the one that is gone, and those above counted one down."""
+    return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +252,46 @@ class State:
     def arrays(self) -> tuple[np.ndarray, ...]:
         """The large arrays that keeping this state keeps; most are shared with other states."""
         document = self.document
-        return document.mesh.V, document.mesh.F, document.labels, document.grip, self.frame.U
+        mesh = document.mesh
+        return mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
+
+    @property
+    def lacks(self) -> bool:
+        """Whether an area or a volume is asked for that the shape does not have."""
+        document, rest, now = self.document, self.inspection, self.frame
+        asked = document.asked
+        within = document.tolerance if document.method == "paper" else _MET
+        measured = [
+            (asked.area, rest.area, now.area),
+            (asked.volume, rest.volume, now.volume),
+            *zip(
+                (region.area for region in asked.regions),
+                document.region_areas(document.mesh.V),
+                now.regions,
+                strict=True,
+            ),
+        ]
+        return any(
+            percent is not None
+            and at_rest is not None
+            and value is not None
+            and abs(value / at_rest - percent / 100.0) > within * percent / 100.0
+            for percent, at_rest, value in measured
+        )
+
+    def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
+        """The state with another document or another frame, and the document's regions measured in it."""
+        before, shown = self.document, self.frame
+        document, frame = document or before, frame or shown
+        # A handle is moved more often than there is something new to measure.
+        same = frame is shown and document.member is before.member and document.regions is before.regions
+        if not same:
+            frame = replace(frame, regions=document.region_areas(frame.U))
+        return State(document, self.inspection, frame)
+
+    def unsettled(self) -> State:
+        """The state with a shape that is on its way."""
+        return replace(self, frame=replace(self.frame, converged=False, settled=False))
 
 
 def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
@@ -91,11 +301,19 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
     inspection = inspect(mesh)
     if inspection.area <= 0.0:
         raise InputError(f"{mesh.name} has no area: all its faces are degenerate; export it again.")
-    return State(Document(mesh, labels, mesh.V), inspection, rest_frame(mesh, inspection))
+    count = max(1, int(labels.max()) - HANDLE + 1)
+    document = Document(
+        mesh,
+        labels,
+        grip=mesh.V,
+        member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
+        handles=tuple(Handle(f"Handle {k}") for k in range(1, count + 1)),
+    )
+    return State(document, inspection, rest_frame(mesh, inspection))
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
-    """The rest shape as a frame: nothing is left to iterate."""
+    """The rest shape as a frame, without regions: nothing is left to iterate."""
     return Frame(
         U=mesh.V,
         iteration=0,

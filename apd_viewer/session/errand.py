@@ -1,7 +1,8 @@
-"""One piece of work on a thread of its own: opening or writing a file."""
+"""Work on a thread of its own, one piece at a time: opening or writing a file."""
 
 from __future__ import annotations
 
+import queue
 import threading
 import traceback
 from collections.abc import Callable
@@ -62,3 +63,62 @@ class Errand:
             traceback.print_exc()
             outcome = Outcome(self, failure=f"{self.title} failed ({str(error) or type(error).__name__}).")
         self._deliver(outcome)
+
+
+class Errands:
+    """The errand under way, if there is one, and how those that have ended did.
+
+    Parameters
+    ----------
+    wake : callable
+        Called on the errand's thread when there is something to receive.
+    failed : callable
+        ``failed(sentence)``, called on the owner's thread.
+    """
+
+    def __init__(self, wake: Callable[[], object], failed: Callable[[str], object]) -> None:
+        self.current: Errand | None = None
+        self._wake = wake
+        self._failed = failed
+        self._outcomes: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
+        self._closed = False
+
+    def send(
+        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
+    ) -> None:
+        """Begin to ``work()``, and call ``done`` with its value when that is received; one at a time."""
+        if self.current is not None:
+            self._failed(f"{self.current.title} is not finished; wait for it or cancel it.")
+        else:
+            self.current = Errand(title, work, done, self._deliver, can_be_cancelled)
+
+    def cancel(self) -> Errand | None:
+        """Forget the errand under way and return it; one that cannot be cancelled goes on."""
+        if self.current is None or not self.current.can_be_cancelled:
+            return None
+        cancelled, self.current = self.current, None
+        return cancelled
+
+    def receive(self) -> bool:
+        """Do what is to be done with a value that has come; False if nothing has."""
+        if self._outcomes.empty():
+            return False
+        outcome = self._outcomes.get()
+        if outcome.errand is self.current:  # otherwise it was cancelled
+            self.current = None
+            if outcome.failure:
+                self._failed(outcome.failure)
+            else:
+                outcome.errand.done(outcome.value)
+        return True
+
+    def close(self) -> None:
+        """Wake nobody any more, and wait for what must not be left half done."""
+        self._closed = True
+        if self.current is not None and not self.current.can_be_cancelled:
+            self.current.join(timeout=10.0)
+
+    def _deliver(self, outcome: Outcome) -> None:
+        self._outcomes.put(outcome)
+        if not self._closed:
+            self._wake()

@@ -1,81 +1,63 @@
-"""The user's verbs. Owns the state, the history and the worker; knows no window.
+"""The user's verbs. Owns the history, and the stage on which all is answered; knows no window.
 
-All methods are called on one thread. Every verb ends in one private replacement of the state, which
-tells the one listener what was and what is; it compares by identity and shows what differs.
+All methods are called on one thread.
 """
 
 from __future__ import annotations
 
-import queue
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
-from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.session.document import IDENTITY, Document, State, opened, rest_frame
-from apd_viewer.session.errand import Errand, Outcome
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.document import Handle, NamedRegion, State, opened, rest_frame
+from apd_viewer.session.errand import Errand, Errands
 from apd_viewer.session.history import History
-from apd_viewer.session.worker import Reply, Request, Worker
+from apd_viewer.session.names import new_name, next_name
+from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.worker import Worker
 
+__all__ = ["MOST_HANDLES", "MOST_REGIONS", "Activity", "Listener", "Session"]
 
-class Activity(Enum):
-    """What the worker is doing about the shape on screen."""
-
-    IDLE = "idle"
-    REFINING = "refining"
-    SETTLED = "settled"
-    UNREACHED = "not reached"
-
-
-@dataclass(frozen=True)
-class Listener:
-    """Whom a session tells what happens. ``wake`` is called on other threads, the rest on the owner's.
-
-    Attributes
-    ----------
-    wake : callable
-        Something waits to be received: call :meth:`Session.receive` on the owner's thread.
-    changed : callable
-        ``changed(old, new)``: the state was replaced; old is None the first time.
-    status_changed : callable
-        Activity, errand or history may differ.
-    told : callable
-        ``told(sentence)``: something the user should read.
-    failed : callable
-        ``failed(sentence)``: something the user asked for was not done, and why.
-    """
-
-    wake: Callable[[], object]
-    changed: Callable[[State | None, State], object]
-    status_changed: Callable[[], object]
-    told: Callable[[str], object]
-    failed: Callable[[str], object]
+MOST_HANDLES = MOST_REGIONS = 8
 
 
 class Session:
-    """One mesh, what is painted on it, where its handle is, and the worker that answers."""
+    """One mesh, what is painted on it, what is asked of it, and the worker that answers."""
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
         self._worker = Worker(listener.wake)
-        self._outcomes: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
-        self._generation = 0
+        self._stage = Stage(listener, self._worker)
+        self._errands = Errands(listener.wake, listener.failed)
         self._gesture: State | None = None
         self._saved: list[np.ndarray] = []
         self.history = History()
-        self._asked: Document | None = None
-        self._closed = False
-        self.state: State | None = None
-        self.activity = Activity.IDLE
-        self._warned: str | None = None
-        self.seconds_per_iteration = 0.0
-        self.errand: Errand | None = None
+
+    @property
+    def state(self) -> State | None:
+        """What is open; None until there is something."""
+        return self._stage.state
+
+    @property
+    def activity(self) -> Activity:
+        """What the worker is doing about the shape on screen."""
+        return self._stage.activity
+
+    @property
+    def seconds_per_iteration(self) -> float:
+        """Time that the last iteration took."""
+        return self._stage.seconds_per_iteration
+
+    @property
+    def errand(self) -> Errand | None:
+        """The file that is being opened or written."""
+        return self._errands.current
 
     # Opening and writing
 
@@ -94,9 +76,18 @@ class Session:
     def _open(self, name: str, work: Callable[[], State]) -> None:
         self._send(f"Opening {name}", work, lambda state: self._opened(state, name))
 
+    def _opened(self, state: State, name: str) -> None:
+        before, self._gesture = self._gesture or self.state, None
+        if before is not None:
+            self.history.record(f"Open {name}", before)
+            state = state.at(state.document.with_settings_of(before.document))
+        self._stage.jump(state)
+        if state.inspection.findings:
+            self._listener.told(" ".join(state.inspection.findings))
+
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
-        state = self._require_state()
+        state = self._stage.required()
         path, U = Path(path), state.frame.U
 
         def write() -> None:
@@ -108,11 +99,16 @@ class Session:
 
         self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
 
+    def _send(
+        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
+    ) -> None:
+        self._errands.send(title, work, done, can_be_cancelled)
+        self._listener.status_changed()
+
     def cancel_errand(self) -> None:
         """Forget the file that is being opened; a file being written is left to finish, whole."""
-        if self.errand is not None and self.errand.can_be_cancelled:
-            self._listener.told(f"{self.errand.title}: cancelled.")
-            self.errand = None
+        if cancelled := self._errands.cancel():
+            self._listener.told(f"{cancelled.title}: cancelled.")
             self._listener.status_changed()
 
     @property
@@ -128,88 +124,179 @@ class Session:
 
     @property
     def moved(self) -> bool:
-        """Whether anything is not as it was at rest."""
-        state = self._require_state()
-        return state.frame.U is not state.document.mesh.V or not np.array_equal(state.document.pose, IDENTITY)
+        """Whether anything is not as it was at rest, or asked not to be."""
+        state = self._stage.required()
+        document = state.document
+        asks = any(percent not in (None, 100.0) for percent in document.targets)
+        return state.frame.U is not document.mesh.V or document.posed or asks
 
-    # Painting
+    # Gestures
 
     def begin_gesture(self) -> None:
-        """Start something that will be one step of undo, such as a stroke or a drag."""
-        self._gesture = self._require_state()
+        """Start what will be one step of undo, such as a stroke, a drag or the sweep of a slider."""
+        self._gesture = self._stage.required()
+
+    def end_gesture(self, gesture: str) -> None:
+        """Finish a drag or a sweep; the worker goes on until the shape has settled."""
+        before, self._gesture = self._gesture, None
+        if before is not None and before.document is not self._stage.required().document:
+            self._record(gesture, before)
 
     def cancel_gesture(self) -> None:
         """Go back to where the gesture began."""
         if self._gesture is not None:
             before, self._gesture = self._gesture, None
-            self._jump(before, iterate=not before.frame.converged)
+            self._stage.jump(before)
+
+    # Painting
 
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
-        state = self._require_state()
+        state = self._stage.required()
         if self._gesture is not None:  # undo may have ended the stroke
-            self._replace(replace(state, document=state.document.painted(ids, label)))
+            self._stage.show(state.at(state.document.painted(ids, label)))
+
+    def paint_region(self, ids: np.ndarray, number: int) -> None:
+        """Put the vertices ``ids`` in region ``number``, from 1, within the current gesture; 0 erases."""
+        state = self._stage.required()
+        if self._gesture is not None:
+            document = state.document.painted_region(ids, number)
+            asks = any(region.area is not None for region in document.regions)
+            (self._stage.say if asks else self._stage.note)(document)
 
     def end_stroke(self, gesture: str) -> None:
-        """Grip base and handle where they are now, under the new labels."""
-        before, self._gesture = self._gesture, None
-        state = self._require_state()
-        if before is None:
-            return
-        if np.array_equal(before.document.labels, state.document.labels):
-            self._replace(replace(state, document=before.document))
-            return
-        self.history.record(gesture, before)
-        frame = replace(state.frame, handle_drift=0.0, converged=True)
-        self._jump(replace(state, document=state.document.regripped(frame.U), frame=frame), iterate=False)
+        """Finish painting; under new labels, base and handles are gripped where they are now."""
+        before, document = self._gesture, self._stage.required().document
+        self.end_gesture(gesture)
+        if before is not None and not np.array_equal(before.document.labels, document.labels):
+            self._stage.regrip(before.document, document)
 
-    # Posing
+    # Handles
 
-    def move_handle(self, pose: np.ndarray) -> None:
-        """Put the handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
-        state = self._require_state()
-        self._say(replace(state.document, pose=frozen(np.array(pose))))
-        self._ask(iterate=True)
-
-    def end_drag(self, gesture: str) -> None:
-        """Finish the drag; the worker goes on until the shape has settled."""
-        before, self._gesture = self._gesture, None
-        if before is not None and before.document is not self._require_state().document:
-            self.history.record(gesture, before)
-            self._listener.status_changed()
+    def move_handle(self, pose: np.ndarray, which: int = 0) -> None:
+        """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
+        self._stage.say(self._stage.required().document.moved(which, pose))
 
     def reset_handle(self) -> None:
-        """Put the handle back and the mesh in its rest shape; the paint stays."""
-        self.cancel_gesture()
-        state = self._require_state()
-        mesh = state.document.mesh
-        if not self.moved:
-            return
-        self.history.record("Reset handle", state)
-        rest = rest_frame(mesh, state.inspection)
-        self._jump(replace(state, document=state.document.regripped(mesh.V), frame=rest), iterate=False)
+        """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
+        state = self._alone()
+        if self.moved:
+            self._record("Reset handle", state)
+            rest = rest_frame(state.document.mesh, state.inspection)
+            self._stage.jump(state.at(state.document.at_rest(), rest))
+
+    def add_handle(self) -> int:
+        """One more handle, not painted yet; its number, or that of the last where there can be no more."""
+        state = self._alone()
+        handles = state.document.handles
+        if len(handles) >= MOST_HANDLES:
+            self._listener.failed(f"There are {MOST_HANDLES} handles already; remove one of them first.")
+            return len(handles) - 1
+        self._record("Add handle", state)
+        name = next_name("Handle", [handle.name for handle in handles])
+        self._stage.note(state.document.with_handle(len(handles), Handle(name)))
+        return len(handles)
+
+    def remove_handle(self, k: int) -> None:
+        """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
+        state = self._alone()
+        self._record("Remove handle", state)
+        self._stage.regrip(state.document, state.document.without_handle(k))
+
+    def rename_handle(self, k: int, name: str) -> None:
+        """Give handle ``k`` a name of its own."""
+        state = self._stage.required()
+        handle = state.document.handles[k]
+        name = new_name(name, handle.name, [other.name for other in state.document.handles])
+        if name != handle.name:
+            state = self._alone()
+            self._record("Rename", state)
+            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
+
+    # Regions
+
+    def add_region(self) -> int:
+        """One more region, without a vertex; its number, or that of the last where there can be no more."""
+        state = self._alone()
+        regions = state.document.regions
+        if len(regions) >= MOST_REGIONS:
+            self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
+            return len(regions) - 1
+        self._record("Add region", state)
+        name = next_name("Region", [region.name for region in regions])
+        self._stage.note(state.document.with_region(len(regions), NamedRegion(name)))
+        return len(regions)
+
+    def remove_region(self, k: int) -> None:
+        """Remove region ``k``, and what is asked of its area."""
+        state = self._alone()
+        self._record("Remove region", state)
+        asked = state.document.regions[k].area is not None
+        (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
+
+    def rename_region(self, k: int, name: str) -> None:
+        """Give region ``k`` a name of its own."""
+        state = self._stage.required()
+        region = state.document.regions[k]
+        name = new_name(name, region.name, [other.name for other in state.document.regions])
+        if name != region.name:
+            state = self._alone()
+            self._record("Rename", state)
+            self._stage.note(state.document.with_region(k, replace(region, name=name)))
+
+    def set_region_area(self, k: int, percent: float | None) -> None:
+        """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
+        document = self._stage.required().document
+        region = document.regions[k]
+        if percent != region.area:
+            self._set("Change region", regions=document.with_region(k, replace(region, area=percent)).regions)
+
+    # Settings: outside a gesture each is one step of undo, within it they are part of it
+
+    def set_area(self, percent: float) -> None:
+        """Ask for another total area, in percent of the area at rest."""
+        self._set("Change area", area=percent)
+
+    def hold_area(self, on: bool) -> None:
+        """Have the method "local" keep the total area too, or not."""
+        self._set("Change area", hold_area=on)
+
+    def set_volume(self, percent: float | None) -> None:
+        """Ask for a volume, in percent of the volume at rest; None leaves it free."""
+        inspection = self._stage.required().inspection
+        if percent is not None and not inspection.volume:
+            why = inspection.why_no_volume or "the surface encloses nothing"
+            self._listener.failed(f"There is no volume to keep: {why}; leave the volume free.")
+        else:
+            self._set("Change volume", volume=percent)
 
     def set_method(self, method: str) -> None:
         """Deform by another method, from the shape on screen."""
         self._set("Change method", method=method)
 
     def set_tolerance(self, tolerance: float) -> None:
-        """Accept another relative error of the area."""
+        """Have "paper" accept another relative error of the area."""
         self._set("Change tolerance", tolerance=tolerance)
 
+    def set_stiffness(self, stiffness: float) -> None:
+        """Resist bending by another weight."""
+        self._set("Change stiffness", stiffness=stiffness)
+
+    def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
+        """Have the method "local" resist changes of areas and of shapes by other weights."""
+        given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}
+        self._set("Change stiffness", **{name: x for name, x in given.items() if x is not None})
+
     def _set(self, gesture: str, **what: object) -> None:
-        self.cancel_gesture()
-        state = self._require_state()
-        document = replace(state.document, **what)  # type: ignore[arg-type]
+        state = self._stage.required()
         if all(getattr(state.document, name) == value for name, value in what.items()):
             return
-        self.history.record(gesture, state)
-        going = self.activity is Activity.REFINING or not np.array_equal(document.pose, IDENTITY)
-        if going:
-            self._say(document)
-        else:
-            self._replace(replace(state, document=document))
-        self._ask(iterate=going)
+        painted = self._gesture is not None and not state.document.painted_like(self._gesture.document)
+        if self._gesture is None or painted:
+            # What a stroke has painted is not gripped yet, and would leap.
+            state = self._alone()
+            self._record(gesture, state)
+        self._stage.say(replace(state.document, **what))  # type: ignore[arg-type]
 
     # Going back
 
@@ -222,20 +309,26 @@ class Session:
         self._go(self.history.redo)
 
     def _go(self, swap: Callable[[State], State | None]) -> None:
-        self.cancel_gesture()
-        target = swap(self._require_state())
+        target = swap(self._alone())
         if target is not None:
-            self._jump(target, iterate=not target.frame.converged)
+            self._stage.jump(target)
+
+    def _alone(self) -> State:
+        """The state, after going back to where a gesture under way began."""
+        self.cancel_gesture()
+        return self._stage.required()
+
+    def _record(self, gesture: str, before: State) -> None:
+        self.history.record(gesture, before)
+        self._listener.status_changed()
 
     # The other threads
 
     def receive(self) -> None:
         """Take in what the worker and the errands have left; call it when woken."""
-        while not self._outcomes.empty():
-            self._finish(self._outcomes.get())
-        reply = self._worker.take()
-        if reply is not None and reply.generation == self._generation:
-            self._accept(reply)
+        while self._errands.receive():
+            self._listener.status_changed()
+        self._stage.receive()
 
     def wait_idle(self, timeout: float) -> bool:
         """Receive until nothing is under way any more; False if that took longer than ``timeout`` seconds."""
@@ -249,90 +342,5 @@ class Session:
 
     def close(self) -> None:
         """Stop the worker; a file that is being written is finished first."""
-        self._closed = True
+        self._errands.close()
         self._worker.close()
-        if self.errand is not None and not self.errand.can_be_cancelled:
-            self.errand.join(timeout=10.0)
-
-    def _finish(self, outcome: Outcome) -> None:
-        if outcome.errand is not self.errand:
-            return  # cancelled
-        self.errand = None
-        if outcome.failure:
-            self._listener.failed(outcome.failure)
-        else:
-            outcome.errand.done(outcome.value)
-        self._listener.status_changed()
-
-    def _accept(self, reply: Reply) -> None:
-        state = self._require_state()
-        if reply.warning and reply.warning != self._warned:
-            self._listener.told(reply.warning)
-        self._warned = reply.warning
-        if reply.frame is not None:
-            self.seconds_per_iteration = reply.seconds
-            settled = reply.frame.converged and reply.document is self._asked
-            self._replace(replace(state, frame=replace(reply.frame, converged=settled)))
-        # A slightly stale frame of this drag is worth showing, but says nothing about its end.
-        if reply.finished and reply.document is self._asked:
-            settled = reply.frame is not None and reply.frame.converged
-            self.activity = Activity.SETTLED if settled else Activity.UNREACHED
-        if reply.failure:
-            self._listener.failed(reply.failure)
-        self._listener.status_changed()
-
-    def _send(
-        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
-    ) -> None:
-        if self.errand is not None:
-            self._listener.failed(f"{self.errand.title} is not finished; wait for it or cancel it.")
-            return
-        self.errand = Errand(title, work, done, self._deliver, can_be_cancelled)
-        self._listener.status_changed()
-
-    def _deliver(self, outcome: Outcome) -> None:
-        self._outcomes.put(outcome)
-        if not self._closed:
-            self._listener.wake()
-
-    def _opened(self, state: State, name: str) -> None:
-        before, self._gesture = self._gesture or self.state, None
-        if before is not None:
-            document = before.document
-            self.history.record(f"Open {name}", before)
-            kept = replace(state.document, method=document.method, tolerance=document.tolerance)
-            state = replace(state, document=kept)
-        self._warned = None
-        self._jump(state, iterate=False)
-        if state.inspection.findings:
-            self._listener.told(" ".join(state.inspection.findings))
-
-    # The one way to change the state
-
-    def _jump(self, state: State, iterate: bool) -> None:
-        """Go to ``state``; frames of the time before are no longer wanted."""
-        self._generation += 1
-        self._replace(state)
-        self._ask(iterate)
-
-    def _say(self, document: Document) -> None:
-        """Replace the document; what is on screen has not settled for the new one."""
-        state = self._require_state()
-        self._replace(replace(state, document=document, frame=replace(state.frame, converged=False)))
-
-    def _ask(self, iterate: bool) -> None:
-        state = self._require_state()
-        iterate = iterate and state.document.problem is None
-        self.activity = Activity.REFINING if iterate else Activity.IDLE
-        self._asked = state.document
-        self._worker.ask(Request(state.document, self._generation, state.frame.U, iterate))
-        self._listener.status_changed()
-
-    def _replace(self, state: State) -> None:
-        old, self.state = self.state, state
-        self._listener.changed(old, state)
-
-    def _require_state(self) -> State:
-        if self.state is None:
-            raise RuntimeError("no mesh is open")
-        return self.state

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.constraints import Constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS
 from apd_viewer.geometry.deformation import Deformation, Frame
 from apd_viewer.geometry.mesh import Mesh
@@ -84,7 +85,8 @@ class Worker:
         self._rest: tuple[Mesh, RestMesh] | None = None
         self._solver: Deformation | None = None
         self._key: tuple[object, ...] = ()
-        self._pose: np.ndarray | None = None
+        self._goals: tuple[object, ...] = ()
+        self._poses: tuple[object, ...] = ()
         self._generation: int | None = None
         self._thread = threading.Thread(target=self._run, name="solver", daemon=True)
         self._thread.start()
@@ -130,31 +132,47 @@ class Worker:
             started = time.perf_counter()
             frame = solver.step()
             seconds = time.perf_counter() - started
-            finished = frame.converged or frame.iteration >= MOST_ITERATIONS
+            finished = frame.settled or frame.iteration >= MOST_ITERATIONS
             self._reply(Reply(request.document, request.generation, frame, finished, seconds, None, warning))
             if finished or self._requests.waiting:
                 return
 
     def _prepared(self, request: Request) -> Deformation:
-        """The solver of the request, aimed; factored only for another mesh, other labels or method."""
+        """The solver of the request, told what is asked and aimed; factored only where it must be."""
         document = request.document
         held = document.constraints()
-        key = (document.mesh, document.labels, document.method)
-        fresh = self._solver is None or any(a is not b for a, b in zip(self._key, key, strict=True))
+        weights = document.stiffness, document.area_stiffness, document.shear_stiffness
+        key = (document.mesh, document.labels, document.method, *weights)
+        goals = (document.targets, document.hold_area, document.member, document.regions)
+        poses = tuple(handle.pose for handle in document.handles)
+        fresh = self._solver is None or not _alike(key, self._key)
         if self._solver is None or fresh:
             self._solver = None  # its memory is needed for the next one
-            rest = self._rest_of(document.mesh)
-            self._solver = Deformation(
-                rest.V, rest.F, held.fixed, method=document.method, handle=held.handles, rest=rest
-            )
-            self._key = key
+            self._solver = self._made(document, held)
+        elif not _alike(goals, self._goals):
+            self._solver.keep(*document.asked)
         self._solver.tolerance = document.tolerance
         jump = fresh or request.generation != self._generation
         # Aiming anew would take the paper's handle back to where it was put.
-        if jump or document.pose is not self._pose:
+        if jump or not _alike(poses, self._poses):
             self._solver.aim(held.targets, request.U if jump else None)
-        self._generation, self._pose = request.generation, document.pose
+        self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         return self._solver
+
+    def _made(self, document: Document, held: Constraints) -> Deformation:
+        rest = self._rest_of(document.mesh)
+        return Deformation(
+            rest.V,
+            rest.F,
+            held.fixed,
+            method=document.method,
+            handle=held.handles,
+            stiffness=document.stiffness,
+            area_stiffness=document.area_stiffness,
+            shear_stiffness=document.shear_stiffness,
+            **document.asked._asdict(),
+            rest=rest,
+        )
 
     def _rest_of(self, mesh: Mesh) -> RestMesh:
         if self._rest is None or self._rest[0] is not mesh:
@@ -168,3 +186,10 @@ class Worker:
     def _reply(self, reply: Reply) -> None:
         if self._replies.put(reply):
             self._wake()
+
+
+def _alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
+    """Whether two tuples are equal; arrays only if they are the very same."""
+    return len(a) == len(b) and all(
+        x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
+    )

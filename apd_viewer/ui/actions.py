@@ -74,10 +74,25 @@ class Actions:
         self.undo = self._make("&Undo", "undo", keys.Undo, "undo", "Take the last step back")
         self.redo = self._make("&Redo", "redo", keys.Redo, "redo", "Do again what was taken back")
         self.reset = self._make(
-            "Re&set handle", "reset", "Ctrl+R", "reset", "Put the handle back and the mesh in its rest shape"
+            "Re&set handles",
+            "reset",
+            "Ctrl+R",
+            "reset",
+            "Put all handles back, and the mesh in its rest shape",
         )
         self.larger = self._make("&Larger brush", "larger", "]", tip="Enlarge the brush")
         self.smaller = self._make("S&maller brush", "smaller", "[", tip="Make the brush smaller")
+        self.parts = [
+            self._make(
+                "&Add handle", "add_handle", "Shift+H", "add", "Add one more part to be moved by itself"
+            ),
+            self._make(
+                "&Next handle", "next_handle", "N", "next-handle", "Take the next handle into the hand"
+            ),
+            self._make(
+                "Add &region", "add_region", "Shift+R", "add", "Add one more part whose area is measured"
+            ),
+        ]
 
     def _make_tools(self) -> None:
         self._group = QActionGroup(self._window)
@@ -104,7 +119,7 @@ class Actions:
         self.edges = self._make_switch("&Edges", "edges", "W", "Show the edges of the triangles", False)
         self.smooth = self._make_switch("&Smooth shading", "smooth", None, "Shade over the edges", True)
         self.local = self._make_switch(
-            "Gizmo along the &handle's axes", "local", "L", "Let arrows and rings turn with the handle", False
+            "&Gizmo along the handle's axes", "local", "L", "Let arrows and rings turn with the handle", False
         )
         self.schemes = self._make_schemes()
 
@@ -152,6 +167,8 @@ class Actions:
         select.addActions(list(self.tools.values()))
         select.addSeparator()
         select.addActions([self.larger, self.smaller])
+        select.addSeparator()
+        select.addActions(self.parts)
         select.addSeparator()
         select.addAction(self.local)
         self._view_menu = bar.addMenu("&View")

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QPointF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
-from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.session.document import State
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.document import Document, State
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.painter import Painter
-from apd_viewer.ui.palette import label_colors
+from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS, REGION_COLORS, label_colors
+from apd_viewer.ui.pivots import Pivot, Pivots
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool
@@ -26,22 +27,30 @@ class Canvas(QObject):
     ----------
     viewport : Viewport
         The widget.
-    gesture_began, gesture_cancelled : Signal()
+    stroke_began : Signal(bool)
+        True when the stroke erases.
     painted : Signal(object, int)
         Vertices, and the label that they are painted with.
+    region_painted : Signal(object, int)
+        Vertices, and the number of the region, from 1; 0 erases.
     stroke_ended : Signal(str)
         Name of the gesture.
+    drag_began, gesture_cancelled, drag_ended : Signal()
     handle_moved : Signal(object)
-        The (4, 4) pose while the gizmo is dragged.
-    drag_ended : Signal()
+        The (4, 4) pose of the active handle while the gizmo is dragged.
+    handle_chosen : Signal(int)
+        Another handle was pressed.
     """
 
-    gesture_began = Signal()
-    gesture_cancelled = Signal()
+    stroke_began = Signal(bool)
     painted = Signal(object, int)
+    region_painted = Signal(object, int)
     stroke_ended = Signal(str)
+    drag_began = Signal()
+    gesture_cancelled = Signal()
     handle_moved = Signal(object)
     drag_ended = Signal()
+    handle_chosen = Signal(int)
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -49,72 +58,143 @@ class Canvas(QObject):
         self.surface = Surface(self.viewport)
         self.painter = Painter(self.viewport, self.surface)
         self.gizmo = Gizmo(self.viewport)
-        self.viewport.tools[:] = [self.gizmo, self.painter]
+        self.pivots = Pivots(self.viewport, self._handle_at)
+        self.viewport.tools[:] = [self.gizmo, self.pivots, self.painter]
         self.tool = Tool.ORBIT
-        self._stroke = Tool.ORBIT
-        self._movable = False
+        self._handle = self._region = 0
+        self._erasing = False
+        self._document: Document | None = None
+        self._pivots: tuple[Pivot, ...] = ()
         self._connect()
 
     def _connect(self) -> None:
         self.painter.stroke_began.connect(self._begin_stroke)
-        self.painter.painted.connect(lambda ids: self.painted.emit(ids, self._stroke.words.label))
-        self.painter.stroke_ended.connect(lambda: self.stroke_ended.emit(self._stroke.words.title))
+        self.painter.painted.connect(self._paint)
+        self.painter.stroke_ended.connect(
+            lambda: self.stroke_ended.emit((Tool.ERASE if self._erasing else self.tool).words.title)
+        )
         self.painter.stroke_cancelled.connect(self.gesture_cancelled)
-        self.gizmo.began.connect(self.gesture_began)
+        self.gizmo.began.connect(self.drag_began)
         self.gizmo.moved.connect(self.handle_moved)
         self.gizmo.ended.connect(self.drag_ended)
         self.gizmo.cancelled.connect(self.gesture_cancelled)
+        self.pivots.chosen.connect(self.handle_chosen)
+
+    # Painting
 
     def _begin_stroke(self, erase: bool) -> None:
-        self._stroke = Tool.ERASE if erase else self.tool
-        self.gesture_began.emit()
+        self._erasing = erase or self.tool is Tool.ERASE
+        self.stroke_began.emit(self._erasing)
+
+    def _paint(self, ids: np.ndarray) -> None:
+        if self.tool is Tool.REGION:
+            self.region_painted.emit(ids, 0 if self._erasing else self._region + 1)
+        elif self._erasing:
+            self._erase(ids)
+        else:
+            self.painted.emit(ids, BASE if self.tool is Tool.BASE else HANDLE + self._handle)
+
+    def _erase(self, ids: np.ndarray) -> None:
+        """Base and handle go first; where there is neither, and the tool is no other brush, the region."""
+        if self._document is None:
+            return
+        held = self._document.labels[ids] != FREE
+        if held.any():
+            self.painted.emit(ids[held], FREE)
+        if self.tool is Tool.ERASE and not held.all():
+            self.region_painted.emit(ids[~held], 0)
+
+    # Showing
 
     def take(self, tool: Tool) -> None:
         """Put ``tool`` into the hand."""
         self.tool = tool
-        self.painter.enabled = tool.words.label is not None
-        if tool.words.color is not None:
-            self.painter.color = QColor(*tool.words.color)
-        self._show_gizmo()
+        self.painter.enabled = tool.words.is_brush
+        self._show_tool()
+
+    def choose(self, handle: int, region: int) -> None:
+        """Work on another handle and region, by their numbers."""
+        if handle != self._handle:
+            self.gizmo.cancel()
+        self._handle, self._region = handle, region
+        self._place()
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the background."""
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
-    def show_state(self, old: State | None, new: State) -> None:
-        """Show what differs between two states."""
-        document = new.document
-        if old is None or old.document.mesh is not document.mesh:
-            mesh = document.mesh
-            self.surface.set_mesh(mesh.F, new.frame.U, label_colors(document.labels), mesh.joined_F)
+    def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
+        """Show what differs between two states, with the active handle and region."""
+        document, self._document = new.document, new.document
+        self._handle, self._region = handle, region
+        opened = old is None or old.document.mesh is not document.mesh
+        if opened:
+            mesh, colors = document.mesh, label_colors(document.labels, document.member)
+            self.surface.set_mesh(mesh.F, new.frame.U, colors, mesh.joined_F)
             self.painter.set_topology(mesh.joined_F, len(mesh.V))
-        else:
+        elif old is not None:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
-            if old.document.labels is not document.labels:
-                self.surface.set_colors(label_colors(document.labels))
+            if not old.document.painted_like(document):
+                self.surface.set_colors(label_colors(document.labels, document.member))
         if old is None or old.document is not document:
-            self._place_gizmo(new)
-        if old is None or old.document.mesh is not document.mesh:
+            self._pivots = _pivots(document)
+            self._place()
+        if opened:
             self.viewport.look_home()
             self.frame_mesh()
 
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""
         points, room = self.surface.U, np.zeros(len(self.surface.U))
-        if self._movable:
-            points = np.vstack([points, self.gizmo.frame.centre])
+        if self._active is not None:
+            points = np.vstack([points, self._active.centre])
             room = np.append(room, SIZE)
         self.viewport.frame(points, room)
 
-    def _place_gizmo(self, state: State) -> None:
-        document = state.document
-        self._movable = document.problem is None
-        if self._movable:
-            self.gizmo.place(document.pose, document.grip[document.labels == HANDLE].mean(axis=0))
-        self._show_gizmo()
+    @property
+    def _active(self) -> Pivot | None:
+        """The pivot of the active handle, if it can be moved."""
+        return next((pivot for pivot in self._pivots if pivot.number == self._handle), None)
 
-    def _show_gizmo(self) -> None:
-        visible = self.tool is Tool.MOVE and self._movable
+    def _place(self) -> None:
+        active = self._active
+        if active is not None:
+            self.gizmo.place(active.pose, active.gripped)
+        self._show_tool()
+
+    def _show_tool(self) -> None:
+        moving = self.tool is Tool.MOVE
+        visible = moving and self._active is not None
         if visible != self.gizmo.visible:
             self.gizmo.visible = visible
+        self.pivots.place([pivot for pivot in self._pivots if moving and pivot.number != self._handle])
+        colors = {
+            Tool.BASE: BASE_COLOR,
+            Tool.HANDLE: HANDLE_COLORS[self._handle],
+            Tool.REGION: REGION_COLORS[self._region],
+            Tool.ERASE: FREE_COLOR,
+        }
+        if self.tool in colors:
+            self.painter.color = QColor(*colors[self.tool])
+
+    def _handle_at(self, position: QPointF) -> int | None:
+        """Number of the handle that is painted at a position in the viewport."""
+        hit = self.surface.hit(position)
+        if hit is None or self._document is None:
+            return None
+        label = int(self._document.labels[self.surface.F[hit.face]].max())
+        return label - HANDLE if label >= HANDLE else None
+
+
+def _pivots(document: Document) -> tuple[Pivot, ...]:
+    """The handles that can be moved, and the centres of what they hold."""
+    if document.problem is not None:
+        return ()
+    found = []
+    for k, handle in enumerate(document.handles):
+        held = document.labels == HANDLE + k
+        if held.any():
+            gripped = document.grip[held].mean(axis=0)
+            found.append(Pivot(k, handle.name, HANDLE_COLORS[k], handle.pose, gripped))
+    return tuple(found)

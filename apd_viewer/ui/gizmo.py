@@ -10,13 +10,12 @@ from PySide6.QtCore import QObject, Qt, Signal
 from apd_viewer.ui.gizmo_drag import Drag, begin
 from apd_viewer.ui.gizmo_drawing import Look, draw, draw_hint
 from apd_viewer.ui.gizmo_geometry import Frame
+from apd_viewer.ui.navigation import DEAD_ZONE
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
     from apd_viewer.ui.viewport import Viewport
-
-DEAD_ZONE = 2.0  # pixels that the cursor may tremble in a click that is no drag
 
 
 class Gizmo(QObject):

@@ -29,6 +29,16 @@ class Memory:
         return [Path(path) for path in ([value] if isinstance(value, str) else list(value or []))]
 
     @property
+    def folded(self) -> list[str]:
+        """The sections of the panel that are folded away, by their titles."""
+        value = self._settings.value("folded", [])
+        return [value] if isinstance(value, str) else list(value or [])
+
+    @folded.setter
+    def folded(self, titles: list[str]) -> None:
+        self._settings.setValue("folded", titles)
+
+    @property
     def folder(self) -> Path:
         """Where the last file was."""
         return Path(str(self._settings.value("folder", str(Path.home()))))

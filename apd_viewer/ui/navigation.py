@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 ZOOM_PER_PIXEL = 1.008
 ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
+DEAD_ZONE = 2.0  # pixels that the cursor may tremble in a click that is no drag
 
 
 class Stage(Protocol):
@@ -30,6 +31,9 @@ class Stage(Protocol):
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
         """Come closer by a factor to what is seen at a position."""
+
+    def click(self, position: QPointF) -> None:
+        """Say that the left button went down and up at a position, and moved nothing."""
 
 
 class Navigation:
@@ -45,11 +49,13 @@ class Navigation:
         self._mode = ""
         self._start = QPointF()
         self._last = QPointF()
+        self._moved = False
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a camera drag."""
         self._mode = _mode(event.button(), event.modifiers())
         self._start = self._last = event.position()
+        self._moved = event.button() != Qt.MouseButton.LeftButton
         return True
 
     def move(self, event: QMouseEvent) -> bool:
@@ -57,6 +63,8 @@ class Navigation:
         d = event.position() - self._last
         if not self._mode or d.isNull():
             return False
+        if (event.position() - self._start).manhattanLength() > DEAD_ZONE:
+            self._moved = True
         self._last = event.position()
         if self._mode == "zoom":
             self._viewport.zoom_at(self._start, ZOOM_PER_PIXEL ** -d.y())
@@ -66,8 +74,10 @@ class Navigation:
             self._viewport.eye = self._viewport.eye.orbited(d.x(), d.y())
         return True
 
-    def release(self, _event: QMouseEvent) -> bool:
+    def release(self, event: QMouseEvent) -> bool:
         """End the drag."""
+        if self._mode and not self._moved:
+            self._viewport.click(event.position())
         self._mode = ""
         return True
 

@@ -1,4 +1,8 @@
-"""The colours of the mesh: Okabe and Ito's, which colour-blind people can tell apart."""
+"""The colours of the mesh: Okabe and Ito's and their shades, which colour-blind people can tell apart.
+
+What moves is warm and what stays is blue; regions have the colours in between. Lightness alone parts
+neighbours too, and the panel names them all.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +11,47 @@ import numpy as np
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 
 BASE_COLOR = (0, 114, 178)  # blue
-HANDLE_COLOR = (213, 94, 0)  # vermilion
 FREE_COLOR = (205, 203, 198)
+HANDLE_COLORS = (
+    (213, 94, 0),  # vermilion
+    (236, 170, 30),  # orange
+    (128, 44, 0),
+    (246, 166, 124),
+    (122, 84, 10),
+    (255, 214, 120),
+    (176, 58, 58),
+    (84, 48, 28),
+)
+REGION_COLORS = (
+    (0, 158, 115),  # bluish green
+    (204, 121, 167),  # reddish purple
+    (86, 180, 233),  # sky blue
+    (240, 228, 66),  # yellow
+    (88, 60, 130),
+    (150, 214, 180),
+    (60, 66, 74),
+    (150, 150, 40),
+)
+# A region covers free vertices; of base and handles it must not hide what they are.
+_OVER_FREE, _OVER_PAINT = 0.82, 0.42
 
-_BY_LABEL = np.empty((3, 4), dtype=np.uint8)
-_BY_LABEL[BASE] = (*BASE_COLOR, 255)
-_BY_LABEL[FREE] = (*FREE_COLOR, 255)
-_BY_LABEL[HANDLE] = (*HANDLE_COLOR, 255)
+_PAINT = np.zeros((HANDLE + len(HANDLE_COLORS), 3))
+_PAINT[BASE], _PAINT[FREE], _PAINT[HANDLE:] = BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 
 
-def label_colors(labels: np.ndarray) -> np.ndarray:
-    """RGBA of every vertex, (n, 4) uint8 array, for its label (n,)."""
-    return _BY_LABEL[labels]
+def _mixed() -> np.ndarray:
+    """RGBA for each label and region number, (labels, 1 + regions, 4) uint8 array."""
+    share = np.full(len(_PAINT), _OVER_PAINT)
+    share[FREE] = _OVER_FREE
+    mixed = np.full((len(_PAINT), 1 + len(REGION_COLORS), 4), 255.0)
+    mixed[:, 0, :3] = _PAINT
+    mixed[:, 1:, :3] = _PAINT[:, None] + share[:, None, None] * (np.array(REGION_COLORS) - _PAINT[:, None])
+    return np.rint(mixed).astype(np.uint8)
+
+
+_MIXED = _mixed()
+
+
+def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:
+    """RGBA of every vertex, (n, 4) uint8 array, for its label and the number of its region, both (n,)."""
+    return _MIXED[labels, 0 if member is None else member]

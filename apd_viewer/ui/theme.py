@@ -27,6 +27,7 @@ class Theme:
     accent_soft: str
     on_accent: str
     warm: str
+    warm_soft: str
     good: str
 
 
@@ -43,6 +44,7 @@ LIGHT = Theme(
     accent_soft="#e3ecfb",
     on_accent="#ffffff",
     warm="#b45309",
+    warm_soft="#fdf0df",
     good="#5a6270",
 )
 DARK = Theme(
@@ -58,6 +60,7 @@ DARK = Theme(
     accent_soft="#2c3a55",
     on_accent="#10131a",
     warm="#f5a54a",
+    warm_soft="#40311d",
     good="#a6adba",
 )
 
@@ -99,6 +102,7 @@ def _palette(theme: Theme) -> QPalette:
         QPalette.ColorRole.Highlight: theme.accent,
         QPalette.ColorRole.HighlightedText: theme.on_accent,
         QPalette.ColorRole.Link: theme.accent,
+        QPalette.ColorRole.Mid: theme.line,
     }
     for role, color in roles.items():
         palette.setColor(role, QColor(color))

@@ -5,9 +5,6 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLOR
-
 
 class _Words(NamedTuple):
     title: str
@@ -15,8 +12,7 @@ class _Words(NamedTuple):
     icon: str
     tip: str
     hint: str
-    label: int | None = None
-    color: tuple[int, int, int] | None = None
+    is_brush: bool = False
 
 
 _BRUSH = "wheel or [ ] for the size, Alt erases, Ctrl+wheel zooms, Esc takes the stroke back"
@@ -33,37 +29,42 @@ class Tool(Enum):
         "paint-base",
         "Paint the part that stays in place",
         f"Paint base: drag on the mesh; {_BRUSH}",
-        BASE,
-        BASE_COLOR,
+        True,
     )
     HANDLE = _Words(
         "Paint handle",
         "H",
         "paint-handle",
-        "Paint the part that you will move",
+        "Paint a part that you will move",
         f"Paint handle: drag on the mesh; {_BRUSH}",
-        HANDLE,
-        HANDLE_COLOR,
+        True,
+    )
+    REGION = _Words(
+        "Paint region",
+        "R",
+        "paint-region",
+        "Paint a part whose area you want to see, or to keep",
+        f"Paint region: drag on the mesh; {_BRUSH}",
+        True,
     )
     ERASE = _Words(
         "Erase",
         "E",
         "erase",
-        "Take paint away, so that the part can deform",
+        "Take base and handle away, so that the part can deform; where there is neither, the region",
         "Erase: drag on the mesh; wheel or [ ] for the size, Ctrl+wheel zooms, Esc takes the stroke back",
-        FREE,
-        FREE_COLOR,
+        True,
     )
     MOVE = _Words(
         "Move handle",
         "M",
         "move",
-        "Move and turn the handle with arrows, squares and rings",
-        "Move handle: drag an arrow, a square or a ring; Ctrl snaps, Esc goes back",
+        "Move and turn a handle with arrows, squares and rings",
+        "Move handle: drag an arrow, a square or a ring; Ctrl snaps, Esc goes back, a click takes another",
     )
 
     @property
     def words(self) -> _Words:
-        """Title, key, icon, tip and hint; for a brush also the label that it paints."""
+        """Title, key, icon, tip and hint, and whether it is a brush."""
         words: _Words = self.value
         return words

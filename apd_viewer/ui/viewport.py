@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QRect, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRect, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
@@ -18,7 +18,7 @@ from apd_viewer.ui.tools import Dispatcher
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from PySide6.QtCore import QEvent, QPointF
+    from PySide6.QtCore import QEvent
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
     from PySide6.QtWidgets import QWidget
 
@@ -51,9 +51,12 @@ class Viewport(QtInteractor):
     dark : bool
         Whether the background is dark.
     resized : Signal()
+    clicked : Signal(QPointF)
+        A press that no tool wanted and that moved nothing, at its position in the widget.
     """
 
     resized = Signal()
+    clicked = Signal(QPointF)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[Any] = []
@@ -231,6 +234,10 @@ class Viewport(QtInteractor):
         self.update()
 
     # ---- events
+
+    def click(self, position: QPointF) -> None:
+        """Say that the scene was clicked."""
+        self.clicked.emit(position)
 
     def cancel(self) -> bool:
         """Cancel what the tools are doing, as Esc does; True if one of them was at work."""

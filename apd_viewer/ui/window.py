@@ -17,21 +17,21 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.files.samples import SAMPLES, resource
-from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import Document, State
+from apd_viewer.session.document import State
 from apd_viewer.session.session import Activity, Listener, Session
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
+from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.icons import application_icon
 from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.panel import Panel
+from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool
 
-_TWIST = "Drag a ring around the handle to twist, an arrow to bend"
 _WORDS = {
     Activity.IDLE: "ready",
     Activity.REFINING: "refining",
@@ -70,7 +70,9 @@ class Window(QMainWindow):
             )
         )
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self._invited = self._closed = False
+        self._closed = False
+        self.parts = Parts(self.session, self)
+        self.parts.changed.connect(self._parts_changed)
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
@@ -81,6 +83,7 @@ class Window(QMainWindow):
         self.actions_ = Actions(self, self._verbs())
         self.actions_.add_panels([self._dock.toggleViewAction()])
         self._connect_canvas()
+        self._connect_panel()
         self.actions_.fill_recent(self._memory.recent)
         self._memory.restore_layout(self)
         self._set_scheme(self._memory.scheme)
@@ -94,6 +97,7 @@ class Window(QMainWindow):
         view = self.canvas.viewport
         self.notice = Notice(view)
         self.invitation = Invitation(view)
+        self._guide = Guide(self.invitation)
         buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self._ask_for_file)]
         for name, title in SAMPLES.items():
             buttons.append(QPushButton(title, clicked=partial(self.session.open_sample, name)))
@@ -105,9 +109,7 @@ class Window(QMainWindow):
         self._dock.setTitleBarWidget(QWidget())
         self._dock.setWidget(self.panel)
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._dock)
-        self.panel.method_chosen.connect(self.session.set_method)
-        self.panel.tolerance_chosen.connect(self._set_tolerance)
-        self.panel.reset_asked.connect(self._reset)
+        self.panel.folded = self._memory.folded
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
         view = self.canvas.viewport
@@ -123,6 +125,9 @@ class Window(QMainWindow):
             "take": self.take,
             "larger": partial(self._scale_brush, 1.25),
             "smaller": partial(self._scale_brush, 0.8),
+            "add_handle": self._add_handle,
+            "add_region": self._add_region,
+            "next_handle": self.parts.next_handle,
             "frame": self.canvas.frame_mesh,
             "look": view.look_along,
             "edges": partial(setattr, self.canvas.surface, "edges"),
@@ -134,16 +139,47 @@ class Window(QMainWindow):
 
     def _connect_canvas(self) -> None:
         canvas, session = self.canvas, self.session
-        canvas.gesture_began.connect(session.begin_gesture)
-        canvas.gesture_began.connect(self._stop_inviting)
-        canvas.gesture_cancelled.connect(session.cancel_gesture)
+        canvas.stroke_began.connect(self._begin_stroke)
         canvas.painted.connect(session.paint)
+        canvas.region_painted.connect(session.paint_region)
         canvas.stroke_ended.connect(self._end_stroke)
-        canvas.handle_moved.connect(session.move_handle)
-        canvas.drag_ended.connect(partial(session.end_drag, "Move handle"))
+        canvas.drag_began.connect(session.begin_gesture)
+        canvas.drag_began.connect(self._guide.moved)
+        canvas.handle_moved.connect(lambda pose: session.move_handle(pose, self.parts.handle))
+        canvas.drag_ended.connect(partial(session.end_gesture, "Move handle"))
+        canvas.gesture_cancelled.connect(session.cancel_gesture)
+        canvas.handle_chosen.connect(self.parts.choose_handle)
         canvas.painter.radius_changed.connect(
             lambda radius: self.status.showMessage(f"Brush {radius:.0f} px", 1500)
         )
+
+    def _connect_panel(self) -> None:
+        panel, session, parts = self.panel, self.session, self.parts
+        panel.area.target.chosen.connect(session.set_area)
+        panel.area.held.connect(session.hold_area)
+        panel.volume.kept.connect(session.set_volume)
+        panel.volume.target.chosen.connect(session.set_volume)
+        panel.method.method_chosen.connect(session.set_method)
+        panel.method.tolerance_chosen.connect(session.set_tolerance)
+        panel.method.stiffness.chosen.connect(session.set_stiffness)
+        panel.method.area_stiffness_chosen.connect(lambda x: session.set_material(area_stiffness=x))
+        panel.method.shear_stiffness_chosen.connect(lambda x: session.set_material(shear_stiffness=x))
+        for dial, gesture in zip(
+            panel.dials, ("Change area", "Change volume", "Change stiffness"), strict=True
+        ):
+            dial.sweep_began.connect(session.begin_gesture)
+            dial.sweep_ended.connect(partial(session.end_gesture, gesture))
+            dial.sweep_given_up.connect(session.cancel_gesture)
+        panel.handles.list.chosen.connect(parts.choose_handle)
+        panel.handles.list.renamed.connect(session.rename_handle)
+        panel.handles.list.removed.connect(parts.remove_handle)
+        panel.handles.added.connect(self._add_handle)
+        panel.handles.reset_asked.connect(self._reset)
+        panel.regions.list.chosen.connect(parts.choose_region)
+        panel.regions.list.renamed.connect(session.rename_region)
+        panel.regions.list.removed.connect(parts.remove_region)
+        panel.regions.added.connect(self._add_region)
+        panel.regions.kept.connect(session.set_region_area)
 
     # The user's verbs that need a word with the user
 
@@ -175,27 +211,45 @@ class Window(QMainWindow):
         if path is not None:
             self.session.export(path)
 
+    def _begin_stroke(self, erases: bool) -> None:
+        state = self.session.state
+        if state is None:
+            return
+        if self.canvas.tool is Tool.REGION and not erases and not state.document.regions:
+            self.parts.add_region()
+        self.session.begin_gesture()
+        self.invitation.say("")
+
     def _end_stroke(self, gesture: str) -> None:
         self.session.end_stroke(gesture)
         self._invite()
 
+    def _add_handle(self) -> None:
+        if self.session.state is not None:
+            self.parts.add_handle()
+            self.take(Tool.HANDLE)
+
+    def _add_region(self) -> None:
+        if self.session.state is not None:
+            self.parts.add_region()
+            self.take(Tool.REGION)
+
     def _undo(self) -> None:
-        # In the middle of a drag it is the drag that is taken back, and no more.
-        if self.session.state is not None and not self.canvas.viewport.cancel():
+        if self.session.state is not None and not self._give_up():
             self.session.undo()
 
     def _redo(self) -> None:
-        if self.session.state is not None and not self.canvas.viewport.cancel():
+        if self.session.state is not None and not self._give_up():
             self.session.redo()
+
+    def _give_up(self) -> bool:
+        """In the middle of a drag it is the drag that is taken back, and no more."""
+        return self.canvas.viewport.cancel() or self.panel.give_up_sweep()
 
     def _reset(self) -> None:
         if self.session.state is not None:
-            self.canvas.viewport.cancel()
+            self._give_up()
             self.session.reset_handle()
-
-    def _set_tolerance(self, tolerance: float) -> None:
-        if self.session.state is not None:
-            self.session.set_tolerance(tolerance)
 
     def _scale_brush(self, factor: float) -> None:
         self.canvas.painter.radius = self.canvas.painter.radius * factor
@@ -209,13 +263,20 @@ class Window(QMainWindow):
             self.session.receive()
 
     def _changed(self, old: State | None, new: State) -> None:
-        self.canvas.show_state(old, new)
-        self.panel.show_state(old, new)
         document = new.document
+        self.parts.follow(None if old is None else old.document, document)
+        self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
+        self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.mesh is not document.mesh:
             self._welcome(new)
         if old is None or old.document.labels is not document.labels:
             self._invite()
+
+    def _parts_changed(self) -> None:
+        self.canvas.choose(self.parts.handle, self.parts.region)
+        if self.session.state is not None:
+            self.panel.show_parts(self.session.state, self.parts.handle, self.parts.region)
+        self._invite()
 
     def _welcome(self, state: State) -> None:
         mesh = state.document.mesh
@@ -234,32 +295,22 @@ class Window(QMainWindow):
         self.actions_.export.setEnabled(opened)
         moved = session.state is not None and session.moved
         self.actions_.reset.setEnabled(moved)
-        self.panel.reset.setEnabled(moved)
+        self.panel.handles.reset.setEnabled(moved)
         self.panel.setEnabled(opened)
         self._empty.setVisible(not opened and session.errand is None)
-        self.panel.activity.setText(_WORDS[session.activity] if opened else "")
+        self.panel.area.activity.setText(self._activity)
         self.status.show_session(session)
 
-    def _invite(self) -> None:
-        """Say what to do next, until the handle has been dragged once."""
+    @property
+    def _activity(self) -> str:
         state = self.session.state
-        self.invitation.say("" if state is None else self._next_step(state.document))
-
-    def _next_step(self, document: Document) -> str:
-        if not (document.labels == BASE).any():
-            return "Paint the part that stays in place: the base (B)"
-        if not (document.labels == HANDLE).any():
-            return "Now paint the part to be moved: the handle (H)"
-        if document.problem:
-            return document.problem
-        if self._invited:
+        if state is None:
             return ""
-        return _TWIST if self.canvas.tool is Tool.MOVE else "Now move the handle (M)"
+        return "out of reach" if state.frame.unreached else _WORDS[self.session.activity]
 
-    def _stop_inviting(self) -> None:
-        if self.canvas.tool is Tool.MOVE:
-            self._invited = True
-        self.invitation.say("")
+    def _invite(self) -> None:
+        state = self.session.state
+        self._guide.say_next(None if state is None else state.document, self.canvas.tool, self.parts.handle)
 
     def _set_scheme(self, scheme: Qt.ColorScheme) -> None:
         self._memory.scheme = scheme
@@ -302,6 +353,7 @@ class Window(QMainWindow):
             event.ignore()
             return
         self._memory.keep_layout(self)
+        self._memory.folded = self.panel.folded
         self._closed = True
         self.session.close()
         self.canvas.viewport.close()

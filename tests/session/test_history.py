@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import numpy as np
 from meshes import box
 
 from apd_viewer.geometry.mesh import Mesh, frozen
@@ -86,3 +87,14 @@ def test_a_mesh_that_entries_share_is_no_reason_to_forget_them():
     for k, state in enumerate(states):
         history.record(str(k), state)
     assert len(_undone(history)) == 6
+
+
+def test_the_regions_that_entries_keep_are_counted():
+    mesh, n = REST.document.mesh, len(REST.document.mesh.V)
+    members = [frozen(np.full(n, k, dtype=np.uint8)) for k in range(20)]
+    states = [replace(REST, document=replace(REST.document, member=member)) for member in members]
+    shared = mesh.V.nbytes + mesh.F.nbytes + REST.document.labels.nbytes
+    history = History(most_bytes=shared + 5 * n)
+    for k, state in enumerate(states):
+        history.record(str(k), state)
+    assert len(_undone(history)) == 5

@@ -12,7 +12,7 @@ from test_session import BENT, LONG, pose
 
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import Document, opened
+from apd_viewer.session.document import Document, Handle, NamedRegion, opened
 from apd_viewer.session.worker import Reply, Request, Worker
 
 
@@ -58,7 +58,7 @@ def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
     mesh = Mesh(*box(2, 2, 6))
     base, handle = ends(mesh.V)
     rest = opened(mesh).document.painted(base, BASE).painted(handle, HANDLE)
-    return replace(rest, pose=at, method=method)
+    return replace(rest.moved(0, at), method=method)
 
 
 def request(method: str = "paper", at: np.ndarray = BENT, generation: int = 1) -> Request:
@@ -66,9 +66,21 @@ def request(method: str = "paper", at: np.ndarray = BENT, generation: int = 1) -
     return Request(asked, generation, asked.mesh.V, iterate=True)
 
 
-@pytest.mark.parametrize("method", ["arap", "paper"])
-def test_a_pickled_request_gets_the_same_frames_bit_for_bit(method):
-    original = request(method)
+def whole(method: str) -> Document:
+    """A document that says something of everything."""
+    said = document(method)
+    z = said.mesh.V[:, 2]
+    said = said.painted(np.flatnonzero((z == 6.0) & (said.mesh.V[:, 0] == 0.0)), HANDLE + 1)
+    said = said.with_handle(1, Handle("Handle 2", pose(0.5))).with_region(0, NamedRegion("Waist", 98.0))
+    said = said.painted_region(np.flatnonzero((z >= 2) & (z <= 4)), 1)
+    return replace(said, stiffness=0.01, area=101.0, hold_area=True, volume=99.0)
+
+
+@pytest.mark.parametrize("method", ["arap", "paper", "exact", "local"])
+def test_a_pickled_request_gets_the_same_frames_bit_for_bit(method, monkeypatch):
+    monkeypatch.setattr("apd_viewer.session.worker.MOST_ITERATIONS", 60)
+    asked = whole(method)
+    original = Request(asked, 1, asked.mesh.V, iterate=True)
     replies = remembered(original)
     again = remembered(pickle.loads(pickle.dumps(original)))
     assert len(again) == len(replies)
@@ -108,7 +120,7 @@ def test_iterations_count_on_and_only_the_last_reply_is_finished(worker):
 def test_the_same_generation_goes_on_from_where_the_worker_is(worker):
     asked = request("arap")
     last = worker.answers(asked)[-1].frame
-    near = replace(asked.document, pose=pose(0.6001, (0.5, 0.0, 0.2)))
+    near = asked.document.moved(0, pose(0.6001, (0.5, 0.0, 0.2)))
     first = worker.answers(Request(near, 1, asked.U, iterate=True))[0].frame
     assert np.abs(first.U - last.U).max() < 1e-2
 
@@ -117,7 +129,7 @@ def test_another_generation_starts_from_the_shape_of_the_request(worker):
     """The worker that was elsewhere answers as one that never was: nothing is left of its past."""
     asked = request("arap")
     fresh = worker.answers(asked)
-    elsewhere = replace(asked.document, pose=pose(-1.0))
+    elsewhere = asked.document.moved(0, pose(-1.0))
     worker.answers(Request(elsewhere, 1, asked.U, iterate=True))
     again = worker.answers(replace(asked, generation=2))
     for a, b in zip(again, fresh, strict=True):
@@ -156,3 +168,28 @@ def test_the_solver_of_a_mesh_that_is_gone_is_let_go(worker):
     worker.ask(Request(unpainted.document, 2, unpainted.frame.U, iterate=False))
     time.sleep(0.1)
     assert worker._solver is None
+
+
+def test_a_refused_target_is_answered_with_its_sentence_and_the_next_one_is_met(worker):
+    asked = request("exact")
+    worker.answers(asked)
+    wrong = replace(asked.document, area=-5.0)
+    reply = worker.answers(Request(wrong, 1, asked.U, iterate=True))[-1]
+    assert "percentage" in reply.failure
+    right = replace(asked.document, area=105.0)
+    frame = worker.answers(Request(right, 1, asked.U, iterate=True))[-1].frame
+    assert abs(frame.area_error - 0.05) < 1e-9
+
+
+@pytest.mark.parametrize("method", ["exact", "local"])
+def test_targets_that_come_later_lead_where_those_that_were_there_lead(worker, method):
+    """Told to a solver that is at work, or to a new one: the same shape."""
+    asked = whole(method)
+    plain = replace(asked, area=100.0, volume=None)
+    worker.answers(Request(plain, 1, asked.mesh.V, iterate=True))
+    later = worker.answers(Request(asked, 1, asked.mesh.V, iterate=True))[-1].frame
+    first = remembered(Request(asked, 1, asked.mesh.V, iterate=True))[-1].frame
+    assert later.converged
+    assert first.converged
+    assert np.allclose(later.regions, first.regions, rtol=1e-9)
+    assert np.abs(later.U - first.U).max() < 2e-2

@@ -1,0 +1,150 @@
+"""What is on screen: the state, and the worker that brings its shape to what is asked.
+
+All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
+tells the one listener what was and what is; it compares by identity and shows what differs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from apd_viewer.session.document import Document, State
+from apd_viewer.session.worker import Reply, Request, Worker
+
+
+class Activity(Enum):
+    """What the worker is doing about the shape on screen."""
+
+    IDLE = "idle"
+    REFINING = "refining"
+    SETTLED = "settled"
+    UNREACHED = "not reached"
+
+
+@dataclass(frozen=True)
+class Listener:
+    """Whom a session tells what happens. ``wake`` is called on other threads, the rest on the owner's.
+
+    Attributes
+    ----------
+    wake : callable
+        Something waits to be received: call :meth:`Session.receive` on the owner's thread.
+    changed : callable
+        ``changed(old, new)``: the state was replaced; old is None the first time.
+    status_changed : callable
+        Activity, errand or history may differ.
+    told : callable
+        ``told(sentence)``: something the user should read.
+    failed : callable
+        ``failed(sentence)``: something the user asked for was not done, and why.
+    """
+
+    wake: Callable[[], object]
+    changed: Callable[[State | None, State], object]
+    status_changed: Callable[[], object]
+    told: Callable[[str], object]
+    failed: Callable[[str], object]
+
+
+class Stage:
+    """The state that is shown, and what the worker is doing about it.
+
+    Parameters
+    ----------
+    listener : Listener
+    worker : Worker
+
+    Attributes
+    ----------
+    state : State or None
+        None until a mesh is open.
+    activity : Activity
+    seconds_per_iteration : float
+    """
+
+    def __init__(self, listener: Listener, worker: Worker) -> None:
+        self.state: State | None = None
+        self.activity = Activity.IDLE
+        self.seconds_per_iteration = 0.0
+        self._listener = listener
+        self._worker = worker
+        self._generation = 0
+        self._asked: Document | None = None
+        self._warned: str | None = None
+
+    def required(self) -> State:
+        """The state; there must be one."""
+        if self.state is None:
+            raise RuntimeError("no mesh is open")
+        return self.state
+
+    def show(self, state: State) -> None:
+        """Replace the state, and nothing else."""
+        old, self.state = self.state, state
+        self._listener.changed(old, state)
+
+    def jump(self, state: State) -> None:
+        """Go to ``state``; frames of the time before are no longer wanted."""
+        if self.state is None or state.document.mesh is not self.state.document.mesh:
+            self._warned = None
+        self._generation += 1
+        self.show(state)
+        self._ask(iterate=not state.frame.settled)
+
+    def note(self, document: Document) -> None:
+        """Replace the document by one that the worker would answer with the same shape."""
+        self.show(self.required().at(document))
+
+    def say(self, document: Document) -> None:
+        """Replace the document; the worker answers, unless all is at rest and nothing else is asked."""
+        state = self.required().at(document)
+        at_rest = state.frame.U is document.mesh.V and not document.posed and not state.lacks
+        iterate = self.activity is Activity.REFINING or not at_rest
+        self.show(state.unsettled() if iterate else state)
+        self._ask(iterate)
+
+    def regrip(self, before: Document, document: Document) -> None:
+        """Go from one document to another, with base and handles gripped where they are on screen."""
+        state = self.required()
+        state = state.at(document.regripped(state.frame.U))
+        lacks = state.lacks
+        # What a pose was on its way to is given up with the pose; nothing else leads away from here.
+        goes_on = lacks and (before.problem is not None or not before.posed)
+        unreached = state.frame.unreached if lacks else None
+        frame = replace(
+            state.frame, handle_drift=0.0, converged=not lacks, settled=not goes_on, unreached=unreached
+        )
+        self.jump(replace(state, frame=frame))
+
+    def receive(self) -> None:
+        """Take in what the worker has left."""
+        reply = self._worker.take()
+        if reply is not None and reply.generation == self._generation:
+            self._accept(reply)
+
+    def _accept(self, reply: Reply) -> None:
+        if reply.warning and reply.warning != self._warned:
+            self._listener.told(reply.warning)
+        self._warned = reply.warning
+        # A slightly stale frame of this drag is worth showing, but says nothing about its end.
+        latest = reply.document is self._asked
+        if reply.frame is not None:
+            self.seconds_per_iteration = reply.seconds
+            state = self.required().at(frame=reply.frame)
+            self.show(state if latest else state.unsettled())
+        if reply.finished and latest:
+            settled = reply.frame is not None and reply.frame.converged
+            self.activity = Activity.SETTLED if settled else Activity.UNREACHED
+        if reply.failure:
+            self._listener.failed(reply.failure)
+        self._listener.status_changed()
+
+    def _ask(self, iterate: bool) -> None:
+        state = self.required()
+        iterate = iterate and state.document.problem is None
+        self.activity = Activity.REFINING if iterate else Activity.IDLE
+        self._asked = state.document
+        self._worker.ask(Request(state.document, self._generation, state.frame.U, iterate))
+        self._listener.status_changed()

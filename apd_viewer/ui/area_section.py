@@ -1,0 +1,160 @@
+"""The area: what it is, what it should be, and whether that was reached."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
+
+from apd_viewer.session.document import State
+from apd_viewer.ui.fields import PERCENT, Check, Dial, percent_field
+from apd_viewer.ui.figures import figures, short, signed
+from apd_viewer.ui.section import quiet
+from apd_viewer.ui.theme import LIGHT, Theme
+
+_MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
+_TIP = "What the total area should be, in percent of the area at rest"
+
+
+class Dot(QWidget):
+    """A dot that is quiet while all is well and warm when it is not."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFixedSize(16, 16)
+        self._color = QColor("gray")
+
+    def set_color(self, color: str) -> None:
+        """Fill with ``color``."""
+        if self._color.name() != color:
+            self._color = QColor(color)
+            self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the dot."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._color)
+        painter.drawEllipse(QPointF(8, 8), 5, 5)
+
+
+class AreaSection(QWidget):
+    """The hero number with its verdict, the target, and the sentence where it is out of reach.
+
+    Attributes
+    ----------
+    target : Dial
+        In percent.
+    held : Signal(bool)
+        "local" should keep the total area too, or not.
+    percent, area, verdict, unreached, local_change, activity : QLabel
+    """
+
+    held = Signal(bool)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._theme = LIGHT
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 0, 0, 8)
+        self._add_reading(column)
+        self._add_target(column)
+        self.unreached = QLabel("", objectName="unreached", wordWrap=True)
+        self.unreached.setAccessibleName("What is out of reach")
+        self.unreached.hide()
+        column.addSpacing(4)
+        column.addWidget(self.unreached)
+        tip = "The largest change of the area of a triangle, up or down, relative to its area at rest"
+        self.local_change = QLabel("–", accessibleName="Largest local change of the area", toolTip=tip)
+        grid = QGridLayout()
+        grid.addWidget(QLabel("Largest local change", objectName="quiet", toolTip=tip), 0, 0)
+        grid.addWidget(self.local_change, 0, 1, Qt.AlignmentFlag.AlignRight)
+        column.addLayout(grid)
+
+    def _add_reading(self, column: QVBoxLayout) -> None:
+        self.activity = QLabel("", objectName="quiet", accessibleName="What the solver is doing")
+        self._dot = Dot()
+        row = QHBoxLayout()
+        row.addWidget(QLabel("Area", objectName="heading"))
+        row.addStretch(1)
+        row.addWidget(self.activity)
+        row.addWidget(self._dot)
+        column.addLayout(row)
+        self.percent = QLabel("–", accessibleName="Area in percent of the rest area")
+        font = QFont(self.percent.font())
+        font.setPointSizeF(font.pointSizeF() * 2.5)
+        font.setWeight(QFont.Weight.DemiBold)
+        self.percent.setFont(font)
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
+        column.addWidget(self.percent)
+        self.verdict = quiet("Change of the area")
+        self.area = quiet("Area, and area at rest")
+        column.addWidget(self.verdict)
+        column.addWidget(self.area)
+
+    def _add_target(self, column: QVBoxLayout) -> None:
+        self.hold = Check(
+            "Hold the total area too", toolTip="Keep the sum of all triangles' areas to the last digits"
+        )
+        self.hold.toggled.connect(self.held)
+        label = QLabel("Target", toolTip=_TIP)
+        title = QWidget()
+        self._title = QStackedLayout(title)
+        self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
+        for part in (label, self.hold):
+            self._title.addWidget(part)
+        self.target = Dial(title, PERCENT, percent_field("", _TIP), "Target of the area")
+        label.setBuddy(self.target.field)
+        column.addSpacing(8)
+        column.addWidget(self.target)
+
+    def show_settings(self, state: State) -> None:
+        """Show what is asked for."""
+        document = state.document
+        local = document.method == "local"
+        self.target.setVisible(document.method != "arap")
+        self._title.setCurrentIndex(int(local))
+        self.hold.blockSignals(True)
+        self.hold.setChecked(document.hold_area)
+        self.hold.blockSignals(False)
+        self.target.set_active(not local or document.hold_area)
+        self.target.show_value(document.area)
+
+    def show_readings(self, state: State, asked_anew: bool) -> None:
+        """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
+        frame, missed = state.frame, state.lacks
+        self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
+        self.verdict.setText(verdict(state))
+        self.area.setText(f"{figures(frame.area)} of {figures(state.inspection.area)}")
+        self.local_change.setText(f"{100 * frame.local_change:.3g} %" if frame.local_change > _MET else "0 %")
+        self._dot.set_color(self._theme.warm if missed or frame.unreached else self._theme.good)
+        self._dot.setToolTip("Something asked for is not met" if missed else "All that is asked for is met")
+        if frame.unreached is not None:
+            self.unreached.setText(frame.unreached)
+            self.unreached.show()
+        elif frame.settled or not missed or asked_anew:
+            # It stays while the solver tries, or it would flicker with every step of a drag.
+            self.unreached.hide()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self._theme = theme
+        self.target.set_theme(theme)
+
+
+def verdict(state: State) -> str:
+    """The change of the total area, and how it stands to what is asked."""
+    document, change = state.document, signed(100 * state.frame.area_error, 3)
+    asked = document.asked.area
+    if asked is None:
+        return f"{change} %"
+    wanted = asked / 100.0
+    miss = abs(1.0 + state.frame.area_error - wanted)
+    if document.method == "paper":
+        within = "within" if miss <= document.tolerance * wanted else "outside"
+        of = "" if asked == 100.0 else f" of {short(asked)} %"
+        return f"{change} %, {within} {short(100 * document.tolerance)} %{of}"
+    if miss > _MET * wanted:
+        return f"{change} %, asked for {signed(asked - 100.0, 3)} %"
+    return f"{change} %, exact" if asked == 100.0 else f"{change} %, exactly as asked"

@@ -1,0 +1,146 @@
+"""The method: what it keeps, what it gives up, and the settings that matter for it."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from apd_viewer.geometry.deformation import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+)
+from apd_viewer.session.document import Document
+from apd_viewer.ui.fields import DECADES, Choice, Dial, Number
+from apd_viewer.ui.section import Section, quiet
+from apd_viewer.ui.theme import Theme
+
+METHOD_NAMES = {"exact": "Exact", "local": "Local", "paper": "Paper (Li & Hui)", "arap": "ARAP"}
+METHOD_WORDS = {
+    "exact": (
+        "Keeps the total area exactly, and the handles where you put them.",
+        "Gives up a little rigidity.",
+    ),
+    "local": (
+        "Keeps the area of every triangle, like fabric or PET film.",
+        "Gives up smoothness: it wrinkles.",
+    ),
+    "paper": (
+        "Keeps the total area within the tolerance.",
+        "Gives up a little of where you put the handles.",
+    ),
+    "arap": ("Keeps the shape as rigid as possible, and the handles in place.", "Gives up the area."),
+}
+
+
+class MethodSection(Section):
+    """The picker and the settings.
+
+    Attributes
+    ----------
+    method_chosen : Signal(str)
+    tolerance_chosen : Signal(float)
+        Relative, so 0.001 where the field says 0.1 %.
+    area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
+    stiffness : Dial
+    """
+
+    method_chosen = Signal(str)
+    tolerance_chosen = Signal(float)
+    area_stiffness_chosen = Signal(float)
+    shear_stiffness_chosen = Signal(float)
+
+    def __init__(self) -> None:
+        super().__init__("Method")
+        self.method = Choice(accessibleName="Method", toolTip="How the free part follows the handles")
+        for key, name in METHOD_NAMES.items():
+            self.method.addItem(name, key)
+        self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
+        self.column.addWidget(self.method)
+        self._keeps = quiet("What the method keeps")
+        self._gives_up = quiet("What the method gives up")
+        self.column.addWidget(self._keeps)
+        self.column.addWidget(self._gives_up)
+        self.column.addSpacing(4)
+        self._add_settings()
+
+    def _add_settings(self) -> None:
+        self.tolerance = Number(
+            accessibleName="Tolerance of the area in percent",
+            toolTip="How far the total area may be from what it should be",
+            minimum=0.001,
+            maximum=10.0,
+            decimals=3,
+            suffix=" %",
+            value=100.0 * DEFAULT_TOLERANCE,
+        )
+        self.area_stiffness = _modulus(
+            "Area stiffness",
+            "How firmly a triangle keeps its area: the area modulus, against that of the whole",
+            DEFAULT_AREA_STIFFNESS,
+        )
+        self.shear_stiffness = _modulus(
+            "Shear stiffness",
+            "How firmly a triangle keeps its angles: the shear modulus, against that of the whole",
+            DEFAULT_SHEAR_STIFFNESS,
+        )
+        self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
+        self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
+        self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
+        self._rows = (
+            ("paper", _row("Tolerance", self.tolerance)),
+            ("local", _row("Area stiffness", self.area_stiffness)),
+            ("local", _row("Shear stiffness", self.shear_stiffness)),
+        )
+        for _, row in self._rows:
+            self.column.addWidget(row)
+        tip = "How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness"
+        field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
+        label = QLabel("Stiffness", toolTip=tip)
+        self.stiffness = Dial(label, DECADES, field, "Stiffness", ends=("cloth", "sheet metal"))
+        self.column.addWidget(self.stiffness)
+
+    def show_settings(self, document: Document) -> None:
+        """Show the method and the settings that matter for it."""
+        self.method.setCurrentIndex(self.method.findData(document.method))
+        self.heading.say(METHOD_NAMES[document.method], only_folded=True)
+        keeps, gives_up = METHOD_WORDS[document.method]
+        self._keeps.setText(keeps)
+        self._gives_up.setText(gives_up)
+        for method, row in self._rows:
+            row.setVisible(method == document.method)
+        self.tolerance.show_value(100.0 * document.tolerance)
+        self.area_stiffness.show_value(document.area_stiffness)
+        self.shear_stiffness.show_value(document.shear_stiffness)
+        self.stiffness.show_value(document.stiffness)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        super().set_theme(theme)
+        self.stiffness.set_theme(theme)
+
+
+def _modulus(name: str, tip: str, value: float) -> Number:
+    field = Number(
+        brief=True,
+        accessibleName=name,
+        toolTip=tip,
+        minimum=0.0,
+        maximum=10_000.0,
+        decimals=4,
+        value=value,
+    )
+    field.setStepType(Number.StepType.AdaptiveDecimalStepType)
+    return field
+
+
+def _row(title: str, field: Number) -> QWidget:
+    row = QWidget()
+    line = QHBoxLayout(row)
+    line.setContentsMargins(0, 0, 0, 0)
+    label = QLabel(title, toolTip=field.toolTip())
+    label.setBuddy(field)
+    line.addWidget(label)
+    line.addStretch(1)
+    line.addWidget(field)
+    return row

@@ -1,0 +1,78 @@
+"""Which handle and which region the hand works on; none of it is part of the document."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Signal
+
+from apd_viewer.session.document import Document
+from apd_viewer.session.session import Session
+
+
+class Parts(QObject):
+    """The active handle and the active region.
+
+    Parameters
+    ----------
+    session : Session
+    parent : QObject
+
+    Attributes
+    ----------
+    handle, region : int
+        Their numbers, from 0. There may be no region yet.
+    changed : Signal()
+        Another one is active.
+    """
+
+    changed = Signal()
+
+    def __init__(self, session: Session, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session = session
+        self.handle = self.region = 0
+
+    def follow(self, old: Document | None, new: Document) -> None:
+        """Stay with a part that is still there."""
+        if old is None or old.mesh is not new.mesh:
+            self.handle = self.region = 0
+        self.handle = min(self.handle, len(new.handles) - 1)
+        self.region = max(0, min(self.region, len(new.regions) - 1))
+
+    def choose_handle(self, k: int) -> None:
+        """Make handle ``k`` the active one."""
+        self._choose(k, self.region)
+
+    def choose_region(self, k: int) -> None:
+        """Make region ``k`` the active one."""
+        self._choose(self.handle, k)
+
+    def next_handle(self) -> None:
+        """Make the next handle active, after the last one the first."""
+        state = self._session.state
+        if state is not None:
+            self.choose_handle((self.handle + 1) % len(state.document.handles))
+
+    def add_handle(self) -> None:
+        """One more handle, which is active from now on."""
+        self.choose_handle(self._session.add_handle())
+
+    def add_region(self) -> None:
+        """One more region, which is active from now on."""
+        self.choose_region(self._session.add_region())
+
+    def remove_handle(self, k: int) -> None:
+        """Remove handle ``k``; the active one stays so unless it was that."""
+        if k < self.handle:
+            self.handle -= 1
+        self._session.remove_handle(k)
+
+    def remove_region(self, k: int) -> None:
+        """Remove region ``k``; the active one stays so unless it was that."""
+        if k < self.region:
+            self.region -= 1
+        self._session.remove_region(k)
+
+    def _choose(self, handle: int, region: int) -> None:
+        if (handle, region) != (self.handle, self.region):
+            self.handle, self.region = handle, region
+            self.changed.emit()

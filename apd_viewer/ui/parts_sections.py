@@ -1,0 +1,206 @@
+"""The handles and the regions: their lists, and what is read and asked of each."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.session.document import Document, State
+from apd_viewer.ui.fields import Check, Number, percent_field
+from apd_viewer.ui.figures import length
+from apd_viewer.ui.icons import icon
+from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
+from apd_viewer.ui.part_list import PartList, PartRow
+from apd_viewer.ui.section import Section, quiet
+from apd_viewer.ui.theme import Theme
+
+_DRIFT = "How far a handle is from where it was put; the farthest of several"
+
+
+class HandleSection(Section):
+    """The handles: how far each was moved and turned, and how far they drifted.
+
+    Attributes
+    ----------
+    list : PartList
+    added, reset_asked : Signal()
+    drift : QLabel
+    """
+
+    added = Signal()
+    reset_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__("Handles")
+        self.list = PartList(HANDLE_COLORS, self._row)
+        self.column.addWidget(self.list)
+        self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
+        grid = QGridLayout()
+        grid.addWidget(QLabel("Drift", objectName="quiet", toolTip=_DRIFT), 0, 0)
+        grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
+        self.column.addLayout(grid)
+        self.add = QPushButton("Add handle", toolTip="One more part to be moved by itself (Shift+H)")
+        self.reset = QPushButton("Reset", toolTip="Put all handles back, and the mesh in its rest shape")
+        self.reset.setAccessibleName("Reset handles")
+        self.add.clicked.connect(self.added)
+        self.reset.clicked.connect(self.reset_asked)
+        buttons = QHBoxLayout(spacing=8)
+        buttons.addWidget(self.add)
+        buttons.addWidget(self.reset)
+        self.column.addSpacing(4)
+        self.column.addLayout(buttons)
+
+    def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
+        details = quiet(f"How far {name} was moved and turned")
+        details.setIndent(22)
+        return PartRow("handle", name, color, details)
+
+    def show_settings(self, state: State, active: int) -> None:
+        """Show the handles, and how the active one was moved."""
+        document = state.document
+        self.list.show_parts([handle.name for handle in document.handles], active)
+        for k, row in enumerate(self.list.rows):
+            count = int((document.labels == HANDLE + k).sum())
+            row.reading.setText(f"{count:,}" if count else "not painted")
+            row.reading.setToolTip("Vertices of the handle")
+            row.remove.setVisible(len(document.handles) > 1)
+        details = self.list.rows[active].details
+        if isinstance(details, QLabel):
+            details.setText(_motion(document, active, max(state.inspection.size)))
+        self.heading.say(f"{len(document.handles)}", only_folded=True)
+
+    def show_readings(self, state: State) -> None:
+        """Show how far the handles are from where they were put."""
+        held = bool((state.document.labels >= HANDLE).any())
+        self.drift.setText(length(state.frame.handle_drift, max(state.inspection.size)) if held else "–")
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+class RegionSection(Section):
+    """The named regions: what area each has, and what area it should keep.
+
+    Attributes
+    ----------
+    list : PartList
+    added : Signal()
+    kept : Signal(int, object)
+        A region and the area to keep in percent, or None to leave it free.
+    """
+
+    added = Signal()
+    kept = Signal(int, object)
+
+    def __init__(self) -> None:
+        super().__init__("Regions")
+        self.empty = quiet("What regions are for")
+        self.empty.setText("A region is a painted part whose area you can read, and keep.")
+        self.list = PartList(REGION_COLORS, self._row)
+        self.note = quiet("Why regions are not kept")
+        self.note.setText("The method Paper only measures regions.")
+        self.add = QPushButton("Add region", toolTip="One more part whose area is measured (Shift+R)")
+        self.add.clicked.connect(self.added)
+        for part in (self.empty, self.list, self.note):
+            self.column.addWidget(part)
+        self.column.addSpacing(4)
+        self.column.addWidget(self.add)
+        self._rest: tuple[object, tuple[float, ...]] = (None, ())
+
+    def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
+        row = PartRow("region", name, color, Keep())
+        details = row.details
+        assert isinstance(details, Keep)
+        details.kept.connect(lambda percent: self.kept.emit(k, percent))
+        return row
+
+    def show_settings(self, state: State, active: int) -> None:
+        """Show the regions and what is asked of them."""
+        document = state.document
+        regions, only_measured = document.regions, document.method == "paper"
+        self.list.show_parts([region.name for region in regions], active)
+        for region, row in zip(regions, self.list.rows, strict=True):
+            if isinstance(row.details, Keep):
+                row.details.show_target(region.area, not only_measured)
+        self.empty.setVisible(not regions)
+        self.note.setVisible(bool(regions) and only_measured)
+        self.heading.say(f"{len(regions)}" if regions else "none", only_folded=True)
+
+    def show_readings(self, state: State) -> None:
+        """Show the area of each region."""
+        rest = self._rest_areas(state.document)
+        targets = [region.area for region in state.document.regions]
+        for row, at_rest, now, target in zip(
+            self.list.rows, rest, state.frame.regions, targets, strict=False
+        ):
+            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else "not painted"
+            kept = at_rest > 0.0 and state.document.method != "paper"
+            row.reading.setText(area if target is None or not kept else f"{area}, kept")
+            row.reading.setToolTip("Area in percent of its area at rest")
+
+    def _rest_areas(self, document: Document) -> tuple[float, ...]:
+        if self._rest[0] is not document.member or len(self._rest[1]) != len(document.regions):
+            self._rest = document.member, document.region_areas(document.mesh.V)
+        return self._rest[1]
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+class Keep(QWidget):
+    """What the area of a region should be: free, or a percentage of its area at rest.
+
+    Attributes
+    ----------
+    kept : Signal(object)
+        In percent, or None.
+    """
+
+    kept = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        tip = "What the area of the region should be, in percent of its area at rest"
+        self.box = Check(
+            "Keep at", toolTip="Keep the area of the region to the last digits, or leave it free"
+        )
+        self.field: Number = percent_field("Target of the area of the region", tip)
+        line = QHBoxLayout(self, spacing=8)
+        line.setContentsMargins(22, 0, 0, 2)
+        line.addWidget(self.box)
+        line.addWidget(self.field)
+        line.addStretch(1)
+        self.box.toggled.connect(lambda on: self.kept.emit(self.field.value() if on else None))
+        self.field.valueChanged.connect(lambda percent: self.kept.emit(percent))
+
+    def show_target(self, percent: float | None, possible: bool) -> None:
+        """Show what is asked for, and whether anything can be."""
+        self.setEnabled(possible)
+        self.box.blockSignals(True)
+        self.box.setChecked(percent is not None)
+        self.box.blockSignals(False)
+        self.field.setEnabled(percent is not None and possible)
+        self.field.show_value(100.0 if percent is None else percent)
+
+
+def _motion(document: Document, k: int, size: float) -> str:
+    """How far a handle was moved and turned since it was gripped."""
+    held = document.labels == HANDLE + k
+    if not held.any():
+        return "Paint it with the tool Paint handle (H)"
+    pose = document.handles[k].pose
+    centre = document.grip[held].mean(axis=0)
+    moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
+    cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
+    turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
+    return f"moved {length(float(np.linalg.norm(moved)), size)}, turned {turned:.1f}°"

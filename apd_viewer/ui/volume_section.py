@@ -1,0 +1,78 @@
+"""The volume: what it is, and what it should be if that matters."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+
+from apd_viewer.session.document import State
+from apd_viewer.ui.fields import PERCENT, Check, Dial, percent_field
+from apd_viewer.ui.figures import figures, signed
+from apd_viewer.ui.section import Section, quiet
+from apd_viewer.ui.theme import Theme
+
+_TIP = "What the enclosed volume should be, in percent of the volume at rest"
+
+
+class VolumeSection(Section):
+    """Readings of the volume, and a target that can be switched on.
+
+    Attributes
+    ----------
+    target : Dial
+        In percent.
+    kept : Signal(object)
+        The volume to keep in percent, or None to leave it free.
+    volume : QLabel
+    """
+
+    kept = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__("Volume")
+        self.volume = quiet("Volume, and volume at rest")
+        self.keep = Check("Keep the volume", toolTip="Keep the enclosed volume to the last digits")
+        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), "Target of the volume")
+        self.why_not = quiet("Why the volume cannot be kept")
+        for part in (self.volume, self.target, self.why_not):
+            self.column.addWidget(part)
+        self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        super().set_theme(theme)
+        self.target.set_theme(theme)
+
+    @property
+    def change(self) -> str:
+        """The change of the volume, in words."""
+        return self.heading.reading
+
+    def show_settings(self, state: State) -> None:
+        """Show what is asked for, or why nothing can be."""
+        document, inspection = state.document, state.inspection
+        why = "" if inspection.volume else "There is no volume to keep."
+        if document.method == "paper" and not why:
+            why = "The method Paper cannot keep a volume."
+        self.why_not.setText(why)
+        self.why_not.setVisible(bool(why))
+        asked = document.volume is not None
+        self.keep.setEnabled(not why)
+        self.keep.blockSignals(True)
+        self.keep.setChecked(asked and not why)
+        self.keep.blockSignals(False)
+        active = asked and not why
+        self.target.set_active(active)
+        self.target.field.setVisible(active)
+        self.target.slider.setVisible(active)
+        self.target.show_value(100.0 if document.volume is None else document.volume)
+
+    def show_readings(self, state: State) -> None:
+        """Show the shape's volume."""
+        rest, now = state.inspection.volume, state.frame.volume
+        if rest is None or now is None or rest == 0.0:
+            self.heading.say("none")
+            self.volume.setText(state.inspection.why_no_volume or "The surface encloses nothing.")
+            return
+        change = signed(100 * (now / rest - 1), 2)
+        self.heading.say("unchanged" if float(change.replace("−", "-")) == 0 else f"{change} %")
+        self.volume.setText(f"{figures(now)} of {figures(rest)}")

@@ -1,0 +1,618 @@
+"""Handles, regions and what is asked of areas and of the volume, answered by the real worker."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from meshes import ends, grid
+from test_session import BENT, Driven, bar, pose, ready
+from test_session import empty as empty
+from test_session import factored as factored
+from test_session import session as session
+from test_session import slow as slow
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.session import MOST_HANDLES, MOST_REGIONS, Activity
+
+
+def layers(session: Driven, lowest: float, highest: float) -> np.ndarray:
+    """The vertices between two heights."""
+    z = session.state.document.mesh.V[:, 2]
+    return np.flatnonzero((lowest <= z) & (z <= highest))
+
+
+def region_stroke(session: Driven, ids: np.ndarray, number: int) -> None:
+    session.begin_gesture()
+    session.paint_region(ids, number)
+    session.end_stroke("Paint region")
+
+
+def region_shares(session: Driven) -> np.ndarray:
+    """Area of each region, against its area at rest."""
+    state = session.state
+    return np.array(state.frame.regions) / state.document.region_areas(state.document.mesh.V)
+
+
+def volume_share(session: Driven) -> float:
+    return session.state.frame.volume / session.state.inspection.volume
+
+
+@pytest.fixture
+def parted(session):
+    """The bar with a region around its middle and a second handle, half of its upper end."""
+    top = layers(session, 6, 6)
+    session.add_handle()
+    session.stroke(top[session.state.document.mesh.V[top, 0] == 0.0], HANDLE + 1)
+    session.add_region()
+    region_stroke(session, layers(session, 2, 4), 1)
+    return session
+
+
+# Undo
+
+VERBS: dict[str, Callable[[Driven], object]] = {
+    "Add handle": Driven.add_handle,
+    "Remove handle": lambda session: session.remove_handle(1),
+    "Rename": lambda session: session.rename_handle(1, "Neck"),
+    "Add region": Driven.add_region,
+    "Remove region": lambda session: session.remove_region(0),
+    "Paint region": lambda session: region_stroke(session, layers(session, 1, 3), 1),
+    "Change region": lambda session: session.set_region_area(0, 105.0),
+    "Change area": lambda session: session.set_area(110.0),
+    "Change volume": lambda session: session.set_volume(100.0),
+    "Change stiffness": lambda session: session.set_stiffness(0.01),
+    "Reset handle": Driven.reset_handle,
+}
+ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
+    "the region's name": ("Rename", lambda session: session.rename_region(0, "Waist")),
+    "holding": ("Change area", lambda session: session.hold_area(True)),
+    "the material": ("Change stiffness", lambda session: session.set_material(shear_stiffness=0.5)),
+}
+
+
+@pytest.mark.parametrize("name", [*VERBS, *ALIASES])
+def test_every_verb_is_one_entry_and_undone_exactly(parted, name):
+    gesture, verb = ALIASES.get(name) or (name, VERBS[name])
+    parted.drag(BENT)
+    parted.settle()
+    before, entries = parted.state, len(parted.history.past)
+    verb(parted)
+    parted.settle()
+    after = parted.state
+    assert parted.history.next_undo == gesture
+    assert len(parted.history.past) == entries + 1
+    parted.undo()
+    assert parted.state is before
+    parted.redo()
+    assert parted.state is after
+    parted.listen(0.02)
+    assert parted.state is after
+    assert parted.failed == []
+
+
+SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
+    "area": (Driven.set_area, [101.0, 104.0, 108.0]),
+    "volume": (Driven.set_volume, [100.0, 102.0, 104.0]),
+    "region": (lambda session, x: session.set_region_area(0, x), [99.0, 98.0, 97.0]),
+    "stiffness": (Driven.set_stiffness, [0.01, 0.02, 0.03]),
+    "material": (lambda session, x: session.set_material(x, x), [1.0, 2.0, 3.0]),
+}
+
+
+@pytest.mark.parametrize("what", SETTERS)
+def test_a_sweep_is_one_entry_and_single_settings_are_one_each(parted, what):
+    setter, values = SETTERS[what]
+    before, entries = parted.state, len(parted.history.past)
+    parted.begin_gesture()
+    for value in values:
+        setter(parted, value)
+        parted.listen(0.005)
+    parted.end_gesture("Sweep")
+    assert len(parted.history.past) == entries + 1
+    parted.settle()
+    parted.undo()
+    assert parted.state is before
+    for value in values:
+        setter(parted, value)
+        setter(parted, value)
+    assert len(parted.history.past) == entries + len(values)
+
+
+def test_a_cancelled_sweep_leaves_no_trace(parted):
+    before, undo = parted.state, parted.history.next_undo
+    parted.begin_gesture()
+    parted.set_area(120.0)
+    parted.set_volume(110.0)
+    parted.until(lambda: parted.state.frame.iteration)
+    parted.cancel_gesture()
+    assert parted.state is before
+    assert parted.history.next_undo == undo
+    parted.listen(0.03)
+    assert parted.state is before
+
+
+def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
+    before = parted.state
+    parted.begin_gesture()
+    parted.paint_region(layers(parted, 0, 6), 0)
+    parted.set_stiffness(0.01)
+    parted.end_stroke("Paint region")
+    assert parted.state.document.member is before.document.member
+    parted.undo()
+    assert parted.state is before
+
+
+def test_a_setting_that_is_the_same_does_nothing(parted):
+    state, changes = parted.state, len(parted.changes)
+    document = state.document
+    parted.set_area(100)
+    parted.hold_area(False)
+    parted.set_volume(None)
+    parted.set_method(document.method)
+    parted.set_tolerance(document.tolerance)
+    parted.set_stiffness(0)
+    parted.set_material()
+    parted.set_material(document.area_stiffness, document.shear_stiffness)
+    parted.set_region_area(0, None)
+    parted.rename_handle(0, " ")
+    parted.rename_region(0, "Region 1")
+    assert parted.state is state
+    assert len(parted.changes) == changes
+
+
+# Handles
+
+
+def test_two_handles_go_each_to_its_own_pose(parted):
+    poses = pose(0.3, (0.5, 0.0, 0.0)), pose(-0.2, (0.0, 0.4, 0.3))
+    parted.begin_gesture()
+    for which, there in enumerate(poses):
+        parted.move_handle(there, which)
+    parted.end_gesture("Move handle")
+    parted.settle()
+    document = parted.state.document
+    for which, there in enumerate(poses):
+        mine = document.labels == HANDLE + which
+        expected = document.mesh.V[mine] @ there[:3, :3].T + there[:3, 3]
+        assert np.allclose(parted.U[mine], expected, rtol=0, atol=1e-12)
+    assert parted.state.frame.handle_drift < 1e-12
+    base = document.labels == BASE
+    assert np.array_equal(parted.U[base], document.mesh.V[base])
+
+
+def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
+    parted.begin_gesture()
+    parted.move_handle(BENT, 0)
+    parted.move_handle(pose(0.5, (0.3, 0.2, 0.4)), 1)
+    parted.end_gesture("Move handle")
+    parted.settle()
+    U, labels = parted.U, parted.state.document.labels
+    parted.remove_handle(0)
+    assert parted.U is U
+    document = parted.state.document
+    assert not document.posed
+    assert [handle.name for handle in document.handles] == ["Handle 2"]
+    assert (document.labels[labels == HANDLE] == FREE).all()
+    assert parted.activity is Activity.IDLE
+    parted.drag(pose(0.0, (0.0, 0.0, 0.1)))
+    parted.settle()
+    other = labels == HANDLE + 1
+    assert np.allclose(parted.U[other], U[other] + [0.0, 0.0, 0.1], rtol=0, atol=1e-12)
+
+
+def test_the_last_handle_can_be_removed_and_painted_again(session):
+    session.remove_handle(0)
+    assert [handle.name for handle in session.state.document.handles] == ["Handle 1"]
+    session.drag(BENT)
+    assert session.activity is Activity.IDLE
+    session.stroke(ends(session.state.document.mesh.V)[1], HANDLE)
+    session.drag(BENT)
+    session.settle()
+    assert session.activity is Activity.SETTLED
+
+
+@pytest.mark.parametrize(
+    ("add", "most", "remove"),
+    [
+        (Driven.add_handle, MOST_HANDLES - 1, Driven.remove_handle),
+        (Driven.add_region, MOST_REGIONS, Driven.remove_region),
+    ],
+)
+def test_there_are_only_so_many(session, add, most, remove):
+    numbers = [add(session) for _ in range(most)]
+    assert numbers == list(range(numbers[0], numbers[0] + most))
+    state = session.state
+    assert add(session) == numbers[-1]
+    assert session.state is state
+    assert len(session.failed) == 1
+    remove(session, 3)
+    assert add(session) == numbers[-1]
+    names = [each.name for each in (*session.state.document.handles, *session.state.document.regions)]
+    assert len(set(names)) == len(names)
+
+
+def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
+    ready(parted)
+    factored.count = 0
+    parted.drag(BENT)
+    parted.until(lambda: parted.state.frame.iteration >= 2)
+    iteration = parted.state.frame.iteration
+    parted.rename_handle(1, "Neck")
+    parted.rename_handle(0, "Neck")
+    parted.rename_region(0, "Waist")
+    parted.until(lambda: parted.state.frame.iteration > iteration)
+    parted.settle()
+    document = parted.state.document
+    assert [handle.name for handle in document.handles] == ["Neck 2", "Neck"]
+    assert [region.name for region in document.regions] == ["Waist"]
+    assert document.posed
+    assert parted.activity is Activity.SETTLED
+    assert parted.state.frame.converged
+    assert factored.count == 0
+
+
+# Regions
+
+
+def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
+    parted.drag(BENT)
+    parted.settle()
+    there = parted.handle_at
+    for percent in (100.0, 90.0, 107.0):
+        parted.set_region_area(0, percent)
+        assert parted.activity is Activity.REFINING
+        parted.settle()
+        assert parted.activity is Activity.SETTLED
+        assert abs(region_shares(parted)[0] - percent / 100.0) < 1e-9
+        assert abs(parted.state.frame.area_error) < 1e-9
+        assert np.allclose(parted.handle_at, there, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("target", [None, 100.0])
+def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, target):
+    parted.set_region_area(0, target)
+    parted.drag(BENT)
+    parted.settle()
+    factored.count = 0
+    before, document = parted.U, parted.state.document
+    parted.begin_gesture()
+    for top in (4.0, 4.5, 5.0):
+        parted.paint_region(layers(parted, 2, top), 1)
+        assert len(parted.state.frame.regions) == 1
+        parted.listen(0.005)
+    parted.end_stroke("Paint region")
+    parted.settle()
+    now = parted.state.document
+    assert (now.labels, now.grip) == (document.labels, document.grip)
+    assert all(a.pose is b.pose for a, b in zip(now.handles, document.handles, strict=True))
+    assert factored.count == 0
+    if target is None:
+        assert parted.U is before
+        assert parted.activity is Activity.SETTLED
+    else:
+        assert abs(region_shares(parted)[0] - 1.0) < 1e-9
+        assert np.abs(parted.U - before).max() > 1e-6, "the shape follows"
+    held = now.constraints()
+    assert np.allclose(parted.U[held.fixed], held.targets, rtol=0, atol=1e-12)
+
+
+def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
+    session.add_region()
+    assert session.state.frame.regions == (0.0,)
+    region_stroke(session, layers(session, 0, 2), 1)
+    assert session.state.frame.regions == pytest.approx((2 * 2 + 4 * 2 * 2,))
+    session.add_region()
+    region_stroke(session, layers(session, 0, 1), 2)
+    # Of the strip between the two no triangle has all its corners in one of them.
+    assert session.state.frame.regions == pytest.approx((0.0, 2 * 2 + 4 * 2 * 1))
+    region_stroke(session, layers(session, 0, 6), 0)
+    assert session.state.frame.regions == (0.0, 0.0)
+    session.remove_region(0)
+    assert session.state.frame.regions == (0.0,)
+    assert session.activity is Activity.IDLE
+    assert session.U is session.state.document.mesh.V
+
+
+def test_every_frame_tells_the_regions_of_its_document(parted, slow):
+    parted.begin_gesture()
+    parted.move_handle(BENT)
+    parted.until(lambda: parted.state.frame.iteration)
+    parted.end_gesture("Move handle")
+    parted.add_region()
+    parted.listen(0.03)
+    region_stroke(parted, layers(parted, 0, 1), 2)
+    parted.listen(0.03)
+    parted.remove_region(0)
+    parted.settle()
+    for _, state in parted.changes:
+        expected = state.document.region_areas(state.frame.U)
+        assert np.allclose(state.frame.regions, expected, rtol=1e-12)
+        assert len(state.frame.regions) == len(state.document.regions)
+
+
+def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
+    session.add_region()
+    session.set_region_area(0, 120.0)
+    assert session.activity is Activity.IDLE
+    region_stroke(session, layers(session, 0, 0)[:1], 1)
+    assert session.activity is Activity.IDLE
+    region_stroke(session, layers(session, 2, 4), 1)
+    assert session.activity is Activity.REFINING
+    session.settle()
+    assert abs(region_shares(session)[0] - 1.2) < 1e-9
+    region_stroke(session, layers(session, 0, 6), 0)
+    session.settle()
+    assert session.failed == []
+    assert np.allclose(session.U, session.state.document.mesh.V, rtol=0, atol=1e-3), "nothing is asked for"
+
+
+def test_a_removed_region_asks_for_nothing(parted):
+    parted.set_region_area(0, 120.0)
+    parted.settle()
+    assert np.abs(parted.U - parted.state.document.mesh.V).max() > 1e-2
+    parted.remove_region(0)
+    parted.settle()
+    assert np.allclose(parted.U, parted.state.document.mesh.V, rtol=0, atol=1e-3)
+
+
+# Area and volume
+
+
+@pytest.mark.parametrize("method", ["exact", "paper"])
+def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
+    session.set_method(method)
+    ready(session)
+    session.reset_handle()
+    factored.count = 0
+    assert not session.moved
+    session.set_area(120.0)
+    assert session.activity is Activity.REFINING
+    assert session.moved
+    session.settle()
+    assert session.activity is Activity.SETTLED
+    within = 1.2 * session.state.document.tolerance if method == "paper" else 1e-9
+    assert abs(session.state.frame.area_error - 0.2) < within
+    assert not session.state.document.posed
+    session.reset_handle()
+    assert session.U is session.state.document.mesh.V
+    assert session.state.document.area == 100.0
+    assert not session.moved
+    session.listen(0.02)
+    assert session.activity is Activity.IDLE
+    assert session.U is session.state.document.mesh.V
+    assert factored.count == 0
+
+
+def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
+    parted.add_region()
+    parted.set_region_area(0, 110.0)
+    parted.set_area(105.0)
+    parted.drag(BENT)
+    parted.settle()
+    parted.reset_handle()
+    assert parted.state.document.targets == (100.0, None, 100.0, None)
+    assert parted.state.frame.regions == parted.state.document.region_areas(parted.U)
+    parted.set_volume(110.0)
+    parted.reset_handle()
+    assert parted.state.document.volume == 100.0
+    assert not parted.moved
+    undo = parted.history.next_undo
+    parted.reset_handle()
+    assert (parted.history.next_undo, len(parted.history.past)) == (undo, len(parted.history.past))
+
+
+def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
+    ready(parted)
+    parted.reset_handle()
+    for verb in (
+        lambda: parted.set_volume(100.0),
+        lambda: parted.set_region_area(0, 100.0),
+        lambda: parted.set_stiffness(0.05),
+        lambda: parted.set_method("local"),
+        lambda: parted.set_material(5.0, 1.0),
+        lambda: parted.hold_area(True),
+        lambda: parted.set_method("paper"),
+        lambda: parted.set_tolerance(0.01),
+        lambda: parted.set_method("arap"),
+        lambda: parted.set_area(130.0),  # which this method is not asked for
+        parted.add_handle,
+        lambda: parted.remove_handle(2),
+        lambda: region_stroke(parted, layers(parted, 1, 5), 1),
+    ):
+        verb()
+        assert parted.activity is Activity.IDLE
+        assert parted.U is parted.state.document.mesh.V
+    assert parted.moved, "the area is asked for as soon as another method can have it"
+    parted.set_method("exact")
+    parted.settle()
+    assert parted.state.frame.area_error == pytest.approx(0.3)
+    assert abs(volume_share(parted) - 1.0) < 1e-9
+    assert abs(region_shares(parted)[0] - 1.0) < 1e-9
+
+
+def test_the_volume_is_kept_while_it_is_asked_for(session):
+    session.drag(BENT)
+    session.settle()
+    free = volume_share(session)
+    assert abs(free - 1.0) > 1e-3
+    session.set_volume(100.0)
+    session.settle()
+    assert abs(volume_share(session) - 1.0) < 1e-9
+    assert abs(session.state.frame.area_error) < 1e-9
+    session.drag(pose(-0.4, (0.3, 0.0, 0.0)))
+    session.settle()
+    assert abs(volume_share(session) - 1.0) < 1e-9
+    session.drag(BENT)
+    session.set_volume(None)
+    session.settle()
+    assert volume_share(session) == pytest.approx(free, abs=1e-3)
+
+
+def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
+    session.set_method("arap")
+    session.set_volume(130.0)
+    session.settle()
+    assert abs(volume_share(session) - 1.3) < 1e-9
+    session.set_volume(None)
+    session.settle()
+    assert np.allclose(session.U, session.state.document.mesh.V, rtol=0, atol=1e-2)
+
+
+def test_an_open_mesh_has_no_volume_to_keep(empty):
+    empty.show_now(Mesh(*grid(3, 3)))
+    state = empty.state
+    empty.set_volume(100.0)
+    assert empty.state is state
+    assert "no volume" in empty.failed[0]
+    assert "open" in empty.failed[0]
+    empty.set_volume(None)
+    assert len(empty.failed) == 1
+
+
+@pytest.mark.parametrize("verb", ["area", "region"])
+def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
+    parted.drag(BENT)
+    parted.settle()
+    before = parted.state
+    if verb == "area":
+        parted.set_area(20.0)
+    else:
+        parted.stroke(layers(parted, 2, 4), BASE)
+        parted.set_region_area(0, 150.0)
+    parted.settle()
+    assert parted.activity is Activity.UNREACHED
+    frame = parted.state.frame
+    assert frame.settled
+    assert not frame.converged
+    assert ("the area" if verb == "area" else "Region 1") in frame.unreached
+    assert frame.unreached.endswith(".")
+    assert np.isfinite(parted.U).all()
+    assert parted.failed == []
+    unreached = parted.state
+    parted.undo()
+    parted.redo()
+    parted.listen(0.03)
+    assert parted.state is unreached, "it is not tried again"
+    while parted.state is not before:
+        parted.undo()
+    parted.set_area(101.0)
+    parted.settle()
+    assert parted.activity is Activity.SETTLED
+    assert parted.state.frame.unreached is None
+
+
+def test_another_method_deforms_the_pose_that_is_held(session):
+    session.drag(pose(0.9, (1.0, 0.0, 0.5)))
+    shapes = {}
+    for method in ("exact", "arap", "local", "paper", "exact"):
+        session.set_method(method)
+        session.settle()
+        assert session.activity is Activity.SETTLED
+        shapes[method] = session.U
+        if method == "exact":
+            assert abs(session.state.frame.area_error) < 1e-9
+    pairs = [(a, b) for a in shapes for b in shapes if a < b]
+    assert all(np.abs(shapes[a] - shapes[b]).max() > 1e-3 for a, b in pairs)
+    assert session.state.document.posed
+
+
+def test_the_local_method_holds_the_total_area_on_demand(session):
+    session.set_method("local")
+    session.drag(BENT)
+    session.settle()
+    assert abs(session.state.frame.area_error) > 1e-9
+    session.hold_area(True)
+    session.settle()
+    assert abs(session.state.frame.area_error) < 1e-9
+
+
+# Factorizations
+
+
+def test_targets_do_not_factor_and_every_stiffness_does(parted, factored):
+    parted.drag(BENT)
+    parted.settle()
+    factored.count = 0
+    for percent in (101.0, 103.0):
+        parted.set_area(percent)
+        parted.set_volume(percent)
+        parted.set_region_area(0, percent)
+        parted.settle()
+    parted.set_volume(None)
+    parted.set_tolerance(0.1)
+    parted.settle()
+    assert factored.count == 0
+    parted.set_stiffness(0.02)
+    parted.settle()
+    assert factored.count == 1
+    parted.set_material(area_stiffness=10.0)
+    parted.settle()
+    assert factored.count == 2
+    parted.set_material(shear_stiffness=0.3)
+    parted.settle()
+    assert factored.count == 3
+
+
+def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
+    ready(session)
+    kept, aimed = [], []
+    keep, aim = Deformation.keep, Deformation.aim
+    monkeypatch.setattr(Deformation, "keep", lambda self, *args: (kept.append(args), keep(self, *args))[1])
+    monkeypatch.setattr(Deformation, "aim", lambda self, *args: (aimed.append(args), aim(self, *args))[1])
+    session.drag(*(pose(k / 60) for k in range(20)))
+    session.settle()
+    assert kept == []
+    assert aimed
+    aimed.clear()
+    session.set_area(103.0)
+    session.settle()
+    assert len(kept) == 1
+    assert aimed == []
+
+
+# Painting and targets
+
+
+def test_what_is_asked_before_anything_is_painted_is_answered_afterwards(empty):
+    empty.show_now(bar())
+    empty.set_area(110.0)
+    assert empty.activity is Activity.IDLE
+    base, handle = ends(empty.state.document.mesh.V)
+    empty.stroke(base, BASE)
+    assert empty.activity is Activity.IDLE
+    empty.stroke(handle, HANDLE)
+    assert empty.activity is Activity.REFINING
+    empty.settle()
+    assert empty.state.frame.area_error == pytest.approx(0.1, abs=1e-9)
+
+
+def test_painting_on_an_inflated_shape_moves_nothing(session):
+    session.set_area(115.0)
+    session.settle()
+    U = session.U
+    session.stroke(layers(session, 1, 1), BASE)
+    session.listen(0.03)
+    assert session.U is U
+    assert session.activity is Activity.IDLE
+
+
+# Another mesh
+
+
+def test_another_mesh_keeps_the_settings_and_drops_the_parts(parted):
+    parted.set_method("local")
+    parted.set_tolerance(0.01)
+    parted.set_stiffness(0.02)
+    parted.set_material(10.0, 0.5)
+    parted.set_area(110.0)
+    parted.set_volume(100.0)
+    parted.show_now(bar())
+    document = parted.state.document
+    assert (document.method, document.tolerance, document.stiffness) == ("local", 0.01, 0.02)
+    assert (document.area_stiffness, document.shear_stiffness) == (10.0, 0.5)
+    assert document.targets == (100.0, None)
+    assert [handle.name for handle in document.handles] == ["Handle 1"]
+    assert not document.member.any()
+    assert parted.activity is Activity.IDLE

@@ -1,0 +1,154 @@
+"""What follows from what was said, without a worker."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from meshes import box, ends, soup
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.document import Document, Handle, NamedRegion, opened
+from apd_viewer.session.names import new_name, next_name
+
+
+def document(mesh: Mesh | None = None) -> Document:
+    """A bar with base, two handles and two regions."""
+    said = opened(mesh or Mesh(*box(2, 2, 6))).document
+    base, top = ends(said.mesh.V)
+    left = top[said.mesh.V[top, 0] == 0.0]
+    said = said.painted(base, BASE).painted(top, HANDLE + 1).painted(left, HANDLE)
+    z = said.mesh.V[:, 2]
+    said = said.painted_region(np.flatnonzero(z < 3), 1).painted_region(np.flatnonzero(z >= 3), 2)
+    return dataclasses.replace(
+        said,
+        handles=(Handle("left"), Handle("right")),
+        regions=(NamedRegion("low", 90.0), NamedRegion("high", 110.0)),
+        volume=100.0,
+    )
+
+
+def percentages(said: Document) -> tuple:
+    asked = said.asked
+    return asked.area, asked.volume, tuple(region.area for region in asked.regions)
+
+
+@pytest.mark.parametrize(
+    ("method", "expected"),
+    [
+        ("exact", (105.0, 100.0, (90.0, 110.0))),
+        ("local", (None, 100.0, (90.0, 110.0))),
+        ("arap", (None, 100.0, (90.0, 110.0))),
+        ("paper", (105.0, None, (None, None))),
+    ],
+)
+def test_each_method_is_asked_for_what_it_can_keep(method, expected):
+    assert percentages(dataclasses.replace(document(), method=method, area=105.0)) == expected
+
+
+def test_the_local_method_is_asked_for_the_total_area_where_it_is_held():
+    local = dataclasses.replace(document(), method="local", hold_area=True)
+    assert percentages(local)[0] == 100.0
+
+
+def test_a_region_is_asked_for_nothing_until_it_covers_a_triangle():
+    said = document()
+    for ids, expected in (([], None), ([0], None), (said.mesh.F[0], 90.0)):
+        some = dataclasses.replace(said, member=frozen(np.zeros_like(said.member)))
+        asked = some.painted_region(np.array(ids, dtype=int), 1).asked
+        assert [region.name for region in asked.regions] == ["low", "high"]
+        assert [region.area for region in asked.regions] == [expected, None]
+
+
+def test_regions_are_measured_by_the_triangles_that_lie_in_them():
+    said = document()
+    low, high = said.region_areas(said.mesh.V)
+    assert low == pytest.approx(2 * 2 + 4 * 2 * 2)
+    assert high == pytest.approx(2 * 2 + 4 * 2 * 3)
+    assert said.region_areas(2.0 * said.mesh.V) == pytest.approx((4 * low, 4 * high))
+
+
+def test_seams_are_painted_across():
+    """A soup repeats every vertex: the regions of both are the same surface."""
+    whole, torn = document(), document(Mesh(*soup(*box(2, 2, 6))))
+    assert torn.region_areas(torn.mesh.V) == pytest.approx(whole.region_areas(whole.mesh.V))
+    for region in torn.asked.regions:
+        places = {tuple(x) for x in torn.mesh.V[region.vertices]}
+        assert len(region.vertices) == sum(tuple(x) in places for x in torn.mesh.V)
+
+
+def test_a_vertex_is_in_one_region_and_its_label_is_another_matter():
+    said = document()
+    ids = np.flatnonzero(said.mesh.V[:, 2] == 6.0)
+    again = said.painted_region(ids, 1)
+    assert again.labels is said.labels
+    assert (again.member[ids] == 1).all()
+    assert np.array_equal(np.delete(again.member, ids), np.delete(said.member, ids))
+    assert said.painted(ids, BASE).member is said.member
+
+
+def test_paint_that_is_there_already_leaves_the_very_document():
+    said = document()
+    assert said.painted(np.flatnonzero(said.labels == HANDLE), HANDLE) is said
+    assert said.painted_region(np.flatnonzero(said.member == 2), 2) is said
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_without_a_handle_what_it_held_is_free_and_the_others_count_down(k):
+    said = document()
+    less = said.without_handle(k)
+    assert [handle.name for handle in less.handles] == ["right", "left"][k : k + 1]
+    assert (less.labels[said.labels == HANDLE + k] == FREE).all()
+    assert (less.labels[said.labels == HANDLE + 1 - k] == HANDLE).all()
+    assert np.array_equal(less.labels == BASE, said.labels == BASE)
+    assert less.member is said.member
+
+
+def test_the_last_handle_leaves_an_empty_one():
+    none = document().without_handle(0).without_handle(0)
+    assert [handle.name for handle in none.handles] == ["Handle 1"]
+    assert "no handle" in none.problem
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
+    said = document()
+    less = said.without_region(k)
+    assert [region.name for region in less.regions] == ["high", "low"][k : k + 1]
+    assert np.array_equal(less.member == 0, said.member == k + 1)
+    assert less.region_areas(said.mesh.V) == said.region_areas(said.mesh.V)[1 - k : 2 - k]
+    assert less.labels is said.labels
+
+
+def test_what_comes_out_is_read_only():
+    said = document()
+    for each in (said, said.without_handle(0), said.without_region(0), said.moved(1, 2 * np.eye(4))):
+        arrays = (each.labels, each.member, each.grip, *(handle.pose for handle in each.handles))
+        assert not any(array.flags.writeable for array in arrays)
+        assert each.labels.dtype == each.member.dtype == np.uint8
+
+
+def test_at_rest_keeps_the_paint_and_what_is_free():
+    said = dataclasses.replace(document(), area=120.0, volume=None).moved(1, 2 * np.eye(4))
+    rest = said.at_rest()
+    assert not rest.posed
+    assert rest.targets == (100.0, None, 100.0, 100.0)
+    assert (rest.labels, rest.member, rest.grip) == (said.labels, said.member, said.mesh.V)
+
+
+def test_labels_of_several_handles_bring_the_handles():
+    labels = document().labels
+    assert [handle.name for handle in opened(document().mesh, labels).document.handles] == [
+        "Handle 1",
+        "Handle 2",
+    ]
+
+
+def test_names_are_counted_on_and_told_apart():
+    assert next_name("Handle", []) == "Handle 1"
+    assert next_name("Handle", ["Handle 1", "Neck", "Handle 3"]) == "Handle 2"
+    assert new_name(" Neck ", "Handle 1", ["Handle 1", "Handle 2"]) == "Neck"
+    assert new_name("  ", "Handle 1", ["Handle 1"]) == "Handle 1"
+    assert new_name("Handle 1", "Handle 1", ["Handle 1"]) == "Handle 1"
+    assert new_name("Neck", "Handle 1", ["Handle 1", "Neck"]) == "Neck 2"
+    assert new_name("Neck", "Neck 2", ["Neck", "Neck 2"]) == "Neck 2"
