@@ -7,7 +7,8 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from apd_viewer.session.document import State
-from apd_viewer.ui.fields import PERCENT, Check, Dial, percent_field
+from apd_viewer.ui.dial import PERCENT, Dial
+from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, short, signed
 from apd_viewer.ui.section import quiet
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -65,6 +66,7 @@ class AreaSection(QWidget):
         self.unreached.hide()
         column.addSpacing(4)
         column.addWidget(self.unreached)
+        column.addSpacing(4)
         tip = "The largest change of the area of a triangle, up or down, relative to its area at rest"
         self.local_change = QLabel("–", accessibleName="Largest local change of the area", toolTip=tip)
         grid = QGridLayout()
@@ -127,14 +129,16 @@ class AreaSection(QWidget):
         self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
         self.verdict.setText(verdict(state))
         self.area.setText(f"{figures(frame.area)} of {figures(state.inspection.area)}")
-        self.local_change.setText(f"{100 * frame.local_change:.3g} %" if frame.local_change > _MET else "0 %")
-        self._dot.set_color(self._theme.warm if missed or frame.unreached else self._theme.good)
+        self.local_change.setText(
+            f"{short(100 * frame.local_change)} %" if frame.local_change > _MET else "0 %"
+        )
+        self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip("Something asked for is not met" if missed else "All that is asked for is met")
-        if frame.unreached is not None:
+        if frame.unreached is not None and frame.settled:
             self.unreached.setText(frame.unreached)
             self.unreached.show()
         elif frame.settled or not missed or asked_anew:
-            # It stays while the solver tries, or it would flicker with every step of a drag.
+            # It stays while the solver tries, or it would flicker with every step of a drag of the handle.
             self.unreached.hide()
 
     def set_theme(self, theme: Theme) -> None:
@@ -156,5 +160,5 @@ def verdict(state: State) -> str:
         of = "" if asked == 100.0 else f" of {short(asked)} %"
         return f"{change} %, {within} {short(100 * document.tolerance)} %{of}"
     if miss > _MET * wanted:
-        return f"{change} %, asked for {signed(asked - 100.0, 3)} %"
+        return f"{change} %, asked for {signed(asked - 100.0, 3).rstrip('0').rstrip('.')} %"
     return f"{change} %, exact" if asked == 100.0 else f"{change} %, exactly as asked"

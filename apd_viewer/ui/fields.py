@@ -1,33 +1,27 @@
-"""Controls for one value: a choice, a number, a slider, and slider and number together."""
+"""Controls for one value: a choice, a check box, a number."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import (
+    QFocusEvent,
+    QKeyEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDoubleSpinBox,
-    QHBoxLayout,
-    QLabel,
-    QSizePolicy,
-    QSlider,
-    QStyle,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
 from apd_viewer.ui.figures import short
-from apd_viewer.ui.icons import icon
-from apd_viewer.ui.theme import Theme
-
-_KNOB = 14
-_MAGNET = 3  # pixels around the neutral value within which the knob falls into it
 
 
 class Choice(QComboBox):
@@ -42,14 +36,11 @@ class Choice(QComboBox):
         event.ignore()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw a field with a chevron: the platform's own is lost on a dark panel."""
-        palette, room = self.palette(), QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
-        ink = palette.windowText().color()
+        """Draw the choice and a chevron."""
+        room, ink = QRectF(self.rect()), self.palette().windowText().color()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(palette.highlight().color() if self.hasFocus() else palette.mid().color())
-        painter.setBrush(palette.base())
-        painter.drawRoundedRect(room, 6, 6)
+        _draw_field(painter, self)
         painter.setPen(ink)
         painter.drawText(room.adjusted(8, 0, -28, 0), Qt.AlignmentFlag.AlignVCenter, self.currentText())
         painter.setPen(QPen(ink, 1.5, c=Qt.PenCapStyle.RoundCap, j=Qt.PenJoinStyle.RoundJoin))
@@ -67,7 +58,6 @@ class Check(QCheckBox):
         box = QRectF(0.75, self.height() / 2 - 7.25, 14.5, 14.5)
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setOpacity(1.0 if self.isEnabled() else 0.5)
         painter.setPen(QPen(accent if on or self.hasFocus() else line, 1.5))
         painter.setBrush(accent if on else palette.base())
         painter.drawRoundedRect(box, 4, 4)
@@ -109,7 +99,8 @@ class Number(QDoubleSpinBox):
         self._brief = brief
         super().__init__(keyboardTracking=False, alignment=Qt.AlignmentFlag.AlignRight, **properties)
         self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
-        self.setFixedWidth(84)
+        self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
+        self.lineEdit().setTextMargins(4, 0, 4, 0)
         self.lineEdit().returnPressed.connect(self.clearFocus)
 
     def show_value(self, value: float) -> None:
@@ -118,6 +109,12 @@ class Number(QDoubleSpinBox):
             self.blockSignals(True)
             self.setValue(value)
             self.blockSignals(False)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the field; its letters are those of the line edit within."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
         """The number as it is shown."""
@@ -145,250 +142,6 @@ class Number(QDoubleSpinBox):
             event.ignore()
 
 
-class Scale(NamedTuple):
-    """How the steps of a slider stand for values.
-
-    Attributes
-    ----------
-    steps : int
-    value_at : callable
-        From a step to its value.
-    step_of : callable
-        From a value to its step, not rounded.
-    neutral : int
-        The step that the knob falls into, and from which the bar is drawn.
-    """
-
-    steps: int
-    value_at: Callable[[int], float]
-    step_of: Callable[[float], float]
-    neutral: int
-
-
-# Half a percent a step around 100 %; and three decades above nothing at all.
-PERCENT = Scale(200, lambda step: 50.0 + step / 2.0, lambda percent: 2.0 * (percent - 50.0), 100)
-DECADES = Scale(
-    91,
-    lambda step: float(f"{1e-4 * 10.0 ** ((step - 1) / 30.0):.2g}") if step else 0.0,
-    lambda value: 1.0 + 30.0 * math.log10(value / 1e-4) if value > 0.0 else 0.0,
-    0,
-)
-
-
-class Slider(QSlider):
-    """A slider whose knob goes to the cursor, and whose neutral value is marked.
-
-    Attributes
-    ----------
-    neutral_asked : Signal()
-        A double click.
-    given_up : Signal()
-        Esc while the knob was held.
-    """
-
-    neutral_asked = Signal()
-    given_up = Signal()
-
-    def __init__(self, scale: Scale, **properties: Any) -> None:
-        super().__init__(Qt.Orientation.Horizontal, **properties)
-        self._neutral = scale.neutral
-        self._grip = 0.0
-        self.setRange(0, scale.steps)
-        self.setPageStep(10)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-
-    def sizeHint(self) -> QSize:
-        """As high as its knob with the ring of the focus."""
-        return QSize(120, _KNOB + 6)
-
-    def minimumSizeHint(self) -> QSize:
-        """The same."""
-        return self.sizeHint()
-
-    def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the groove, the bar from the neutral value, its mark and the knob."""
-        palette, on = self.palette(), self.isEnabled()
-        line, ink = palette.mid().color(), palette.placeholderText().color()
-        accent = palette.highlight().color() if on else line
-        middle, knob, neutral = self.height() / 2, self._x_of(self.value()), self._x_of(self._neutral)
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(line)
-        painter.drawRoundedRect(QRectF(_KNOB / 2, middle - 1.5, self.width() - _KNOB, 3), 1.5, 1.5)
-        painter.fillRect(QRectF(neutral - 0.75, middle - 5, 1.5, 10), ink if on else line)
-        painter.setBrush(accent)
-        painter.drawRoundedRect(
-            QRectF(min(knob, neutral), middle - 1.5, abs(knob - neutral), 3).normalized(), 1.5, 1.5
-        )
-        painter.setPen(QPen(accent, 2 if self.hasFocus() else 1.5))
-        painter.setBrush(accent if self.isSliderDown() else palette.base())
-        painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 - 1, _KNOB / 2 - 1)
-        if self.hasFocus():
-            painter.setOpacity(0.35)
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.5, _KNOB / 2 + 1.5)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the knob, which comes to the cursor unless the cursor is on it."""
-        if event.button() != Qt.MouseButton.LeftButton:
-            return
-        x, knob = event.position().x(), self._x_of(self.value())
-        self._grip = x - knob if abs(x - knob) <= _KNOB / 2 else 0.0
-        self.setSliderDown(True)
-        if not self._grip:
-            self.setValue(self._step_at(x))
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Follow the cursor with the knob."""
-        if self.isSliderDown():
-            self.setValue(self._step_at(event.position().x() - self._grip))
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let the knob go."""
-        if event.button() == Qt.MouseButton.LeftButton and self.isSliderDown():
-            self.setSliderDown(False)
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Ask for the neutral value."""
-        if event.button() == Qt.MouseButton.LeftButton:
-            self.neutral_asked.emit()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc gives the sweep up."""
-        if event.key() == Qt.Key.Key_Escape and self.give_up():
-            return
-        super().keyPressEvent(event)
-
-    def give_up(self) -> bool:
-        """Let the knob go and say that the sweep does not count; True if there was one."""
-        if not self.isSliderDown():
-            return False
-        self.blockSignals(True)
-        self.setSliderDown(False)
-        self.blockSignals(False)
-        self.given_up.emit()
-        return True
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to the panel."""
-        event.ignore()
-
-    def _x_of(self, step: int) -> float:
-        return _KNOB / 2 + (self.width() - _KNOB) * step / self.maximum()
-
-    def _step_at(self, x: float) -> int:
-        if abs(x - self._x_of(self._neutral)) <= _MAGNET:
-            return self._neutral
-        return QStyle.sliderValueFromPosition(
-            0, self.maximum(), round(x - _KNOB / 2), max(1, self.width() - _KNOB)
-        )
-
-
-class Dial(QWidget):
-    """One value with a slider for the hand and a field for the keyboard.
-
-    Parameters
-    ----------
-    title : QLabel or QCheckBox
-        Before the field; a check box also says whether the value counts at all.
-    scale : Scale
-    field : Number
-    name : str
-        For those who cannot see the title.
-    ends : (str, str), optional
-        Words under both ends of the slider.
-
-    Attributes
-    ----------
-    chosen : Signal(float)
-        By the field, by a step of the keyboard, or many times within a sweep of the knob.
-    sweep_began, sweep_ended, sweep_given_up : Signal()
-    """
-
-    chosen = Signal(float)
-    sweep_began = Signal()
-    sweep_ended = Signal()
-    sweep_given_up = Signal()
-
-    def __init__(
-        self, title: QWidget, scale: Scale, field: Number, name: str, ends: tuple[str, str] | None = None
-    ) -> None:
-        super().__init__()
-        self._scale = scale
-        self.field = field
-        self.field.setAccessibleName(name)
-        self.slider = Slider(scale, accessibleName=f"{name}, slider", toolTip=field.toolTip())
-        self.back = QToolButton(objectName="small", accessibleName=f"{name}: back to where it began")
-        self.back.setToolTip(f"Back to {field.prefix()}{field.textFromValue(self._neutral)}{field.suffix()}")
-        kept = self.back.sizePolicy()
-        kept.setRetainSizeWhenHidden(True)
-        self.back.setSizePolicy(kept)
-        if isinstance(title, QLabel):
-            title.setBuddy(field)
-        row = QHBoxLayout(spacing=0)
-        row.addWidget(title)
-        row.addStretch(1)
-        row.addWidget(self.back)
-        row.addSpacing(4)
-        row.addWidget(self.field)
-        column = QVBoxLayout(self, spacing=4)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addLayout(row)
-        column.addWidget(self.slider)
-        if ends is not None:
-            column.addLayout(_between(*ends))
-        self.back.hide()
-        self._connect()
-
-    def _connect(self) -> None:
-        self.field.valueChanged.connect(self._choose)
-        self.slider.valueChanged.connect(lambda step: self._choose(self._scale.value_at(step)))
-        self.slider.sliderPressed.connect(self.sweep_began)
-        self.slider.sliderReleased.connect(self.sweep_ended)
-        self.slider.given_up.connect(self.sweep_given_up)
-        self.slider.neutral_asked.connect(self._go_back)
-        self.back.clicked.connect(self._go_back)
-
-    @property
-    def _neutral(self) -> float:
-        return self._scale.value_at(self._scale.neutral)
-
-    @property
-    def value(self) -> float:
-        """What the field shows."""
-        return self.field.value()
-
-    def show_value(self, value: float) -> None:
-        """Show a value that was chosen elsewhere, or here."""
-        self.field.show_value(value)
-        # The knob in the hand stays under the cursor, between steps or not.
-        step = min(max(round(self._scale.step_of(value)), 0), self._scale.steps)
-        if not self.slider.isSliderDown() and step != self.slider.value():
-            self.slider.blockSignals(True)
-            self.slider.setValue(step)
-            self.slider.blockSignals(False)
-        self.back.setVisible(value != self._neutral)
-
-    def set_active(self, on: bool) -> None:
-        """Let the value be chosen or not; what stands before it is left alone."""
-        for part in (self.field, self.slider, self.back):
-            part.setEnabled(on)
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icon."""
-        self.back.setIcon(icon("reset", theme))
-        self.back.setIconSize(QSize(16, 16))
-
-    def _choose(self, value: float) -> None:
-        self.show_value(value)
-        self.chosen.emit(value)
-
-    def _go_back(self) -> None:
-        if self.value != self._neutral:
-            self._choose(self._neutral)
-
-
 def percent_field(name: str, tip: str) -> Number:
     """A field for what something should be, in percent of what it is at rest."""
     return Number(
@@ -401,9 +154,9 @@ def small_button(name: str, tip: str) -> QToolButton:
     return QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
 
 
-def _between(left: str, right: str) -> QHBoxLayout:
-    row = QHBoxLayout()
-    row.addWidget(QLabel(left, objectName="quiet"))
-    row.addStretch(1)
-    row.addWidget(QLabel(right, objectName="quiet"))
-    return row
+def _draw_field(painter: QPainter, field: QWidget) -> None:
+    """Draw what lies behind a value: the platform's own is lost on a dark panel."""
+    palette = field.palette()
+    painter.setPen(palette.highlight().color() if field.hasFocus() else palette.mid().color())
+    painter.setBrush(palette.base())
+    painter.drawRoundedRect(QRectF(field.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 6, 6)

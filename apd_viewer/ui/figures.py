@@ -22,5 +22,5 @@ def signed(value: float, decimals: int) -> str:
 
 
 def short(value: float) -> str:
-    """The number without the zeros behind it: 0.1, 20, 0.00025."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    """The number without the zeros behind it: 0.1, 20, 0.00025, 1,190."""
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:,.0f}"

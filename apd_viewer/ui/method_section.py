@@ -11,7 +11,8 @@ from apd_viewer.geometry.deformation import (
     DEFAULT_TOLERANCE,
 )
 from apd_viewer.session.document import Document
-from apd_viewer.ui.fields import DECADES, Choice, Dial, Number
+from apd_viewer.ui.dial import DECADES, Dial
+from apd_viewer.ui.fields import Choice, Number
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 

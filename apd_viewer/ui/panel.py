@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVB
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.document import Document, State
 from apd_viewer.ui.area_section import AreaSection
-from apd_viewer.ui.fields import Dial
+from apd_viewer.ui.dial import Dial
 from apd_viewer.ui.method_section import MethodSection
 from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.ui.part_list import Swatch
@@ -90,7 +90,8 @@ class Panel(QScrollArea):
 
     def minimumSizeHint(self) -> QSize:
         """As wide as the widest line, so that nothing is ever cut off at the side."""
-        body, bar = self.widget(), self.verticalScrollBar().sizeHint().width()
+        body, edge = self.widget(), self.contentsMargins()
+        bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
         lines = body.minimumSizeHint().width() + bar if body else 0
         return QSize(max(_WIDTH, lines), super().minimumSizeHint().height())
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 
 from apd_viewer.session.document import State
-from apd_viewer.ui.fields import PERCENT, Check, Dial, percent_field
+from apd_viewer.ui.dial import PERCENT, Dial
+from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, signed
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme

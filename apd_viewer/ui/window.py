@@ -306,7 +306,8 @@ class Window(QMainWindow):
         state = self.session.state
         if state is None:
             return ""
-        return "out of reach" if state.frame.unreached else _WORDS[self.session.activity]
+        ended = self.session.activity is Activity.UNREACHED
+        return "out of reach" if ended and state.frame.unreached else _WORDS[self.session.activity]
 
     def _invite(self) -> None:
         state = self.session.state

@@ -6,12 +6,15 @@ import os
 import numpy as np
 import pytest
 import trimesh
-from driving import Mouse, grey, settle, show
-from PySide6.QtWidgets import QMainWindow
+from driving import Mouse, grey, idle, settle, show
+from PySide6.QtCore import QSettings
+from PySide6.QtWidgets import QMainWindow, QMessageBox
 
+from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.viewport import Viewport
+from apd_viewer.ui.window import Window
 
 
 def pytest_configure(config):
@@ -65,3 +68,29 @@ def surface(qtbot, view, ball):
     view.frame(U)
     settle(qtbot, view)
     return surface
+
+
+@pytest.fixture
+def settings(tmp_path):
+    return QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat)
+
+
+@pytest.fixture
+def window(qtbot, settings, monkeypatch):
+    """A window without a mesh, that does not ask before it is closed."""
+    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    window = Window(settings)
+    show(qtbot, window, window.canvas.viewport)
+    yield window
+    window.close()
+    window.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture
+def bottle(qtbot, window):
+    """A window on the sample bottle, painted."""
+    window.session.open_sample("bottle")
+    idle(qtbot, window)
+    qtbot.wait(50)
+    return window

@@ -5,6 +5,8 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QGuiApplication, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
+from apd_viewer.session.session import Activity
+
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT = Qt.MouseButton.LeftButton
 
@@ -36,6 +38,12 @@ class Mouse:
         for point in way[1:]:
             self.move(point, modifiers)
         self.release(way[-1], button, modifiers)
+
+    def double_click(self, at):
+        """The second press of two quick ones, and its release."""
+        self.buttons |= LEFT
+        self._send(QEvent.Type.MouseButtonDblClick, at, LEFT, NONE)
+        self.release(at)
 
     def wheel(self, at, notches, modifiers=NONE):
         at = _point(at)
@@ -78,3 +86,55 @@ def grey(n):
 
 def centre(view):
     return QPointF(view.width() / 2, view.height() / 2)
+
+
+def idle(qtbot, window, timeout=20_000):
+    """Let the event loop run until nothing is opened, written or refined any more."""
+    session = window.session
+    qtbot.waitUntil(
+        lambda: session.errand is None and session.activity is not Activity.REFINING, timeout=timeout
+    )
+
+
+def document(window):
+    return window.session.state.document
+
+
+def on_screen(window, vertex):
+    return window.canvas.viewport.project(window.session.state.frame.U[[vertex]])[0]
+
+
+def stroke(qtbot, window, middle, half_width=30):
+    """Paint a horizontal stroke around a point on the screen."""
+    mouse = Mouse(window.canvas.viewport)
+    points = [(middle[0] + dx, middle[1]) for dx in np.linspace(-half_width, half_width, 7)]
+    mouse.move(points[0])
+    mouse.drag(*points)
+    qtbot.wait(10)
+
+
+def drag(qtbot, window, start, way, steps=12, pause=20):
+    """Drag with the left button in small steps, letting the window work in between."""
+    mouse = Mouse(window.canvas.viewport)
+    start, way = np.asarray(start, float), np.asarray(way, float)
+    mouse.move(start)
+    mouse.press(start)
+    for t in np.linspace(0.0, 1.0, steps + 1)[1:]:
+        mouse.move(start + t * way)
+        qtbot.wait(pause)
+    mouse.release(start + way)
+
+
+def ring_grip(window, axis):
+    """A point of the gizmo's ring about an axis that no other part of the gizmo is nearer to."""
+    frame = window.canvas.gizmo.frame
+    points, near = frame.ring(axis)
+    taken = [frame.handle_at(*p) for p in points]
+    name = max(set(taken) - {None}, key=lambda n: sum(t == n for t in taken))
+    good = [p for p, t, n in zip(points, taken, near, strict=True) if n and t == name]
+    return good[len(good) // 2]
+
+
+def arrow_grip(window, axis):
+    frame = window.canvas.gizmo.frame
+    return frame.arrow(axis)[1]

@@ -1,0 +1,251 @@
+"""What the panel says and asks, in a real window."""
+
+import meshes
+import numpy as np
+import pytest
+from driving import Mouse, document, drag, idle, ring_grip
+from PySide6.QtCore import QPointF, Qt
+
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.session import Activity
+from apd_viewer.ui.area_section import verdict
+from apd_viewer.ui.dial import DECADES, PERCENT
+
+
+def choose(window, method):
+    """Take a method from the picker, as a hand does."""
+    picker = window.panel.method.method
+    picker.setCurrentIndex(picker.findData(method))
+    picker.activated.emit(picker.currentIndex())
+
+
+def knob(slider, step):
+    """Where the knob is at a step."""
+    return QPointF(slider._x_of(step), slider.height() / 2)
+
+
+def shown(window):
+    """The settings of the method that are shown."""
+    section = window.panel.method
+    fields = {
+        "tolerance": section.tolerance,
+        "area": section.area_stiffness,
+        "shear": section.shear_stiffness,
+        "hold": window.panel.area.hold,
+        "target": window.panel.area.target,
+        "stiffness": section.stiffness,
+    }
+    return {name for name, field in fields.items() if field.isVisibleTo(window)}
+
+
+def test_the_readings_are_those_of_the_frame(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (70, 0))
+    idle(qtbot, bottle)
+    state, panel = bottle.session.state, bottle.panel
+    assert panel.area.percent.text() == f"{100 * (1 + state.frame.area_error):.3f} %"
+    assert panel.area.verdict.text() == "0.000 %, exact"
+    assert f"{state.inspection.area:#.6g}" in panel.area.area.text()
+    assert float(panel.area.local_change.text().rstrip(" %")) == pytest.approx(
+        100 * state.frame.local_change, rel=0.01
+    )
+    change = 100 * (state.frame.volume / state.inspection.volume - 1)
+    assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
+    assert panel.handles.drift.text() == "0"
+    assert "turned 0.0°" not in panel.handles.list.rows[0].details.text()
+
+
+def test_the_paper_lets_the_handle_drift(qtbot, bottle):
+    choose(bottle, "paper")
+    drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
+    idle(qtbot, bottle)
+    state = bottle.session.state
+    assert "within 0.1 %" in bottle.panel.area.verdict.text()
+    assert float(bottle.panel.handles.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
+
+
+def test_each_method_shows_the_settings_that_matter_for_it(bottle):
+    always = {"stiffness"}
+    for method, settings in (
+        ("exact", {"target"}),
+        ("local", {"area", "shear", "hold", "target"}),
+        ("paper", {"tolerance", "target"}),
+        ("arap", set()),
+    ):
+        choose(bottle, method)
+        assert document(bottle).method == method
+        assert shown(bottle) == settings | always
+        assert bottle.panel.method.stiffness.field.isEnabled()
+
+
+def test_the_method_can_be_changed_while_a_pose_is_held(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12), steps=20)
+    idle(qtbot, bottle)
+    exact = bottle.session.state
+    assert exact.document.handles[0].pose[0, 0] < 0.999
+    choose(bottle, "arap")
+    idle(qtbot, bottle)
+    plain = bottle.session.state
+    assert plain.document.handles is exact.document.handles
+    assert abs(plain.frame.area_error) > abs(exact.frame.area_error)
+    assert np.abs(plain.frame.U - exact.frame.U).max() > 0
+    bottle.actions_.undo.trigger()
+    assert bottle.session.state.frame is exact.frame
+    choose(bottle, "paper")
+    bottle.panel.method.tolerance.setValue(0.02)
+    assert document(bottle).tolerance == pytest.approx(0.0002)
+    idle(qtbot, bottle)
+    assert abs(bottle.session.state.frame.area_error) <= 0.0002
+
+
+def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
+    field = bottle.panel.area.target.field
+    field.setFocus()
+    field.selectAll()
+    qtbot.keyClicks(field, "110")
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert document(bottle).area == 110.0
+    says = bottle.panel.area.verdict
+    qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly as asked", timeout=20_000)
+    assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
+    assert bottle.session.history.next_undo == "Change area"
+    bottle.panel.area.target.back.click()
+    assert document(bottle).area == 100.0
+
+
+def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
+    slider, before = bottle.panel.area.target.slider, document(bottle)
+    areas = set()
+    mouse = Mouse(slider)
+    mouse.press(knob(slider, 100))
+    for step in range(102, 122, 2):
+        mouse.move(knob(slider, step))
+        qtbot.wait(40)
+        areas.add(round(bottle.session.state.frame.area_error, 6))
+    mouse.release(knob(slider, 120))
+    assert document(bottle).area == pytest.approx(110.0, abs=0.6)
+    assert len(areas) > 2
+    bottle.actions_.undo.trigger()
+    assert document(bottle) is before
+    assert bottle.session.history.next_undo is None
+    assert slider.value() == 100
+
+
+def test_a_sweep_can_be_given_up(qtbot, bottle):
+    bottle.session.set_tolerance(0.002)
+    slider, before = bottle.panel.method.stiffness.slider, document(bottle)
+    mouse = Mouse(slider)
+    for give_up in (
+        lambda: qtbot.keyClick(slider, Qt.Key.Key_Escape),
+        lambda: bottle.actions_.undo.trigger(),
+    ):
+        mouse.press(knob(slider, 0))
+        mouse.move(knob(slider, 50))
+        assert document(bottle).stiffness > 0.0
+        give_up()
+        mouse.release(knob(slider, 50))
+        assert document(bottle) is before
+        assert bottle.session.history.next_undo == "Change tolerance"
+
+
+def test_a_double_click_returns_to_100_percent(bottle):
+    bottle.session.set_area(130.0)
+    slider = bottle.panel.area.target.slider
+    at = knob(slider, slider.value())
+    mouse = Mouse(slider)
+    mouse.drag(at, at)
+    mouse.double_click(at)
+    assert document(bottle).area == 100.0
+
+
+def test_the_stiffness_goes_from_nothing_over_three_decades():
+    assert DECADES.value_at(0) == 0.0
+    assert DECADES.value_at(1) == 1e-4
+    assert DECADES.value_at(DECADES.steps) == 0.1
+    for step in range(DECADES.steps + 1):
+        assert round(DECADES.step_of(DECADES.value_at(step))) == step
+
+
+def test_the_stiffness_is_typed_or_stepped(qtbot, bottle):
+    dial = bottle.panel.method.stiffness
+    dial.field.setValue(0.0123)
+    assert document(bottle).stiffness == 0.0123
+    assert dial.field.text() == "0.0123"
+    qtbot.keyClick(dial.slider, Qt.Key.Key_Right)
+    assert document(bottle).stiffness > 0.0123
+
+
+def test_what_is_out_of_reach_is_said(qtbot, bottle):
+    session, panel = bottle.session, bottle.panel
+    session.begin_gesture()
+    pose = np.eye(4)
+    pose[1, 3] = 14.0
+    session.move_handle(pose)
+    session.end_gesture("Move handle")
+    panel.area.target.field.setValue(20.0)
+    qtbot.waitUntil(lambda: session.activity is Activity.UNREACHED, timeout=60_000)
+    assert not panel.area.unreached.isHidden()
+    assert "Out of reach" in panel.area.unreached.text()
+    assert panel.area.activity.text() == "out of reach"
+    assert "asked for −80 %" in panel.area.verdict.text()
+    panel.area.target.back.click()
+    assert panel.area.unreached.isHidden()
+
+
+def test_local_keeps_the_total_too_where_that_is_asked(qtbot, bottle):
+    choose(bottle, "local")
+    area = bottle.panel.area
+    assert not area.target.field.isEnabled()
+    assert "exact" not in verdict(bottle.session.state)
+    area.hold.click()
+    assert document(bottle).hold_area
+    assert area.target.field.isEnabled()
+    bottle.panel.method.area_stiffness.setValue(30.0)
+    bottle.panel.method.shear_stiffness.setValue(0.2)
+    assert (document(bottle).area_stiffness, document(bottle).shear_stiffness) == (30.0, 0.2)
+
+
+def test_a_volume_is_kept_or_the_reason_why_not_is_said(qtbot, bottle):
+    volume = bottle.panel.volume
+    volume.keep.click()
+    assert document(bottle).volume == 100.0
+    volume.target.field.setValue(95.0)
+    assert document(bottle).volume == 95.0
+    qtbot.waitUntil(lambda: volume.change == "−5.00 %", timeout=20_000)
+    choose(bottle, "paper")
+    assert not volume.keep.isEnabled()
+    assert "Paper" in volume.why_not.text()
+    choose(bottle, "exact")
+    volume.keep.click()
+    assert document(bottle).volume is None
+
+
+def test_an_open_surface_has_no_volume_to_keep(qtbot, window):
+    V, F = meshes.sphere(2)
+    window.show_mesh(Mesh(V, F[3:]))
+    idle(qtbot, window)
+    assert not window.panel.volume.keep.isEnabled()
+    assert "no volume" in window.panel.volume.why_not.text()
+    assert not window.panel.volume.why_not.isHidden()
+
+
+def test_sections_fold_and_are_remembered(qtbot, bottle, settings):
+    heading = bottle.panel.volume.heading
+    qtbot.mouseClick(heading, Qt.MouseButton.LeftButton)
+    assert not bottle.panel.volume.keep.isVisible()
+    assert bottle.panel.folded == ["Volume"]
+    bottle.close()
+    assert settings.value("folded") in ("Volume", ["Volume"])
+
+
+@pytest.mark.parametrize("method", ["exact", "local", "paper", "arap"])
+def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
+    bottle.resize(1280, 720)
+    bottle.parts.add_region()
+    bottle.parts.add_handle()
+    choose(bottle, method)
+    qtbot.wait(50)
+    panel = bottle.panel
+    assert panel.widget().width() <= panel.viewport().width()
+    assert panel.area.percent.isVisible()
+    assert {BASE, HANDLE} <= set(document(bottle).labels)

@@ -1,0 +1,218 @@
+"""Several handles and named regions, by mouse and keyboard, in a real window."""
+
+import numpy as np
+import pytest
+from driving import Mouse, arrow_grip, document, drag, idle, on_screen, stroke
+from PySide6.QtCore import Qt
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS, label_colors
+from apd_viewer.ui.toolbox import Tool
+
+
+def front(window, height):
+    """A vertex in front of the bottle, free, at a height."""
+    V = document(window).mesh.V
+    found = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3))
+    return found[np.argmin(abs(V[found, 1] - height))]
+
+
+def region_at(qtbot, window, height, half_width=20):
+    """Paint the active region by mouse."""
+    window.actions_.tools[Tool.REGION].trigger()
+    stroke(qtbot, window, on_screen(window, front(window, height)), half_width)
+
+
+@pytest.fixture
+def two(qtbot, bottle):
+    """A bottle with a second handle, painted by mouse half way up."""
+    bottle.panel.handles.add.click()
+    assert bottle.canvas.tool is Tool.HANDLE
+    stroke(qtbot, bottle, on_screen(bottle, front(bottle, 8.0)), half_width=10)
+    bottle.take(Tool.MOVE)
+    qtbot.wait(30)
+    return bottle
+
+
+# Regions
+
+
+def test_the_first_stroke_makes_a_region_and_alt_erases(qtbot, bottle):
+    assert not bottle.panel.regions.empty.isHidden()
+    region_at(qtbot, bottle, 8.0)
+    assert [region.name for region in document(bottle).regions] == ["Region 1"]
+    painted = int((document(bottle).member == 1).sum())
+    assert painted > 20
+    assert bottle.panel.regions.empty.isHidden()
+    assert bottle.panel.regions.list.rows[0].reading.text() == "100.00 %"
+    mouse, at = Mouse(bottle.canvas.viewport), on_screen(bottle, front(bottle, 8.0))
+    mouse.move(at, Qt.KeyboardModifier.AltModifier)
+    mouse.drag(at, at, modifiers=Qt.KeyboardModifier.AltModifier)
+    assert 0 < (document(bottle).member == 1).sum() < painted
+
+
+def test_two_regions_are_painted_each_in_turn(qtbot, bottle):
+    region_at(qtbot, bottle, 8.0)
+    bottle.panel.regions.add.click()
+    assert bottle.parts.region == 1
+    region_at(qtbot, bottle, 12.0)
+    assert {0, 1, 2} == set(document(bottle).member)
+    Mouse(bottle.panel.regions.list.rows[0]).press((60, 8))
+    assert bottle.parts.region == 0
+    region_at(qtbot, bottle, 5.0)
+    assert (document(bottle).member == 2).any()
+
+
+def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
+    labels = np.array([BASE, FREE, HANDLE, HANDLE + 1], dtype=np.uint8)
+    plain, covered = label_colors(labels), label_colors(labels, np.ones(4, dtype=np.uint8))
+    region = np.array([*REGION_COLORS[0], 255])
+    away = np.abs(covered.astype(int) - region).sum(axis=1)
+    kept = np.abs(covered.astype(int) - plain.astype(int)).sum(axis=1)
+    assert (kept > 40).all(), "the region shows"
+    assert away[1] < kept[1], "free vertices have the region's colour"
+    assert (kept[[0, 2, 3]] < away[[0, 2, 3]]).all(), "paint stays what it is"
+    region_at(qtbot, bottle, 8.0)
+    mesh_colors = np.asarray(bottle.canvas.surface._mesh.point_data["rgba"])
+    assert np.array_equal(mesh_colors, label_colors(document(bottle).labels, document(bottle).member))
+
+
+def test_the_eraser_takes_paint_first_and_then_the_region(qtbot, bottle):
+    region_at(qtbot, bottle, 8.0)
+    bottle.take(Tool.BASE)
+    at = on_screen(bottle, front(bottle, 8.0))
+    stroke(qtbot, bottle, at, half_width=5)
+    middle = front(bottle, 8.0)
+    assert document(bottle).labels[middle] == BASE
+    assert document(bottle).member[middle] == 1
+    bottle.take(Tool.ERASE)
+    stroke(qtbot, bottle, at, half_width=5)
+    assert document(bottle).labels[middle] == FREE
+    assert document(bottle).member[middle] == 1
+    stroke(qtbot, bottle, at, half_width=5)
+    assert document(bottle).member[middle] == 0
+
+
+def test_a_region_keeps_its_area(qtbot, bottle):
+    region_at(qtbot, bottle, 8.0, half_width=25)
+    details = bottle.panel.regions.list.rows[0].details
+    details.box.click()
+    assert document(bottle).regions[0].area == 100.0
+    details.field.setValue(90.0)
+    assert document(bottle).regions[0].area == 90.0
+    reading = bottle.panel.regions.list.rows[0].reading
+    qtbot.waitUntil(lambda: reading.text() == "90.00 %, kept", timeout=20_000)
+    bottle.session.set_method("paper")
+    assert not details.box.isEnabled()
+    assert not bottle.panel.regions.note.isHidden()
+    bottle.session.set_method("exact")
+    details.box.click()
+    assert document(bottle).regions[0].area is None
+
+
+# Names
+
+
+def test_a_name_is_edited_in_place(qtbot, bottle):
+    region_at(qtbot, bottle, 8.0)
+    row = bottle.panel.regions.list.rows[0]
+    Mouse(row).double_click((60, 8))
+    qtbot.keyClicks(row.name, "Label")
+    qtbot.keyClick(row.name, Qt.Key.Key_Return)
+    assert document(bottle).regions[0].name == "Label"
+    qtbot.keyClick(row, Qt.Key.Key_F2)
+    qtbot.keyClicks(row.name, "nothing")
+    qtbot.keyClick(row.name, Qt.Key.Key_Escape)
+    assert document(bottle).regions[0].name == "Label"
+    assert row.name.text() == "Label"
+    assert bottle.session.history.next_undo == "Rename"
+    bottle.actions_.undo.trigger()
+    assert row.name.text() == "Region 1"
+
+
+# Handles
+
+
+def test_two_handles_have_each_its_pose(qtbot, two):
+    held = [document(two).labels == HANDLE + k for k in range(2)]
+    assert held[1].sum() > 20
+    assert two.parts.handle == 1
+    drag(qtbot, two, arrow_grip(two, 0), (40, 0))
+    idle(qtbot, two, timeout=60_000)
+    first, second = (handle.pose for handle in document(two).handles)
+    assert np.array_equal(first, np.eye(4))
+    assert second[0, 3] > 0
+    U, grip = two.session.state.frame.U, document(two).grip
+    assert np.allclose(U[held[0]], grip[held[0]])
+    assert np.allclose(U[held[1]], grip[held[1]] + second[:3, 3])
+
+
+def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
+    view = two.canvas.viewport
+    dots = two.canvas.pivots._pivots
+    assert [pivot.name for pivot in dots] == ["Handle 1"]
+    at = view.project(dots[0].centre[None])[0]
+    mouse = Mouse(view)
+    empty = view.overlay.grab().toImage()
+    mouse.move(at)
+    assert view.cursor().shape() == Qt.CursorShape.PointingHandCursor
+    assert view.overlay.grab().toImage() != empty, "the name is shown"
+    mouse.drag(at, at)
+    assert two.parts.handle == 0
+    assert np.allclose(two.canvas.gizmo.frame.centre, dots[0].centre)
+    assert two.panel.handles.list.rows[0].property("active")
+    drag(qtbot, two, arrow_grip(two, 1), (0, -20))
+    idle(qtbot, two, timeout=60_000)
+    assert document(two).handles[0].pose[1, 3] > 0
+    assert np.array_equal(document(two).handles[1].pose, np.eye(4))
+
+
+def test_a_click_on_the_paint_of_a_handle_takes_it_and_a_drag_turns_the_view(qtbot, two):
+    view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
+    labels, U = document(two).labels, two.session.state.frame.U
+    cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
+    points = view.project(U[cap])
+    dot = view.project(two.canvas.pivots._pivots[0].centre[None])[0]
+    away = points[np.argmax(np.linalg.norm(points - dot, axis=1) * (np.abs(points[:, 0] - dot[0]) < 12))]
+    before = view.eye.key
+    mouse.drag(away, away + (30, 0))
+    assert two.parts.handle == 1
+    assert view.eye.key != before
+    away = view.project(U[cap])[np.argmin(np.linalg.norm(points - away, axis=1))]
+    mouse.drag(away, away)
+    assert two.parts.handle == 0
+
+
+def test_handles_are_added_stepped_through_and_removed(qtbot, two):
+    row = two.panel.handles.list.rows[1]
+    two.actions_.parts[1].trigger()
+    assert two.parts.handle == 0
+    qtbot.keyClick(two.panel.handles.list.rows[0], Qt.Key.Key_Down)
+    assert two.parts.handle == 1
+    row.remove.click()
+    assert len(document(two).handles) == 1
+    assert (document(two).labels <= HANDLE).all()
+    assert two.parts.handle == 0
+    assert two.panel.handles.list.rows[0].remove.isHidden()
+    two.actions_.undo.trigger()
+    assert len(document(two).handles) == 2
+    assert len(two.panel.handles.list.rows) == 2
+
+
+def test_an_unpainted_handle_asks_to_be_painted(bottle):
+    bottle.actions_.parts[0].trigger()
+    assert "Handle 2" in bottle.invitation.text()
+    assert bottle.canvas.painter.color.getRgb()[:3] == HANDLE_COLORS[1]
+    assert not bottle.canvas.gizmo.visible
+
+
+def test_escape_takes_the_drag_of_the_second_handle_back(qtbot, two):
+    before = document(two)
+    mouse, at = Mouse(two.canvas.viewport), arrow_grip(two, 0)
+    mouse.move(at)
+    mouse.press(at)
+    mouse.move(at + (30, 0))
+    assert document(two) is not before
+    qtbot.keyClick(two.canvas.viewport, Qt.Key.Key_Escape)
+    mouse.release(at + (30, 0))
+    assert document(two) is before
