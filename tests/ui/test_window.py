@@ -102,6 +102,7 @@ def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch)
     window.actions_.undo.trigger()
 
     window.actions_.tools[Tool.MOVE].trigger()
+    window.session.set_stiffness(1e-3)  # without, small patches wrinkle, and wrinkles take long to settle
     qtbot.wait(30)
     shown = watch_frames(window)
     drag(qtbot, window, arrow_grip(window, 0), (80, 10))
