@@ -12,8 +12,8 @@ RESOURCES = Path(__file__).parents[1] / "resources"
 SAMPLES = ["bottle", "duck"]
 TRANSFORMS = ["bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"]
 TOOLS = ["orbit", "paint-base", "paint-handle", "paint-region", "erase", "move"]
-ACTIONS = ["undo", "redo", "reset", "open", "export", "add", "remove", "next-handle", "frame", "sample", "about"]
-ICONS = [*TOOLS, *ACTIONS, "folded", "unfolded", "warning", "panel", "cancel", "info"]
+ACTIONS = ["undo", "redo", "reset", "open", "export", "add", "remove", "next-handle", "frame"]
+ICONS = [*TOOLS, *ACTIONS, "sample", "about", "folded", "unfolded", "warning", "panel", "cancel", "info"]
 
 
 def read_mesh(path):
