@@ -88,7 +88,7 @@ def centre(view):
     return QPointF(view.width() / 2, view.height() / 2)
 
 
-def idle(qtbot, window, timeout=20_000):
+def idle(qtbot, window, timeout=60_000):
     """Let the event loop run until nothing is opened, written or refined any more."""
     session = window.session
     qtbot.waitUntil(
