@@ -12,7 +12,7 @@ from apd_viewer.session.document import Document, State
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.painter import Painter
-from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS, REGION_COLORS, label_colors
+from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.ui.pivots import Pivot, Pivots
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
@@ -171,7 +171,7 @@ class Canvas(QObject):
         self.pivots.place([pivot for pivot in self._pivots if moving and pivot.number != self._handle])
         colors = {
             Tool.BASE: BASE_COLOR,
-            Tool.HANDLE: HANDLE_COLORS[self._handle],
+            Tool.HANDLE: handle_color(self._handle),
             Tool.REGION: REGION_COLORS[self._region],
             Tool.ERASE: FREE_COLOR,
         }
@@ -196,5 +196,5 @@ def _pivots(document: Document) -> tuple[Pivot, ...]:
         held = document.labels == HANDLE + k
         if held.any():
             gripped = document.grip[held].mean(axis=0)
-            found.append(Pivot(k, handle.name, HANDLE_COLORS[k], handle.pose, gripped))
+            found.append(Pivot(k, handle.name, handle_color(k), handle.pose, gripped))
     return tuple(found)

@@ -35,17 +35,21 @@ REGION_COLORS = (
 # A region covers free vertices; of base and handles it must not hide what they are.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
 
-_PAINT = np.zeros((HANDLE + len(HANDLE_COLORS), 3))
-_PAINT[BASE], _PAINT[FREE], _PAINT[HANDLE:] = BASE_COLOR, FREE_COLOR, HANDLE_COLORS
+
+def handle_color(k: int) -> tuple[int, int, int]:
+    """RGB of handle ``k``; a file may have more handles than there are colours."""
+    return HANDLE_COLORS[k % len(HANDLE_COLORS)]
 
 
 def _mixed() -> np.ndarray:
     """RGBA for each label and region number, (labels, 1 + regions, 4) uint8 array."""
-    share = np.full(len(_PAINT), _OVER_PAINT)
+    paint = np.array([handle_color(label - HANDLE) for label in range(256)], dtype=float)
+    paint[BASE], paint[FREE] = BASE_COLOR, FREE_COLOR
+    share = np.full((len(paint), 1, 1), _OVER_PAINT)
     share[FREE] = _OVER_FREE
-    mixed = np.full((len(_PAINT), 1 + len(REGION_COLORS), 4), 255.0)
-    mixed[:, 0, :3] = _PAINT
-    mixed[:, 1:, :3] = _PAINT[:, None] + share[:, None, None] * (np.array(REGION_COLORS) - _PAINT[:, None])
+    mixed = np.full((len(paint), 1 + len(REGION_COLORS), 4), 255.0)
+    mixed[:, 0, :3] = paint
+    mixed[:, 1:, :3] = paint[:, None] + share * (np.array(REGION_COLORS) - paint[:, None])
     return np.rint(mixed).astype(np.uint8)
 
 

@@ -42,6 +42,8 @@ class Name(QLineEdit):
 
     def __init__(self, text: str) -> None:
         super().__init__(objectName="name", frame=False)
+        self.setAccessibleName("Name")
+        self.setMinimumHeight(self.fontMetrics().height() + 8)
         self._kept = text
         self.rest()
 

@@ -57,7 +57,7 @@ class Window(QMainWindow):
         self.setWindowTitle("APD Viewer")
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
-        self.setMinimumSize(800, 600)
+        self.setMinimumSize(800, 640)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
         self.resize(1280, 800)
         self.session = Session(

@@ -178,7 +178,7 @@ def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
     bottle.take(Tool.MOVE)
     shown = watch_frames(bottle)
     drag(qtbot, bottle, arrow_grip(bottle, 0), (4, 0), steps=4)
-    assert shown
+    qtbot.waitUntil(lambda: bool(shown), timeout=5_000)
     idle(qtbot, bottle)
     step = np.linalg.norm(pose_of(bottle)[:3, 3])
     size = np.linalg.norm(np.ptp(document(bottle).mesh.V, axis=0))
