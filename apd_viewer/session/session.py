@@ -15,7 +15,7 @@ import numpy as np
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import Handle, NamedRegion, State, opened, rest_frame
+from apd_viewer.session.document import Document, Handle, NamedRegion, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
 from apd_viewer.session.history import History
 from apd_viewer.session.names import new_name, next_name
@@ -157,10 +157,16 @@ class Session:
             self._stage.show(state.at(state.document.painted(ids, label)))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
-        """Put the vertices ``ids`` in region ``number``, from 1, within the current gesture; 0 erases."""
+        """Put the vertices ``ids`` in region ``number``, from 1, within the current gesture; 0 erases.
+
+        One number past the last makes a region: the first stroke needs none to be there.
+        """
         state = self._stage.required()
         if self._gesture is not None:
-            document = state.document.painted_region(ids, number)
+            document = state.document
+            if number > len(document.regions):
+                document = document.with_region(number - 1, _next_region(document))
+            document = document.painted_region(ids, number)
             asks = any(region.area is not None for region in document.regions)
             (self._stage.say if asks else self._stage.note)(document)
 
@@ -223,8 +229,7 @@ class Session:
             self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
             return len(regions) - 1
         self._record("Add region", state)
-        name = next_name("Region", [region.name for region in regions])
-        self._stage.note(state.document.with_region(len(regions), NamedRegion(name)))
+        self._stage.note(state.document.with_region(len(regions), _next_region(state.document)))
         return len(regions)
 
     def remove_region(self, k: int) -> None:
@@ -344,3 +349,8 @@ class Session:
         """Stop the worker; a file that is being written is finished first."""
         self._errands.close()
         self._worker.close()
+
+
+def _next_region(document: Document) -> NamedRegion:
+    """A region with a name that is not in use."""
+    return NamedRegion(next_name("Region", [region.name for region in document.regions]))

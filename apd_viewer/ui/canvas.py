@@ -27,8 +27,7 @@ class Canvas(QObject):
     ----------
     viewport : Viewport
         The widget.
-    stroke_began : Signal(bool)
-        True when the stroke erases.
+    stroke_began : Signal()
     painted : Signal(object, int)
         Vertices, and the label that they are painted with.
     region_painted : Signal(object, int)
@@ -42,7 +41,7 @@ class Canvas(QObject):
         Another handle was pressed.
     """
 
-    stroke_began = Signal(bool)
+    stroke_began = Signal()
     painted = Signal(object, int)
     region_painted = Signal(object, int)
     stroke_ended = Signal(str)
@@ -84,7 +83,7 @@ class Canvas(QObject):
 
     def _begin_stroke(self, erase: bool) -> None:
         self._erasing = erase or self.tool is Tool.ERASE
-        self.stroke_began.emit(self._erasing)
+        self.stroke_began.emit()
 
     def _paint(self, ids: np.ndarray) -> None:
         if self.tool is Tool.REGION:

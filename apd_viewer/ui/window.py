@@ -211,14 +211,10 @@ class Window(QMainWindow):
         if path is not None:
             self.session.export(path)
 
-    def _begin_stroke(self, erases: bool) -> None:
-        state = self.session.state
-        if state is None:
-            return
-        if self.canvas.tool is Tool.REGION and not erases and not state.document.regions:
-            self.parts.add_region()
-        self.session.begin_gesture()
-        self.invitation.say("")
+    def _begin_stroke(self) -> None:
+        if self.session.state is not None:
+            self.session.begin_gesture()
+            self.invitation.say("")
 
     def _end_stroke(self, gesture: str) -> None:
         self.session.end_stroke(gesture)

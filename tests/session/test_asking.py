@@ -315,6 +315,15 @@ def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
     assert session.U is session.state.document.mesh.V
 
 
+def test_the_first_stroke_makes_its_region_and_is_one_step(session):
+    before = session.state
+    region_stroke(session, layers(session, 0, 2), 1)
+    assert [region.name for region in session.state.document.regions] == ["Region 1"]
+    assert session.history.next_undo == "Paint region"
+    session.undo()
+    assert session.state is before
+
+
 def test_every_frame_tells_the_regions_of_its_document(parted, slow):
     parted.begin_gesture()
     parted.move_handle(BENT)

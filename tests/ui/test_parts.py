@@ -49,6 +49,10 @@ def test_the_first_stroke_makes_a_region_and_alt_erases(qtbot, bottle):
     mouse.move(at, Qt.KeyboardModifier.AltModifier)
     mouse.drag(at, at, modifiers=Qt.KeyboardModifier.AltModifier)
     assert 0 < (document(bottle).member == 1).sum() < painted
+    bottle.actions_.undo.trigger()
+    bottle.actions_.undo.trigger()
+    assert document(bottle).regions == ()
+    assert bottle.session.history.next_undo is None
 
 
 def test_two_regions_are_painted_each_in_turn(qtbot, bottle):
