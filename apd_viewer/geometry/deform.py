@@ -138,6 +138,8 @@ def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_itera
     unsettled: tuple[str, ...] = ()
     if frame.unreached:
         unsettled = (frame.unreached,)
+    elif solver.missed:
+        unsettled = (f"Not met after {frame.iteration:,} iterations: {solver.missed}.",)
     elif not frame.settled and frame.iteration == MOST_ITERATIONS:
         unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",)
     return Result(

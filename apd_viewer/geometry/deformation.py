@@ -44,6 +44,8 @@ _REMAINING = 1e-3
 _MEMORY = 10
 _CREEP = 5e-6
 _ROUNDING = 1e-12
+# In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
+_FARTHEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,15 +175,18 @@ class Deformation:
         self.aim(rest.V[self.fixed])
 
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
+        if not isinstance(regions, Sequence):
+            raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
+        faces_of = [faces_within(self.rest, region) for region in regions]
         if area is None and self.method in _KEEP_THE_AREA:
             area = 100.0
         if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
             raise InputError(
                 "The method 'paper' keeps only the total area; choose 'exact' for a volume or a region."
             )
-        self._regions = tuple(regions)
-        self._faces_of = [faces_within(self.rest, region) for region in regions]
-        return make_goals(self.rest, area, volume, regions)
+        goals = make_goals(self.rest, area, volume, regions)
+        self._regions, self._faces_of = tuple(regions), faces_of
+        return goals
 
     @property
     def tolerance(self) -> float:
@@ -221,6 +226,8 @@ class Deformation:
         targets = numbers(targets, "Targets")
         if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
             raise InputError(f"Targets must be {len(self.fixed)} finite positions, one for each held vertex.")
+        if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
+            raise InputError("A target is absurdly far from the mesh; check its unit and the transform.")
         asked = targets[self._chosen]
         if np.abs(targets - asked[self._inverse.ravel()]).max() > 1e-9 * self.rest.diagonal:
             raise InputError("A vertex is held at two places at once; give it one target.")
@@ -290,18 +297,23 @@ class Deformation:
         centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
         return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
 
-    def _unreached(self) -> str | None:
+    @property
+    def missed(self) -> str | None:
+        """What is asked for and not met by the last frame, and how near it came; None if all is met."""
         method = self._method
         missed = [
             goal.shortfall(float(value))
             for goal, value in zip(method.goals, method.values, strict=True)
             if abs(goal.miss(float(value))) > MET
         ]
-        if not missed:
+        # The paper's method comes nearer round by round: that it is not there yet is no news.
+        return ", ".join(missed) if missed and isinstance(method, Constrained) else None
+
+    def _unreached(self) -> str | None:
+        missed = self.missed
+        if missed is None:
             return None
-        return (
-            f"Out of reach in this pose: {', '.join(missed)}. Move the handle less, or ask for another value."
-        )
+        return f"Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
 
 
 def _checked_ids(ids: np.ndarray | Sequence[int], n: int, what: str) -> np.ndarray:
@@ -315,6 +327,8 @@ def _handle_of(
     handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
 ) -> np.ndarray:
     """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
+    if handle is not None and not isinstance(handle, (np.ndarray, Sequence)):
+        raise InputError("The handle must be an array of vertex ids, or a list of such arrays.")
     several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
     handles = () if handle is None else handle if several else (handle,)
     number = np.zeros(len(solve_ids), dtype=np.int64)
@@ -322,7 +336,10 @@ def _handle_of(
         ids = np.unique(rest.weld.inverse[_checked_ids(ids, len(rest.V), "handle")])
         if not np.isin(ids, solve_ids).all():
             raise InputError("A handle vertex is not held; name the handle's vertices among the held ones.")
-        number[np.searchsorted(solve_ids, ids)] = k
+        mine = np.searchsorted(solve_ids, ids)
+        if (number[mine] > 0).any():
+            raise InputError("A vertex belongs to two handles; give it to one of them.")
+        number[mine] = k
     return number
 
 
@@ -346,7 +363,7 @@ def _material(method: str, stiffness: float, area_stiffness: float, shear_stiffn
     """The weights of the energy that a method minimises."""
     given = {"stiffness": stiffness, "area stiffness": area_stiffness, "shear stiffness": shear_stiffness}
     for name, weight in given.items():
-        if not isinstance(weight, Real) or not 0.0 <= weight < np.inf:
+        if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
             raise InputError(f"The {name} must be a number of at least zero.")
     if method == "sr-arap":
         return Material(coupling=stiffness)

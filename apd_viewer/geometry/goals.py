@@ -14,6 +14,9 @@ from apd_viewer.geometry.mesh import whole_numbers
 from apd_viewer.geometry.operators import volume
 from apd_viewer.geometry.rest_mesh import RestMesh
 
+# Beyond these a target is a slip of the hand.
+_LEAST, _MOST = 1.0, 1000.0
+
 
 @dataclass(frozen=True, eq=False)
 class Region:
@@ -84,17 +87,16 @@ class Goal:
 
     def shortfall(self, value: float) -> str:
         """How near a value came, in words."""
-        return (
-            f"{self.name} is at {_percent(value / self.rest)} instead of {_percent(self.target / self.rest)}"
-        )
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.4g} %"
+        reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
+        # With as many digits as it takes to see that they differ.
+        digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
+        return f"{self.name} is at {reached:.{digits}g} % instead of {wanted:.4g} %"
 
 
 def faces_within(rest: RestMesh, region: Region) -> np.ndarray:
     """Ids of the triangles that belong to a region."""
+    if not isinstance(region, Region) or not region.name:
+        raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
     vertices = whole_numbers(region.vertices, f"The vertices of the region “{region.name}”").ravel()
     if len(vertices) and not 0 <= vertices.min() <= vertices.max() < len(rest.V):
         raise InputError(f"The region “{region.name}” has a vertex that does not exist; correct its ids.")
@@ -132,6 +134,8 @@ def make_goals(
 
 
 def _goal(name: str, F: np.ndarray, is_volume: bool, rest: float, percent: float) -> Goal:
-    if not isinstance(percent, Real) or not 0.0 < percent < np.inf:
-        raise InputError(f"What {name} should be must be a percentage greater than zero, such as 100.")
+    if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
+        raise InputError(
+            f"What {name} should be must be a percentage from {_LEAST:g} to {_MOST:g}, such as 100."
+        )
     return Goal(name, np.ascontiguousarray(F), is_volume, rest, rest * float(percent) / 100.0)

@@ -181,7 +181,9 @@ class Session:
 
     def move_handle(self, pose: np.ndarray, which: int = 0) -> None:
         """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
-        self._stage.say(self._stage.required().document.moved(which, pose))
+        state = self._stage.required()
+        if self._gesture is not None:  # another mesh may have ended the drag
+            self._stage.say(state.document.moved(which, pose))
 
     def reset_handle(self) -> None:
         """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""

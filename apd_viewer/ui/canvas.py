@@ -76,6 +76,7 @@ class Canvas(QObject):
         self.gizmo.began.connect(self.drag_began)
         self.gizmo.moved.connect(self.handle_moved)
         self.gizmo.ended.connect(self.drag_ended)
+        self.gizmo.ended.connect(self._place)
         self.gizmo.cancelled.connect(self.gesture_cancelled)
         self.pivots.chosen.connect(self.handle_chosen)
 
@@ -136,6 +137,8 @@ class Canvas(QObject):
                 self.surface.set_points(new.frame.U)
             if not old.document.painted_like(document):
                 self.surface.set_colors(label_colors(document.labels, document.member))
+        if old is not None and old.document.grip is not document.grip:
+            self.gizmo.cancel()  # what it held is no longer what is there
         if old is None or old.document is not document:
             self._pivots = _pivots(document)
             self._place()

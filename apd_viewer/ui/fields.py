@@ -11,6 +11,7 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QPen,
+    QValidator,
     QWheelEvent,
 )
 from PySide6.QtWidgets import (
@@ -119,6 +120,27 @@ class Number(QDoubleSpinBox):
     def textFromValue(self, value: float) -> str:
         """The number as it is shown."""
         return short(value) if self._brief else super().textFromValue(value)
+
+    def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
+        """Let anything be typed: what is no number in the range is put back when it is entered."""
+        fits = self._typed(text) is not None
+        return (QValidator.State.Acceptable if fits else QValidator.State.Intermediate), text, position
+
+    def fixup(self, _: str) -> str:
+        """The number that was there before."""
+        return f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}"
+
+    def valueFromText(self, text: str) -> float:
+        """What was typed: 1e-3 and 0,5 are numbers too."""
+        typed = self._typed(text)
+        return self.value() if typed is None else typed
+
+    def _typed(self, text: str) -> float | None:
+        try:
+            value = float(text.removesuffix(self.suffix()).strip(" %").replace(",", "."))
+        except ValueError:
+            return None
+        return value if self.minimum() <= value <= self.maximum() else None
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Select the number, so that typing replaces it."""

@@ -21,6 +21,10 @@ from apd_viewer.ui.theme import Theme
 _DRIFT = "How far a handle is from where it was put; the farthest of several"
 
 
+# How far a region may be from its target, in percent of its area at rest, to be called kept.
+_KEPT = 1e-6
+
+
 class HandleSection(Section):
     """The handles: how far each was moved and turned, and how far they drifted.
 
@@ -140,9 +144,9 @@ class RegionSection(Section):
         for row, at_rest, now, target in zip(
             self.list.rows, rest, state.frame.regions, targets, strict=False
         ):
-            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else "not painted"
-            kept = at_rest > 0.0 and state.document.method != "paper"
-            row.reading.setText(area if target is None or not kept else f"{area}, kept")
+            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else "no triangle yet"
+            kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
+            row.reading.setText(f"{area}, kept" if kept and state.document.method != "paper" else area)
             row.reading.setToolTip("Area in percent of its area at rest")
 
     def _rest_areas(self, document: Document) -> tuple[float, ...]:

@@ -51,7 +51,7 @@ class VolumeSection(Section):
     def show_settings(self, state: State) -> None:
         """Show what is asked for, or why nothing can be."""
         document, inspection = state.document, state.inspection
-        why = "" if inspection.volume else "There is no volume to keep."
+        why = "" if inspection.volume else "Only a closed surface has a volume to keep."
         if document.method == "paper" and not why:
             why = "The method Paper cannot keep a volume."
         self.why_not.setText(why)
@@ -72,7 +72,8 @@ class VolumeSection(Section):
         rest, now = state.inspection.volume, state.frame.volume
         if rest is None or now is None or rest == 0.0:
             self.heading.say("none")
-            self.volume.setText(state.inspection.why_no_volume or "The surface encloses nothing.")
+            why = state.inspection.why_no_volume or "the surface encloses nothing"
+            self.volume.setText(f"{why[0].upper()}{why[1:]}.")
             return
         change = signed(100 * (now / rest - 1), 2)
         self.heading.say("unchanged" if float(change.replace("−", "-")) == 0 else f"{change} %")

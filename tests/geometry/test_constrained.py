@@ -256,3 +256,37 @@ def test_paper_takes_another_area_but_no_other_goal():
                 handle=held(MESHES["box"][0], "twist")[1],
                 **wish,
             )
+
+
+def test_what_a_given_number_of_iterations_has_not_met_is_said():
+    V, F = MESHES["box"]
+    fixed, handle, targets = held(V, "stretch")
+    result = deform(V, F, fixed, targets, "exact", 3, handle=handle, area=10.0)
+    assert result.iterations == 3
+    assert result.warnings[-1].startswith("Not met after 3 iterations: the area is at ")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"handle": 3}, "The handle must be an array of vertex ids"),
+        ({"handle": {1, 2}}, "The handle must be an array of vertex ids"),
+        ({"regions": None}, "Regions must be a list of Region"),
+        ({"regions": Region("lid", np.arange(3))}, "Regions must be a list of Region"),
+        ({"stiffness": True}, "The stiffness must be a number"),
+    ],
+)
+def test_wrong_arguments_are_refused_in_a_sentence(wrong, words):
+    V, F = MESHES["box"]
+    fixed, handle, targets = held(V, "twist")
+    with pytest.raises(InputError, match=words):
+        deform(V, F, fixed, targets, "exact", 1, **({"handle": handle} | wrong))
+
+
+def test_a_vertex_of_two_handles_and_targets_beyond_reason_are_refused():
+    V, F = MESHES["box"]
+    fixed, handle, targets = held(V, "twist")
+    with pytest.raises(InputError, match="A vertex belongs to two handles"):
+        deform(V, F, fixed, targets, "exact", 1, handle=[handle, handle[:1]])
+    with pytest.raises(InputError, match="A target is absurdly far"):
+        deform(V, F, fixed, targets * 1e200, "exact", 1, handle=handle)

@@ -53,12 +53,13 @@ def test_a_region_goes_over_seams():
 def test_words_for_what_is_not_reached():
     (area,) = make_goals(REST, 10, None, [])
     assert area.shortfall(52 * 0.31234) == "the area is at 31.23 % instead of 10 %"
+    assert area.shortfall(52 * 0.1 * (1 + 2e-7)) == "the area is at 10.000002 % instead of 10 %"
 
 
-@pytest.mark.parametrize("percent", [0, -5, np.nan, np.inf, "all"])
+@pytest.mark.parametrize("percent", [0, -5, 1001, np.nan, np.inf, "all", True])
 def test_percentages_that_are_none_are_refused(percent):
     for asked in ((percent, None, []), (None, percent, []), (None, None, [Region("lid", TOP, percent)])):
-        with pytest.raises(InputError, match="must be a percentage greater than zero"):
+        with pytest.raises(InputError, match="must be a percentage from 1 to 1000"):
             make_goals(REST, *asked)
 
 
@@ -72,3 +73,9 @@ def test_there_must_be_something_to_measure():
     for ids in ([-1], [len(V)]):
         with pytest.raises(InputError, match="“lid” has a vertex that does not exist"):
             faces_within(REST, Region("lid", np.array(ids)))
+
+
+@pytest.mark.parametrize("region", ["lid", ("lid", TOP), Region("", TOP), None])
+def test_what_is_no_region_is_refused(region):
+    with pytest.raises(InputError, match="Regions must be a list of Region"):
+        faces_within(REST, region)

@@ -113,6 +113,22 @@ def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
     assert document(bottle).area == 100.0
 
 
+@pytest.mark.parametrize(
+    ("typed", "becomes"),
+    [("-5", 100), ("1e9", 100), ("abc", 100), ("", 100), ("1.1e2", 110), ("99,5 %", 99.5)],
+)
+def test_what_is_no_percentage_is_put_back(qtbot, bottle, typed, becomes):
+    field = bottle.panel.area.target.field
+    field.setFocus()
+    field.selectAll()
+    qtbot.keyClick(field, Qt.Key.Key_Delete)
+    qtbot.keyClicks(field, typed)
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert document(bottle).area == becomes
+    assert field.value() == becomes
+    assert field.text() == f"{becomes:.2f} %"
+
+
 def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, bottle):
     slider, before = bottle.panel.area.target.slider, document(bottle)
     areas = set()
@@ -225,7 +241,7 @@ def test_an_open_surface_has_no_volume_to_keep(qtbot, window):
     window.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
     assert not window.panel.volume.keep.isEnabled()
-    assert "no volume" in window.panel.volume.why_not.text()
+    assert "Only a closed surface" in window.panel.volume.why_not.text()
     assert not window.panel.volume.why_not.isHidden()
 
 
