@@ -521,16 +521,16 @@ def test_twenty_windows_leave_nothing_behind(qtbot, settings):
 def test_a_mesh_that_opens_ends_the_drag_of_another(qtbot, bottle):
     window = bottle
     idle(qtbot, window)
-    mouse, at = Mouse(window.canvas.viewport), QPointF(arrow_grip(window, 0))
+    mouse, at = Mouse(window.canvas.viewport), arrow_grip(window, 0)
     mouse.move(at)
     mouse.press(at)
-    mouse.move(at + QPointF(20, 0))
+    mouse.move(at + [20, 0])
     window.session.open_sample("duck")
     idle(qtbot, window)
     for k in range(5):
-        mouse.move(at + QPointF(30 + 10 * k, 0))
+        mouse.move(at + [30 + 10 * k, 0])
         qtbot.wait(10)
-    mouse.release(at + QPointF(80, 0))
+    mouse.release(at + [80, 0])
     assert not document(window).posed
     assert window.session.state.frame.U is document(window).mesh.V
     assert np.array_equal(window.canvas.gizmo.pose, np.eye(4))
