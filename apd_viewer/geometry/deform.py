@@ -124,12 +124,13 @@ def deform(
     )
     solver.aim(targets)
     iterating = time.perf_counter()
-    while True:
-        frame = solver.step()
+    count = 0
+    while count < (iterations or MOST_ITERATIONS) and (iterations is not None or not solver.settled):
+        solver.iterate()
+        count += 1
         if progress:
-            progress(frame)
-        if frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and iterations is None):
-            break
+            progress(solver.frame())
+    frame = solver.frame()
     ended = time.perf_counter()
     return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
 

@@ -246,15 +246,29 @@ class Deformation:
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
+        self.iterate()
+        return self.frame()
+
+    def iterate(self) -> None:
+        """One iteration, without the readings of its shape."""
         method = self._method
         before = method.U
         method.iterate()
         self._iteration += 1
         self._steps.append(float(np.abs(method.U - before).max()) / self.rest.diagonal)
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing more comes of iterating."""
+        method = self._method
+        return method.stuck or (self._still() and method.met)
+
+    def frame(self) -> Frame:
+        """The shape after the last iteration, and its readings."""
+        method, settled = self._method, self.settled
         U = frozen(method.U[self.rest.weld.inverse])
         areas = face_areas(U, self.rest.F)
         total = float(areas.sum())
-        settled = method.stuck or (self._still() and method.met)
         return Frame(
             U=U,
             iteration=self._iteration,
@@ -283,6 +297,8 @@ class Deformation:
         return next((goal.target for goal in self._method.goals if goal.name == name), None)
 
     def _still(self) -> bool:
+        if not self._steps:
+            return False
         last = self._steps[-1]
         if last <= _ROUNDING:
             return True
