@@ -2,21 +2,95 @@
 
     E(U) = sum_i sum_{j in N(i)} w_ij |(u_i - u_j) - R_i (v_i - v_j)|^2                  (Eq. 1)
 
-Every undirected edge counts twice, once in the cell of either end.
+Every undirected edge counts twice, once in the cell of either end. The kernels divide the vertices among
+the cores; the edges and their weights are in compressed sparse rows, ``start, neighbour, w``.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
-from apd_viewer.geometry.rotations import fit_rotation
+from apd_viewer.geometry.rotations import LANES, ROWS, fit_lanes, load_rotation, store_rotation
 
 FLAT = np.empty((0, 3, 3))
+# Vertices that a core takes on at once.
+_PORTION = 64 * LANES
 
 
 @njit(cache=True, nogil=True)
+def _load_cell(
+    X: np.ndarray,
+    lane: int,
+    i: int,
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    S0: np.ndarray,
+) -> None:
+    """Put ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T`` into a lane."""
+    s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
+    if len(S0):
+        s00, s01, s02 = S0[i, 0, 0], S0[i, 0, 1], S0[i, 0, 2]
+        s10, s11, s12 = S0[i, 1, 0], S0[i, 1, 1], S0[i, 1, 2]
+        s20, s21, s22 = S0[i, 2, 0], S0[i, 2, 1], S0[i, 2, 2]
+    vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
+    ux, uy, uz = U[i, 0], U[i, 1], U[i, 2]
+    for e in range(start[i], start[i + 1]):
+        j = neighbour[e]
+        x, y, z = vx - V[j, 0], vy - V[j, 1], vz - V[j, 2]
+        a, b, c = w[e] * (ux - U[j, 0]), w[e] * (uy - U[j, 1]), w[e] * (uz - U[j, 2])
+        s00 += a * x
+        s01 += a * y
+        s02 += a * z
+        s10 += b * x
+        s11 += b * y
+        s12 += b * z
+        s20 += c * x
+        s21 += c * y
+        s22 += c * z
+    X[lane], X[LANES + lane], X[2 * LANES + lane] = s00, s01, s02
+    X[3 * LANES + lane], X[4 * LANES + lane], X[5 * LANES + lane] = s10, s11, s12
+    X[6 * LANES + lane], X[7 * LANES + lane], X[8 * LANES + lane] = s20, s21, s22
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def local_step(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    S0: np.ndarray,
+    q: np.ndarray,
+    R: np.ndarray,
+) -> None:
+    """Set ``q`` (n, 4) and ``R`` (n, 3, 3) to the rotations that are optimal for ``U``, warm-started.
+
+    Parameters
+    ----------
+    V, U : (n, 3) float array
+        Rest positions and positions.
+    S0 : (n, 3, 3) or (0, 3, 3) float array
+        What other terms than Eq. 1 say about the rotations, in ``tr(R_i^T S_i)``; FLAT where there are none.
+    """
+    n = len(V)
+    for portion in prange((n + _PORTION - 1) // _PORTION):
+        X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+        for first in range(portion * _PORTION, min(n, (portion + 1) * _PORTION), LANES):
+            count = min(LANES, n - first)
+            for lane in range(count):
+                _load_cell(X, lane, first + lane, start, neighbour, w, V, U, S0)
+                load_rotation(X, lane, q[first + lane])
+            fit_lanes(X, scratch)
+            for lane in range(count):
+                store_rotation(X, lane, q[first + lane], R[first + lane])
+
+
+@njit(cache=True, nogil=True)
+def local_step_in_turn(
     start: np.ndarray,
     neighbour: np.ndarray,
     w: np.ndarray,
@@ -27,75 +101,69 @@ def local_step(
     q: np.ndarray,
     R: np.ndarray,
 ) -> None:
-    """Set ``q`` (n, 4) and ``R`` (n, 3, 3) to the rotations that are optimal for ``U``, warm-started.
+    """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, the rotations improved one after another.
 
-    Parameters
-    ----------
-    start, neighbour, w
-        The edges and their weights, in compressed sparse rows.
-    V, U : (n, 3) float array
-        Rest positions and positions.
-    S0 : (n, 3, 3) or (0, 3, 3) float array
-        What other terms than Eq. 1 say about the rotations, in ``tr(R_i^T S_i)``; FLAT where there are none.
-    coupling : float
-        Weight of ``1 / (2 deg i) sum_j |R_i - R_j|^2``. With it the rotations are improved one after another,
-        once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
-        Animation].
+    Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
+    Animation].
     """
-    S, K, E = np.empty((3, 3)), np.empty((4, 4)), np.empty((4, 4))
-    for i in range(V.shape[0]):
-        if len(S0):
-            S[:] = S0[i]
-        else:
-            S[:] = 0.0
+    X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+    for i in range(len(V)):
+        _load_cell(X, 0, i, start, neighbour, w, V, U, S0)
+        share = coupling / max(start[i + 1] - start[i], 1)
         for e in range(start[i], start[i + 1]):
-            j = neighbour[e]
-            for b in range(3):
-                rest = w[e] * (V[i, b] - V[j, b])
-                S[0, b] += (U[i, 0] - U[j, 0]) * rest
-                S[1, b] += (U[i, 1] - U[j, 1]) * rest
-                S[2, b] += (U[i, 2] - U[j, 2]) * rest
-        if coupling > 0.0:
-            share = coupling / max(start[i + 1] - start[i], 1)
-            for e in range(start[i], start[i + 1]):
-                for a in range(3):
-                    for b in range(3):
-                        S[a, b] += share * R[neighbour[e], a, b]
-        fit_rotation(S, q[i], R[i], K, E)
-
-
-@njit(cache=True, nogil=True)
-def pull(
-    start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, R: np.ndarray, b: np.ndarray
-) -> None:
-    """Write ``b_i = sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)`` into ``b`` (n, 3): grad E = 4 (L U - b)."""
-    for i in range(V.shape[0]):
-        b[i] = 0.0
-        for e in range(start[i], start[i + 1]):
-            j = neighbour[e]
-            half = 0.5 * w[e]
-            x, y, z = half * (V[i, 0] - V[j, 0]), half * (V[i, 1] - V[j, 1]), half * (V[i, 2] - V[j, 2])
             for a in range(3):
-                b[i, a] += (
-                    (R[i, a, 0] + R[j, a, 0]) * x
-                    + (R[i, a, 1] + R[j, a, 1]) * y
-                    + (R[i, a, 2] + R[j, a, 2]) * z
-                )
+                for b in range(3):
+                    X[(3 * a + b) * LANES] += share * R[neighbour[e], a, b]
+        load_rotation(X, 0, q[i])
+        fit_lanes(X, scratch)
+        store_rotation(X, 0, q[i], R[i])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, parallel=True)
+def pull(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    LV: np.ndarray,
+    R: np.ndarray,
+    weight: float,
+    b: np.ndarray,
+) -> None:
+    """Write ``weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)`` into ``b`` (n, 3): grad E = 4 (L U - b).
+
+    ``LV`` (n, 3) is the Laplacian of ``V``, what R_i is applied to.
+    """
+    half = 0.5 * weight
+    for i in prange(len(V)):
+        x, y, z = LV[i, 0], LV[i, 1], LV[i, 2]
+        b0 = R[i, 0, 0] * x + R[i, 0, 1] * y + R[i, 0, 2] * z
+        b1 = R[i, 1, 0] * x + R[i, 1, 1] * y + R[i, 1, 2] * z
+        b2 = R[i, 2, 0] * x + R[i, 2, 1] * y + R[i, 2, 2] * z
+        vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
+        for e in range(start[i], start[i + 1]):
+            j = neighbour[e]
+            x, y, z = w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2])
+            b0 += R[j, 0, 0] * x + R[j, 0, 1] * y + R[j, 0, 2] * z
+            b1 += R[j, 1, 0] * x + R[j, 1, 1] * y + R[j, 1, 2] * z
+            b2 += R[j, 2, 0] * x + R[j, 2, 1] * y + R[j, 2, 2] * z
+        b[i, 0], b[i, 1], b[i, 2] = half * b0, half * b1, half * b2
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, R: np.ndarray
 ) -> float:
     """Eq. 1 at ``U`` (n, 3) with the rotations ``R`` (n, 3, 3)."""
     total = 0.0
-    for i in range(V.shape[0]):
+    for i in prange(len(V)):
+        cells = 0.0
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
             x, y, z = V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2]
-            cell = 0.0
-            for a in range(3):
-                d = U[i, a] - U[j, a] - (R[i, a, 0] * x + R[i, a, 1] * y + R[i, a, 2] * z)
-                cell += d * d
-            total += w[e] * cell
+            a = U[i, 0] - U[j, 0] - (R[i, 0, 0] * x + R[i, 0, 1] * y + R[i, 0, 2] * z)
+            b = U[i, 1] - U[j, 1] - (R[i, 1, 0] * x + R[i, 1, 1] * y + R[i, 1, 2] * z)
+            c = U[i, 2] - U[j, 2] - (R[i, 2, 0] * x + R[i, 2, 1] * y + R[i, 2, 2] * z)
+            cells += w[e] * (a * a + b * b + c * c)
+        total += cells
     return total

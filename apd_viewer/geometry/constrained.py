@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry import vectors
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
 
@@ -109,8 +110,7 @@ class Constrained:
         self._age += 1
         elastic, held_before = self._elastic, self.met
         b = elastic.pull()
-        for mult, g in zip(self._mult, self._g, strict=True):
-            b += mult * g
+        vectors.add(b, self._mult, self._g)
         start, end = self.U, elastic.global_step(b, self.held)
         steady = 1.0 / max(1.0, _STEADY + self._pressure(self._mult))
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
@@ -156,7 +156,8 @@ class Constrained:
 
     def _measure_slopes(self) -> np.ndarray:
         """How fast each goal (rows) changes along each direction (columns)."""
-        return np.array([[np.vdot(g, y) for y in self._y] for g in self._g]).reshape(2 * (len(self.goals),))
+        slopes = [vectors.dots(self._y, g) for g in self._g]
+        return np.array(slopes).reshape(2 * (len(self.goals),))
 
     def _meet(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Newton's method from ``U`` along the directions; the positions and how far along each.
@@ -172,7 +173,8 @@ class Constrained:
             if worst <= MET:
                 break
             step = share * self._newton_step(values)
-            there = U + np.tensordot(step, self._y, 1)
+            there = U.copy()
+            vectors.add(there, step, self._y)
             tried = self._evaluate(there)
             current = False
             if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:

@@ -19,6 +19,7 @@ from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.operators import face_areas
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.vectors import largest_difference
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -255,7 +256,7 @@ class Deformation:
         before = method.U
         method.iterate()
         self._iteration += 1
-        self._steps.append(float(np.abs(method.U - before).max()) / self.rest.diagonal)
+        self._steps.append(largest_difference(method.U, before) / self.rest.diagonal)
 
     @property
     def settled(self) -> bool:

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry import cells
+from apd_viewer.geometry import cells, vectors
 from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.membrane import Membrane
 from apd_viewer.geometry.rest_shape import RestShape
+
+_MINUS = np.array([-1.0])
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class Elastic:
         K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
         self._membrane = None
         if material.shear > 0.0 or material.area > 0.0:
-            self._membrane = Membrane(rest.V, rest.F, material.shear, material.area)
+            self._membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
             K = K + self._membrane.K
         self._bending = rest.bending if material.bending > 0.0 else None
         if self._bending is not None:
@@ -85,6 +87,7 @@ class Elastic:
         self._solver = LinearSolver(self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._b = np.empty_like(rest.V)
+        self._targets = np.empty((0, 3))
         self.restart(rest.V)
 
     def restart(self, U: np.ndarray) -> None:
@@ -93,22 +96,32 @@ class Elastic:
         self.U = U
         if U is not self.rest.V:
             self.local_step(U)
+        elif self._membrane is not None:
+            self._membrane.local_step(U)
 
     def pull(self) -> np.ndarray:
         """What the terms ask for: ``b`` of the gradient, (n, 3) float array, overwritten by the next call."""
-        b, material = self._b, self.material
-        cells.pull(*self.rest.graph, self.rest.V, self.R, b)
-        if material.rigidity != 1.0:
-            b *= material.rigidity
+        b, material, rest = self._b, self.material, self.rest
+        cells.pull(*rest.graph, rest.V, rest.LV, self.R, material.rigidity, b)
         if self._membrane is not None:
-            self._membrane.pull(self.U, b)
+            self._membrane.pull(b)
         if self._bending is not None:
-            b += material.bending * self._bending.pull(self.R)
+            vectors.add(b, np.array([material.bending]), self._bending.pull(self.R)[None])
         return b
 
     def free_rows(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array."""
-        return b[self.free] - self._K_fc @ targets
+        if targets is not self._targets:
+            self._targets, self._from_held = targets, vectors.product(self._K_fc, targets)
+        rows = vectors.taken(b, self.free)
+        vectors.add(rows, _MINUS, self._from_held[None])
+        return rows
+
+    def residual(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3) float array."""
+        residual = vectors.product(self.K_ff, vectors.taken(self.U, self.free))
+        vectors.add(residual, _MINUS, self.free_rows(b, targets)[None])
+        return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """``K_ff^-1 b_f``, both (f, 3) float arrays."""
@@ -120,19 +133,20 @@ class Elastic:
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        U = self.U.copy()
-        U[self.fixed] = targets
-        U[self.free] = X
-        return U
+        return vectors.placed(self.U, self.free, X, self.fixed, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
         self.U = U
-        S0 = cells.FLAT
+        rest, material, S0 = self.rest, self.material, cells.FLAT
+        if self._membrane is not None:
+            self._membrane.local_step(U)
         if self._bending is not None:
-            share = self.material.bending / self.material.rigidity * self._bending.weight
-            S0 = (share[:, None] * (self._bending.C @ U))[:, :, None] * self._bending.CV[:, None, :]
-        cells.local_step(*self.rest.graph, self.rest.V, U, S0, self._coupling, self.q, self.R)
+            S0 = self._bending.moments(U, material.bending / material.rigidity)
+        if self._coupling > 0.0:
+            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, self.q, self.R)
+        else:
+            cells.local_step(*rest.graph, rest.V, U, S0, self.q, self.R)
 
     def iterate(self, targets: np.ndarray) -> None:
         """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
@@ -144,7 +158,7 @@ class Elastic:
         material = self.material
         E = material.rigidity * cells.energy(*self.rest.graph, self.rest.V, self.U, self.R)
         if self._membrane is not None:
-            E += self._membrane.energy(self.U)
+            E += self._membrane.energy
         if self._bending is not None:
             E += material.bending * self._bending.energy(self.U, self.R)
         return float(E)

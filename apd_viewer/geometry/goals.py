@@ -9,7 +9,7 @@ from numbers import Real
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.measures import area_and_gradient, area_of, volume_and_gradient
+from apd_viewer.geometry.measures import Patch
 from apd_viewer.geometry.mesh import whole_numbers
 from apd_viewer.geometry.operators import volume
 from apd_viewer.geometry.rest_mesh import RestMesh
@@ -54,7 +54,7 @@ class Goal:
     ----------
     name : str
         "the area", "the volume" or the name of a region.
-    F : (m, 3) int array
+    patch : Patch
         The triangles that are measured, in vertices of the solve.
     is_volume : bool
     rest, target : float
@@ -62,7 +62,7 @@ class Goal:
     """
 
     name: str
-    F: np.ndarray
+    patch: Patch
     is_volume: bool
     rest: float
     target: float
@@ -70,16 +70,16 @@ class Goal:
     @property
     def measured(self) -> tuple[bool, int]:
         """What tells goals apart, whatever they are called and whatever they ask for."""
-        return self.is_volume, len(self.F)
+        return self.is_volume, len(self.patch.F)
 
     def value(self, U: np.ndarray) -> float:
         """What is measured at ``U`` (n, 3)."""
-        return volume(U, self.F) if self.is_volume else float(area_of(U, self.F))
+        return volume(U, self.patch.F) if self.is_volume else self.patch.area(U)
 
     def value_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """The same; its gradient is written into ``g`` (n, 3)."""
-        measure = volume_and_gradient if self.is_volume else area_and_gradient
-        return float(measure(U, self.F, g))
+        measure = self.patch.volume_and_gradient if self.is_volume else self.patch.area_and_gradient
+        return measure(U, g)
 
     def miss(self, value: float) -> float:
         """How far a value is from the target, relative to the value at rest."""
@@ -117,25 +117,25 @@ def make_goals(
     """
     goals = []
     if area is not None:
-        goals.append(_goal("the area", rest.shape.F, False, rest.area, area))
+        goals.append(_goal("the area", rest.shape.whole, False, rest.area, area))
     if inside is not None:
         if rest.why_no_volume or not rest.volume:
             why = rest.why_no_volume or "the surface encloses nothing"
             raise InputError(f"There is no volume to keep: {why}; leave the volume free.")
-        goals.append(_goal("the volume", rest.shape.F, True, rest.volume, inside))
+        goals.append(_goal("the volume", rest.shape.whole, True, rest.volume, inside))
     for region in regions:
         if region.area is not None:
-            F = rest.shape.F[faces_within(rest, region)]
-            at_rest = float(area_of(rest.shape.V, F))
+            patch = Patch(rest.shape.F[faces_within(rest, region)], len(rest.shape.V))
+            at_rest = patch.area(rest.shape.V)
             if at_rest <= 0.0:
                 raise InputError(f"The region “{region.name}” covers no whole triangle; make it larger.")
-            goals.append(_goal(f"“{region.name}”", F, False, at_rest, region.area))
+            goals.append(_goal(f"“{region.name}”", patch, False, at_rest, region.area))
     return tuple(goals)
 
 
-def _goal(name: str, F: np.ndarray, is_volume: bool, rest: float, percent: float) -> Goal:
+def _goal(name: str, patch: Patch, is_volume: bool, rest: float, percent: float) -> Goal:
     if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
         raise InputError(
             f"What {name} should be must be a percentage from {_LEAST:g} to {_MOST:g}, such as 100."
         )
-    return Goal(name, np.ascontiguousarray(F), is_volume, rest, rest * float(percent) / 100.0)
+    return Goal(name, patch, is_volume, rest, rest * float(percent) / 100.0)

@@ -1,16 +1,70 @@
-"""Areas and volume as functions of the positions, with their gradients: what can be asked to have a value."""
+"""Areas and volume as functions of the positions, with their gradients: what can be asked to have a value.
+
+A gradient is gathered corner by corner, so that the cores can share the vertices among them.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
+
+
+class Patch:
+    """Some triangles of a mesh, and where their corners are.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    n : int
+        Number of vertices of the mesh.
+
+    Attributes
+    ----------
+    F : (m, 3) int32 array
+    start : (n + 1,) int32 array
+    corner : (3 m,) int32 array
+        The corners at vertex i are ``corner[start[i]:start[i + 1]]``: ``3 t + c`` for corner c of triangle t.
+    """
+
+    def __init__(self, F: np.ndarray, n: int) -> None:
+        self.F = np.ascontiguousarray(F, dtype=np.int32)
+        self.start, self.corner = _corners(self.F, n)
+
+    def area(self, U: np.ndarray) -> float:
+        """Area at ``U`` (n, 3)."""
+        return float(area_of(U, self.F))
+
+    def area_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
+        """Area at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
+        return float(_area_and_gradient(U, self.F, self.start, self.corner, g))
+
+    def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
+        """Signed volume inside a closed patch at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
+        return float(_volume_and_gradient(U, self.F, self.start, self.corner, g))
 
 
 @njit(cache=True, nogil=True)
+def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    start = np.zeros(n + 1, dtype=np.int32)
+    for t in range(len(F)):
+        for c in range(3):
+            start[F[t, c] + 1] += 1
+    for i in range(n):
+        start[i + 1] += start[i]
+    following = start[:-1].copy()
+    corner = np.empty(3 * len(F), dtype=np.int32)
+    for t in range(len(F)):
+        for c in range(3):
+            corner[following[F[t, c]]] = 3 * t + c
+            following[F[t, c]] += 1
+    return start, corner
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def area_of(U: np.ndarray, F: np.ndarray) -> float:
     """Area of the triangles ``F`` (m, 3) at ``U`` (n, 3)."""
     total = 0.0
-    for t in range(F.shape[0]):
+    for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
@@ -19,62 +73,55 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True)
-def area_and_gradient(U: np.ndarray, F: np.ndarray, g: np.ndarray) -> float:
-    """Area of the triangles ``F`` (m, 3) at ``U`` (n, 3); its gradient is written into ``g`` (n, 3).
-
-    The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
-    a triangle without area is taken as zero.
-    """
-    g[:] = 0.0
+@njit(cache=True, nogil=True, parallel=True)
+def _area_and_gradient(
+    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, g: np.ndarray
+) -> float:
+    # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
+    # a triangle without area is taken as zero.
+    halves = np.empty((len(F), 3))
     total = 0.0
-    for t in range(F.shape[0]):
+    for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         double = np.sqrt(x * x + y * y + z * z)
-        if double == 0.0:
-            continue
         total += double
-        h = 0.5 / double
-        x, y, z = h * x, h * y, h * z
-        jx, jy, jz = by * z - bz * y, bz * x - bx * z, bx * y - by * x
-        kx, ky, kz = y * az - z * ay, z * ax - x * az, x * ay - y * ax
-        g[j, 0] += jx
-        g[j, 1] += jy
-        g[j, 2] += jz
-        g[k, 0] += kx
-        g[k, 1] += ky
-        g[k, 2] += kz
-        g[i, 0] -= jx + kx
-        g[i, 1] -= jy + ky
-        g[i, 2] -= jz + kz
+        h = 0.5 / double if double > 0.0 else 0.0
+        halves[t, 0], halves[t, 1], halves[t, 2] = h * x, h * y, h * z
+    for i in prange(len(U)):
+        gx = gy = gz = 0.0
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            j, k = F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+            x, y, z = halves[t, 0], halves[t, 1], halves[t, 2]
+            ex, ey, ez = U[k, 0] - U[j, 0], U[k, 1] - U[j, 1], U[k, 2] - U[j, 2]
+            gx += y * ez - z * ey
+            gy += z * ex - x * ez
+            gz += x * ey - y * ex
+        g[i, 0], g[i, 1], g[i, 2] = gx, gy, gz
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True)
-def volume_and_gradient(U: np.ndarray, F: np.ndarray, g: np.ndarray) -> float:
-    """Signed volume inside the closed surface ``F`` (m, 3) at ``U`` (n, 3); its gradient goes into ``g``."""
-    g[:] = 0.0
-    total = 0.0
+@njit(cache=True, nogil=True, parallel=True)
+def _volume_and_gradient(
+    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, g: np.ndarray
+) -> float:
     # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
-    o = U[F[0, 0]]
-    ox, oy, oz = o[0], o[1], o[2]
-    for t in range(F.shape[0]):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[i, 0] - ox, U[i, 1] - oy, U[i, 2] - oz
-        bx, by, bz = U[j, 0] - ox, U[j, 1] - oy, U[j, 2] - oz
-        cx, cy, cz = U[k, 0] - ox, U[k, 1] - oy, U[k, 2] - oz
-        x, y, z = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
-        total += ax * x + ay * y + az * z
-        g[i, 0] += x / 6.0
-        g[i, 1] += y / 6.0
-        g[i, 2] += z / 6.0
-        g[j, 0] += (cy * az - cz * ay) / 6.0
-        g[j, 1] += (cz * ax - cx * az) / 6.0
-        g[j, 2] += (cx * ay - cy * ax) / 6.0
-        g[k, 0] += (ay * bz - az * by) / 6.0
-        g[k, 1] += (az * bx - ax * bz) / 6.0
-        g[k, 2] += (ax * by - ay * bx) / 6.0
-    return total / 6.0
+    ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
+    total = 0.0
+    for i in prange(len(U)):
+        gx = gy = gz = 0.0
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            j, k = F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+            bx, by, bz = U[j, 0] - ox, U[j, 1] - oy, U[j, 2] - oz
+            cx, cy, cz = U[k, 0] - ox, U[k, 1] - oy, U[k, 2] - oz
+            gx += by * cz - bz * cy
+            gy += bz * cx - bx * cz
+            gz += bx * cy - by * cx
+        g[i, 0], g[i, 1], g[i, 2] = gx / 6.0, gy / 6.0, gz / 6.0
+        # The volume is of the third degree in the positions: the sum of u.g counts it three times.
+        total += (U[i, 0] - ox) * gx + (U[i, 1] - oy) * gy + (U[i, 2] - oz) * gz
+    return total / 18.0

@@ -13,13 +13,16 @@ be sheared, but keeps its area).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
+from apd_viewer.geometry.measures import Patch
 from apd_viewer.geometry.operators import cotangents, element_laplacian
 
 # A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
 _NEEDLE = 1e4
 _NEWTON_STEPS = 20
+# Triangles that a core takes on at once.
+_PORTION = 512
 
 
 @njit(cache=True, nogil=True)
@@ -67,32 +70,51 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
 
 
-@njit(cache=True, nogil=True)
-def _pull(
-    F: np.ndarray, rest: np.ndarray, cot: np.ndarray, U: np.ndarray, shear: float, area: float, b: np.ndarray
+@njit(cache=True, nogil=True, parallel=True)
+def _forces(
+    F: np.ndarray,
+    rest: np.ndarray,
+    cot: np.ndarray,
+    U: np.ndarray,
+    shear: float,
+    area: float,
+    forces: np.ndarray,
 ) -> float:
-    """Add a quarter of what the membrane's projections pull with to ``b`` (n, 3); return the energy."""
-    D, T = np.empty((3, 2)), np.empty((3, 2))
+    """Write a quarter of what the projections pull the corners with into ``forces`` (3 m, 3); the energy."""
     energy = 0.0
-    for t in range(F.shape[0]):
-        x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
-        if x1 == 0.0:
-            continue
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        for a in range(3):
-            D[a, 0] = (U[j, a] - U[i, a]) / x1
-            D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
-        energy += 0.5 * x1 * y2 * _project(D, shear, area, T)
-        # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
-        ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
-        for a in range(3):
-            ij = ck * T[a, 0] * x1
-            ik = cj * (T[a, 0] * x2 + T[a, 1] * y2)
-            jk = ci * (T[a, 0] * (x2 - x1) + T[a, 1] * y2)
-            b[i, a] -= ij + ik
-            b[j, a] += ij - jk
-            b[k, a] += ik + jk
+    for portion in prange((len(F) + _PORTION - 1) // _PORTION):
+        D, T = np.empty((3, 2)), np.empty((3, 2))
+        sum_ = 0.0
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
+            if x1 == 0.0:
+                forces[3 * t : 3 * t + 3] = 0.0
+                continue
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            for a in range(3):
+                D[a, 0] = (U[j, a] - U[i, a]) / x1
+                D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
+            sum_ += 0.5 * x1 * y2 * _project(D, shear, area, T)
+            # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
+            ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
+            for a in range(3):
+                ij = ck * T[a, 0] * x1
+                ik = cj * (T[a, 0] * x2 + T[a, 1] * y2)
+                jk = ci * (T[a, 0] * (x2 - x1) + T[a, 1] * y2)
+                forces[3 * t, a] = -ij - ik
+                forces[3 * t + 1, a] = ij - jk
+                forces[3 * t + 2, a] = ik + jk
+        energy += sum_
     return energy
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _gather(start: np.ndarray, corner: np.ndarray, forces: np.ndarray, b: np.ndarray) -> None:
+    """Add the ``forces`` (3 m, 3) on the corners at every vertex to ``b`` (n, 3)."""
+    for i in prange(len(b)):
+        for e in range(start[i], start[i + 1]):
+            for a in range(3):
+                b[i, a] += forces[corner[e], a]
 
 
 class Membrane:
@@ -101,7 +123,8 @@ class Membrane:
     Parameters
     ----------
     V : (n, 3) float array, rest positions
-    F : (m, 3) int array, triangles
+    patch : Patch
+        The triangles.
     shear, area : float
         Weights of the two terms.
 
@@ -109,10 +132,13 @@ class Membrane:
     ----------
     K : (n, n) csr_array
         A quarter of the Hessian of the energy while the projections are held; positive semi-definite.
+    energy : float
+        At the positions of the last local step.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, shear: float, area: float) -> None:
-        self.F, self.shear, self.area = F, shear, area
+    def __init__(self, V: np.ndarray, patch: Patch, shear: float, area: float) -> None:
+        self.shear, self.area = shear, area
+        self._patch, F = patch, patch.F
         self._cot = cotangents(V, F)
         e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
         x1 = np.linalg.norm(e, axis=1)
@@ -122,12 +148,15 @@ class Membrane:
         y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)
         self._rest = np.column_stack([x1, x2, y2])
         self._cot[~usable] = 0.0
+        self._forces = np.empty((3 * len(F), 3))
+        self.local_step(V)
         self.K = 0.5 * (shear + area) * element_laplacian(self._cot, F, len(V))
 
-    def pull(self, U: np.ndarray, b: np.ndarray) -> None:
-        """Add what the terms ask for at ``U`` (n, 3) to ``b`` (n, 3): ``grad E = 4 (K U - b)``."""
-        _pull(self.F, self._rest, self._cot, U, self.shear, self.area, b)
+    def local_step(self, U: np.ndarray) -> None:
+        """Find the projections at ``U`` (n, 3), which is what the rest is about."""
+        weights = self.shear, self.area
+        self.energy = float(_forces(self._patch.F, self._rest, self._cot, U, *weights, self._forces))
 
-    def energy(self, U: np.ndarray) -> float:
-        """The energy at ``U`` (n, 3)."""
-        return float(_pull(self.F, self._rest, self._cot, U, self.shear, self.area, np.zeros_like(U)))
+    def pull(self, b: np.ndarray) -> None:
+        """Add what the projections ask for to ``b`` (n, 3): ``grad E = 4 (K U - b)``."""
+        _gather(self._patch.start, self._patch.corner, self._forces, b)

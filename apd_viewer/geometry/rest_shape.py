@@ -6,8 +6,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from numba import njit, prange
 
-from apd_viewer.geometry import cells
+from apd_viewer.geometry import cells, vectors
+from apd_viewer.geometry.measures import Patch
 from apd_viewer.geometry.mesh import pieces
 from apd_viewer.geometry.operators import (
     border_vertices,
@@ -60,6 +62,16 @@ class RestShape:
         """How the mesh is bent, and what a change of that costs."""
         return Bending(self)
 
+    @cached_property
+    def whole(self) -> Patch:
+        """All triangles."""
+        return Patch(self.F, len(self.V))
+
+    @cached_property
+    def LV(self) -> np.ndarray:
+        """The Laplacian of the rest positions, (n, 3) float array."""
+        return self.L @ self.V
+
     @property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``start, neighbour, weight`` of the edges, for the kernels."""
@@ -68,7 +80,7 @@ class RestShape:
     def energy(self, U: np.ndarray) -> float:
         """Eq. 1 at ``U`` (n, 3) with the rotations that are optimal for it."""
         q, R = self.identity()
-        cells.local_step(*self.graph, self.V, U, cells.FLAT, 0.0, q, R)
+        cells.local_step(*self.graph, self.V, U, cells.FLAT, q, R)
         return float(cells.energy(*self.graph, self.V, U, R))
 
     def identity(self) -> tuple[np.ndarray, np.ndarray]:
@@ -108,12 +120,41 @@ class Bending:
         self.weight[border_vertices(rest.F, len(rest.V))] = 0.0
         self.K = (self.C @ sp.diags_array(0.5 * self.weight) @ self.C).tocsr()
 
+    def apply(self, X: np.ndarray) -> np.ndarray:
+        """``C X`` for ``X`` (n, 3)."""
+        return vectors.product(self.C, X)
+
     def pull(self, R: np.ndarray) -> np.ndarray:
         """What curvature that is turned by ``R`` (n, 3, 3) asks for: ``grad E = 4 (K U - pull)``."""
-        turned = np.einsum("nij,nj->ni", R, self.CV)
-        return self.C @ (0.5 * self.weight[:, None] * turned)
+        return self.apply(_turned(R, self.CV, 0.5 * self.weight))
 
     def energy(self, U: np.ndarray, R: np.ndarray) -> float:
         """The energy at ``U`` (n, 3) with the rotations ``R`` (n, 3, 3)."""
-        change = self.C @ U - np.einsum("nij,nj->ni", R, self.CV)
+        change = self.apply(U) - _turned(R, self.CV, np.ones(len(U)))
         return float(self.weight @ (change * change).sum(axis=1))
+
+    def moments(self, U: np.ndarray, weight: float) -> np.ndarray:
+        """What ``weight`` times the energy at ``U`` (n, 3) adds to ``S_i`` of the local step, (n, 3, 3)."""
+        return _moments(self.apply(U), self.CV, weight * self.weight)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _turned(R: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """``weight_i R_i x_i``, (n, 3)."""
+    out = np.empty_like(X)
+    for i in prange(len(X)):
+        x, y, z = weight[i] * X[i, 0], weight[i] * X[i, 1], weight[i] * X[i, 2]
+        for a in range(3):
+            out[i, a] = R[i, a, 0] * x + R[i, a, 1] * y + R[i, a, 2] * z
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _moments(X: np.ndarray, Y: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """``weight_i x_i y_i^T``, (n, 3, 3)."""
+    out = np.empty((len(X), 3, 3))
+    for i in prange(len(X)):
+        for a in range(3):
+            for b in range(3):
+                out[i, a, b] = weight[i] * X[i, a] * Y[i, b]
+    return out

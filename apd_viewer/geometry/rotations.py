@@ -16,9 +16,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+# Matrices that are worked on at once: as many doubles as the widest registers hold.
+LANES = 8
+# Of a lane: S, quaternion, square of half the last step.
+ROWS = 14
 _NEWTON_STEPS = 8
-# Newton converges quadratically: a step this short leaves an error at rounding level.
-_SHORT_STEP = 1e-8
+# Half a step, squared. Newton converges quadratically: after a step of 1e-7 the error is at rounding level.
+_SHORT_STEP = 0.25e-14
+_UNCERTIFIED = -1.0
 # Below this the maximum is nearly ambiguous and Newton's linear systems lose their digits.
 _POSITIVE = 1e-6
 _JACOBI_SWEEPS = 12
@@ -41,65 +46,64 @@ def quaternion_to_matrix(q: np.ndarray, R: np.ndarray) -> None:
     R[2, 2] = 1 - 2 * (x * x + y * y)
 
 
-@njit(cache=True, nogil=True)
-def _normalize(q: np.ndarray) -> None:
-    length = np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    for a in range(4):
-        q[a] /= length
+@njit(cache=True, nogil=True, error_model="numpy")
+def _newton_step(X: np.ndarray) -> None:
+    """One step of Newton's method on all lanes of ``X``; a lane that is not certified stays as it is."""
+    # No branches, no calls, one flat array with constant distances: the compiler then does all lanes at once.
+    for i in range(LANES):
+        s00, s01, s02 = X[i], X[LANES + i], X[2 * LANES + i]
+        s10, s11, s12 = X[3 * LANES + i], X[4 * LANES + i], X[5 * LANES + i]
+        s20, s21, s22 = X[6 * LANES + i], X[7 * LANES + i], X[8 * LANES + i]
+        w, x, y, z = X[9 * LANES + i], X[10 * LANES + i], X[11 * LANES + i], X[12 * LANES + i]
+        r00, r01, r02 = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+        r10, r11, r12 = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+        r20, r21, r22 = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+        m00 = r00 * s00 + r10 * s10 + r20 * s20
+        m01 = r00 * s01 + r10 * s11 + r20 * s21
+        m02 = r00 * s02 + r10 * s12 + r20 * s22
+        m10 = r01 * s00 + r11 * s10 + r21 * s20
+        m11 = r01 * s01 + r11 * s11 + r21 * s21
+        m12 = r01 * s02 + r11 * s12 + r21 * s22
+        m20 = r02 * s00 + r12 * s10 + r22 * s20
+        m21 = r02 * s01 + r12 * s11 + r22 * s21
+        m22 = r02 * s02 + r12 * s12 + r22 * s22
 
-
-@njit(cache=True, nogil=True)
-def _turn(q: np.ndarray, x: float, y: float, z: float) -> None:
-    """Multiply ``q`` from the right by the Cayley map of the rotation vector (x, y, z)."""
-    x, y, z = 0.5 * x, 0.5 * y, 0.5 * z
-    w0, x0, y0, z0 = q[0], q[1], q[2], q[3]
-    q[0] = w0 - x0 * x - y0 * y - z0 * z
-    q[1] = x0 + w0 * x + y0 * z - z0 * y
-    q[2] = y0 + w0 * y + z0 * x - x0 * z
-    q[3] = z0 + w0 * z + x0 * y - y0 * x
-    _normalize(q)
-
-
-@njit(cache=True, nogil=True)
-def _newton(S: np.ndarray, scale: float, q: np.ndarray, R: np.ndarray) -> bool:
-    """Improve ``q`` in place; True if the global maximum was reached and certified."""
-    floor = _POSITIVE * scale
-    for _ in range(_NEWTON_STEPS):
-        quaternion_to_matrix(q, R)
-        m00 = R[0, 0] * S[0, 0] + R[1, 0] * S[1, 0] + R[2, 0] * S[2, 0]
-        m01 = R[0, 0] * S[0, 1] + R[1, 0] * S[1, 1] + R[2, 0] * S[2, 1]
-        m02 = R[0, 0] * S[0, 2] + R[1, 0] * S[1, 2] + R[2, 0] * S[2, 2]
-        m10 = R[0, 1] * S[0, 0] + R[1, 1] * S[1, 0] + R[2, 1] * S[2, 0]
-        m11 = R[0, 1] * S[0, 1] + R[1, 1] * S[1, 1] + R[2, 1] * S[2, 1]
-        m12 = R[0, 1] * S[0, 2] + R[1, 1] * S[1, 2] + R[2, 1] * S[2, 2]
-        m20 = R[0, 2] * S[0, 0] + R[1, 2] * S[1, 0] + R[2, 2] * S[2, 0]
-        m21 = R[0, 2] * S[0, 1] + R[1, 2] * S[1, 1] + R[2, 2] * S[2, 1]
-        m22 = R[0, 2] * S[0, 2] + R[1, 2] * S[1, 2] + R[2, 2] * S[2, 2]
-
-        # H = L D L^T; a pivot that is not clearly positive ends the attempt.
+        # H = L D L^T; a pivot that is not clearly positive is no certificate.
+        floor = _POSITIVE * (
+            abs(s00) + abs(s01) + abs(s02) + abs(s10) + abs(s11) + abs(s12) + abs(s20) + abs(s21) + abs(s22)
+        )
         h01, h02, h12 = -0.5 * (m01 + m10), -0.5 * (m02 + m20), -0.5 * (m12 + m21)
         d0 = m11 + m22
-        if d0 <= floor:
-            return False
-        l1, l2 = h01 / d0, h02 / d0
+        over0 = 1.0 / d0
+        l1, l2 = h01 * over0, h02 * over0
         d1 = m00 + m22 - l1 * h01
-        if d1 <= floor:
-            return False
-        l3 = (h12 - l2 * h01) / d1
+        over1 = 1.0 / d1
+        l3 = (h12 - l2 * h01) * over1
         d2 = m00 + m11 - l2 * h02 - l3 * l3 * d1
-        if d2 <= floor:
-            return False
+        certified = (d0 > floor) & (d1 > floor) & (d2 > floor)
 
-        x = m21 - m12
-        y = m02 - m20 - l1 * x
-        z = m10 - m01 - l2 * x - l3 * y
-        z /= d2
-        y = y / d1 - l3 * z
-        x = x / d0 - l1 * y - l2 * z
-        _turn(q, x, y, z)
-        if x * x + y * y + z * z < _SHORT_STEP * _SHORT_STEP:
-            return True
-    return False
+        # The rotation vector that solves H t = axial(M), by the Cayley map from the right.
+        t0 = m21 - m12
+        t1 = m02 - m20 - l1 * t0
+        t2 = m10 - m01 - l2 * t0 - l3 * t1
+        t2 /= d2
+        t1 = t1 * over1 - l3 * t2
+        t0 = t0 * over0 - l1 * t1 - l2 * t2
+        t0 = 0.5 * t0 if certified else 0.0
+        t1 = 0.5 * t1 if certified else 0.0
+        t2 = 0.5 * t2 if certified else 0.0
+        w, x, y, z = (
+            w - x * t0 - y * t1 - z * t2,
+            x + w * t0 + y * t2 - z * t1,
+            y + w * t1 + z * t0 - x * t2,
+            z + w * t2 + x * t1 - y * t0,
+        )
+        shrink = 1.0 / np.sqrt(w * w + x * x + y * y + z * z) if certified else 1.0
+        X[9 * LANES + i] = w * shrink
+        X[10 * LANES + i] = x * shrink
+        X[11 * LANES + i] = y * shrink
+        X[12 * LANES + i] = z * shrink
+        X[13 * LANES + i] = t0 * t0 + t1 * t1 + t2 * t2 if certified else _UNCERTIFIED
 
 
 @njit(cache=True, nogil=True)
@@ -151,37 +155,70 @@ def _horn(S: np.ndarray, q: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
     for a in range(1, 4):
         if K[a, a] > K[best, best]:
             best = a
+    length = np.sqrt(E[0, best] ** 2 + E[1, best] ** 2 + E[2, best] ** 2 + E[3, best] ** 2)
     for a in range(4):
-        q[a] = E[a, best]
-    _normalize(q)
+        q[a] = E[a, best] / length
 
 
 @njit(cache=True, nogil=True)
-def fit_rotation(S: np.ndarray, q: np.ndarray, R: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
-    """Replace ``q`` and ``R`` by the rotation that maximises ``tr(R^T S)``.
+def fit_lanes(X: np.ndarray, scratch: np.ndarray) -> None:
+    """Find the rotations that maximise ``tr(R^T S)`` for LANES matrices side by side.
 
     Parameters
     ----------
-    S : (3, 3) float array
-    q : (4,) float array
-        Unit quaternion, the start on entry and the answer on return. Kept where S is zero.
-    R : (3, 3) float array
-        Overwritten with the matrix of ``q``.
-    K, E : (4, 4) float arrays
-        Scratch.
+    X : (ROWS * LANES,) float array
+        Lane i has S in ``X[i], X[LANES + i], ...``, row by row, and in the next four rows the unit
+        quaternion (w, x, y, z): the start on entry, the answer on return. It is kept where S is zero.
+    scratch : (3, 4, 4) float array
     """
-    scale = 0.0
-    for a in range(3):
-        for b in range(3):
-            scale += abs(S[a, b])
-    if scale > 0.0 and not _newton(S, scale, q, R):
-        _horn(S, q, K, E)
+    for _ in range(_NEWTON_STEPS):
+        _newton_step(X)
+        longest = 0.0
+        for i in range(LANES):
+            longest = max(longest, X[13 * LANES + i])
+        if longest < _SHORT_STEP:
+            break
+    S, K, E = scratch[0], scratch[1], scratch[2]
+    for i in range(LANES):
+        if 0.0 <= X[13 * LANES + i] < _SHORT_STEP:
+            continue
+        scale = 0.0
+        for a in range(3):
+            for b in range(3):
+                S[a, b] = X[(3 * a + b) * LANES + i]
+                scale += abs(S[a, b])
+        if scale > 0.0:
+            _horn(S, S[3], K, E)
+            for a in range(4):
+                X[(9 + a) * LANES + i] = S[3, a]
+
+
+@njit(cache=True, nogil=True)
+def load_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
+    """Make ``q`` (4,) the start of lane ``i``."""
+    for a in range(4):
+        X[(9 + a) * LANES + i] = q[a]
+
+
+@njit(cache=True, nogil=True)
+def store_rotation(X: np.ndarray, i: int, q: np.ndarray, R: np.ndarray) -> None:
+    """Write the answer of lane ``i`` into ``q`` (4,), and its matrix into ``R`` (3, 3)."""
+    for a in range(4):
+        q[a] = X[(9 + a) * LANES + i]
     quaternion_to_matrix(q, R)
 
 
 @njit(cache=True, nogil=True)
 def fit_rotations(S: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
-    """Apply :func:`fit_rotation` to every matrix of ``S`` (n, 3, 3), with ``q`` (n, 4), ``R`` (n, 3, 3)."""
-    K, E = np.empty((4, 4)), np.empty((4, 4))
-    for i in range(S.shape[0]):
-        fit_rotation(S[i], q[i], R[i], K, E)
+    """The same for every matrix of ``S`` (n, 3, 3), with ``q`` (n, 4) and ``R`` (n, 3, 3)."""
+    X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+    for first in range(0, len(S), LANES):
+        count = min(LANES, len(S) - first)
+        for i in range(count):
+            for a in range(3):
+                for b in range(3):
+                    X[(3 * a + b) * LANES + i] = S[first + i, a, b]
+            load_rotation(X, i, q[first + i])
+        fit_lanes(X, scratch)
+        for i in range(count):
+            store_rotation(X, i, q[first + i], R[first + i])

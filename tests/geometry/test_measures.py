@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from meshes import box, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.measures import area_and_gradient, area_of, volume_and_gradient
+from apd_viewer.geometry.measures import Patch, area_of
 from apd_viewer.geometry.operators import area, cotangent_laplacian, volume
 
 
@@ -16,6 +16,14 @@ def wild(V, seed=0):
 
 MESHES = {"sphere": sphere(2), "box": box(2, 3, 4), "tube": tube(9, 7), "soup": soup(*sphere(1))}
 CLOSED = {name: MESHES[name] for name in ("sphere", "box")}
+
+
+def area_and_gradient(U, F, g):
+    return Patch(F, len(U)).area_and_gradient(U, g)
+
+
+def volume_and_gradient(U, F, g):
+    return Patch(F, len(U)).volume_and_gradient(U, g)
 
 
 def difference(measure, U, F, direction, h):
@@ -75,6 +83,15 @@ def test_shifts_and_rotations_change_nothing(measure):
     assert measure(U @ R.T + [1e3, -2e3, 5e2], F, there) == pytest.approx(value, rel=1e-10)
     assert np.abs(there - g @ R.T).max() <= 1e-9
     assert np.abs(g.sum(axis=0)).max() <= 1e-12
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_a_patch_knows_the_corners_at_every_vertex(mesh):
+    V, F = MESHES[mesh]
+    patch = Patch(F[::2], len(V))
+    owner = np.repeat(np.arange(len(V)), np.diff(patch.start))
+    assert np.array_equal(F[::2].ravel()[patch.corner], owner)
+    assert np.array_equal(np.sort(patch.corner), np.arange(3 * len(F[::2])))
 
 
 def test_triangles_without_area_have_no_gradient():

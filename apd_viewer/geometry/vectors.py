@@ -1,0 +1,101 @@
+"""Sums and products of long arrays of 3-vectors, shared among the cores.
+
+numpy does these on one core, and in a pass of its own for every operation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numba import njit, prange
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+# Rows that a core takes on at once.
+_PORTION = 2048
+
+
+def product(A: csr_array, X: np.ndarray) -> np.ndarray:
+    """``A X`` for ``A`` (m, n) and ``X`` (n, 3), (m, 3) float array."""
+    return _product(A.indptr, A.indices, A.data, X)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.ndarray) -> np.ndarray:
+    out = np.empty((len(start) - 1, 3))
+    for i in prange(len(out)):
+        x = y = z = 0.0
+        for e in range(start[i], start[i + 1]):
+            j, a = column[e], entry[e]
+            x += a * X[j, 0]
+            y += a * X[j, 1]
+            z += a * X[j, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """The inner product of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,) float array."""
+    count = (len(X) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, len(A)))
+    for portion in prange(count):
+        end = min(len(X), (portion + 1) * _PORTION)
+        for k in range(len(A)):
+            total = 0.0
+            for i in range(portion * _PORTION, end):
+                total += A[k, i, 0] * X[i, 0] + A[k, i, 1] * X[i, 1] + A[k, i, 2] * X[i, 2]
+            sums[portion, k] = total
+    return sums.sum(axis=0)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
+    """Add ``sum_k c_k A_k`` of ``A`` (k, n, 3) to ``X`` (n, 3), in place."""
+    for portion in prange((len(X) + _PORTION - 1) // _PORTION):
+        end = min(len(X), (portion + 1) * _PORTION)
+        for k in range(len(A)):
+            for i in range(portion * _PORTION, end):
+                X[i, 0] += c[k] * A[k, i, 0]
+                X[i, 1] += c[k] * A[k, i, 1]
+                X[i, 2] += c[k] * A[k, i, 2]
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows of ``X`` (n, 3), (len(rows), 3) float array."""
+    out = np.empty((len(rows), 3))
+    for k in prange(len(rows)):
+        i = rows[k]
+        out[k, 0], out[k, 1], out[k, 2] = X[i, 0], X[i, 1], X[i, 2]
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def placed(U: np.ndarray, first: np.ndarray, A: np.ndarray, second: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """A copy of ``U`` (n, 3) with ``A`` in the rows ``first`` and ``B`` in the rows ``second``."""
+    out = np.empty_like(U)
+    for i in prange(len(U)):
+        out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
+    for k in prange(len(first)):
+        i = first[k]
+        out[i, 0], out[i, 1], out[i, 2] = A[k, 0], A[k, 1], A[k, 2]
+    for k in prange(len(second)):
+        i = second[k]
+        out[i, 0], out[i, 1], out[i, 2] = B[k, 0], B[k, 1], B[k, 2]
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
+    """The largest difference of two coordinates of ``A`` and ``B`` (n, 3)."""
+    count = (len(A) + _PORTION - 1) // _PORTION
+    largest = np.zeros(count)
+    for portion in prange(count):
+        most = 0.0
+        for i in range(portion * _PORTION, min(len(A), (portion + 1) * _PORTION)):
+            most = max(most, abs(A[i, 0] - B[i, 0]), abs(A[i, 1] - B[i, 1]), abs(A[i, 2] - B[i, 2]))
+        largest[portion] = most
+    return largest.max()
