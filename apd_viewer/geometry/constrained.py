@@ -136,8 +136,12 @@ class Constrained:
 
     # Meeting the goals
 
+    def _measure(self, U: np.ndarray) -> np.ndarray:
+        """What the goals measure at ``U`` (n, 3), (g,) float array."""
+        return np.array([goal.value(U) for goal in self.goals])
+
     def _evaluate(self, U: np.ndarray) -> np.ndarray:
-        """What the goals measure at ``U`` (n, 3), (g,); leaves their gradients."""
+        """The same; leaves their gradients."""
         both = zip(self.goals, self._g, strict=True)
         return np.array([goal.value_and_gradient(U, g) for goal, g in both])
 
@@ -162,12 +166,13 @@ class Constrained:
     def _meet(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Newton's method from ``U`` along the directions; the positions and how far along each.
 
-        Leaves values, gradients and slopes at the positions that it returns.
+        Leaves values, gradients and slopes at the positions that it returns. On the way the slopes are
+        corrected by what each step has brought [Broyden 1965]: values cost less than gradients.
         """
         mu = np.zeros(len(self.goals))
-        values = np.array([goal.value(U) for goal in self.goals])
+        values = self._measure(U)
         share = 1.0
-        current = fresh = False  # whether the gradients, and whether the directions too, are those of U
+        fresh = False  # whether gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
             worst = self._worst_that_can_move(values)
             if worst <= MET:
@@ -175,18 +180,19 @@ class Constrained:
             step = share * self._newton_step(values)
             there = U.copy()
             vectors.add(there, step, self._y)
-            tried = self._evaluate(there)
-            current = False
+            tried = self._measure(there)
             if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:
-                U, values, mu, share, current, fresh = there, tried, mu + step, 1.0, True, False
-                self._slopes = self._measure_slopes()
+                surprise = tried - values - self._slopes @ step
+                self._slopes = self._slopes + np.outer(surprise, step) / (step @ step)
+                U, values, mu, share, fresh = there, tried, mu + step, 1.0, False
             elif fresh:
                 share *= 0.5
             else:
                 self._evaluate(U)
                 self._make_directions()
-                current = fresh = True
-        self.values = values if current else self._evaluate(U)
+                fresh = True
+        self.values = self._evaluate(U)
+        self._slopes = self._measure_slopes()
         if (np.diag(self._slopes) < _FADED * self._power).any():
             self._age = 0
         return U, mu

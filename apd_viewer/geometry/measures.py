@@ -24,11 +24,15 @@ class Patch:
     start : (n + 1,) int32 array
     corner : (3 m,) int32 array
         The corners at vertex i are ``corner[start[i]:start[i + 1]]``: ``3 t + c`` for corner c of triangle t.
+    second, third : (3 m,) int32 arrays
+        The vertices that follow the one at each of ``corner`` in its triangle.
     """
 
     def __init__(self, F: np.ndarray, n: int) -> None:
         self.F = np.ascontiguousarray(F, dtype=np.int32)
         self.start, self.corner = _corners(self.F, n)
+        t, c = np.divmod(self.corner, 3)
+        self.second, self.third = self.F[t, (c + 1) % 3], self.F[t, (c + 2) % 3]
 
     def area(self, U: np.ndarray) -> float:
         """Area at ``U`` (n, 3)."""
@@ -36,11 +40,11 @@ class Patch:
 
     def area_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """Area at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
-        return float(_area_and_gradient(U, self.F, self.start, self.corner, g))
+        return float(_area_and_gradient(U, self.F, self.start, self.corner, self.second, self.third, g))
 
     def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """Signed volume inside a closed patch at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
-        return float(_volume_and_gradient(U, self.F, self.start, self.corner, g))
+        return float(_volume_and_gradient(U, self.F, self.start, self.second, self.third, g))
 
 
 @njit(cache=True, nogil=True)
@@ -75,7 +79,13 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
 
 @njit(cache=True, nogil=True, parallel=True)
 def _area_and_gradient(
-    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, g: np.ndarray
+    U: np.ndarray,
+    F: np.ndarray,
+    start: np.ndarray,
+    corner: np.ndarray,
+    second: np.ndarray,
+    third: np.ndarray,
+    g: np.ndarray,
 ) -> float:
     # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
     # a triangle without area is taken as zero.
@@ -93,8 +103,7 @@ def _area_and_gradient(
     for i in prange(len(U)):
         gx = gy = gz = 0.0
         for e in range(start[i], start[i + 1]):
-            t, c = corner[e] // 3, corner[e] % 3
-            j, k = F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+            t, j, k = corner[e] // 3, second[e], third[e]
             x, y, z = halves[t, 0], halves[t, 1], halves[t, 2]
             ex, ey, ez = U[k, 0] - U[j, 0], U[k, 1] - U[j, 1], U[k, 2] - U[j, 2]
             gx += y * ez - z * ey
@@ -106,7 +115,7 @@ def _area_and_gradient(
 
 @njit(cache=True, nogil=True, parallel=True)
 def _volume_and_gradient(
-    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, g: np.ndarray
+    U: np.ndarray, F: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, g: np.ndarray
 ) -> float:
     # Measured from a vertex of the surface: far from the origin the sum would cancel away its digits.
     ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
@@ -114,8 +123,7 @@ def _volume_and_gradient(
     for i in prange(len(U)):
         gx = gy = gz = 0.0
         for e in range(start[i], start[i + 1]):
-            t, c = corner[e] // 3, corner[e] % 3
-            j, k = F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+            j, k = second[e], third[e]
             bx, by, bz = U[j, 0] - ox, U[j, 1] - oy, U[j, 2] - oz
             cx, cy, cz = U[k, 0] - ox, U[k, 1] - oy, U[k, 2] - oz
             gx += by * cz - bz * cy
