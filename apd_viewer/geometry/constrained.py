@@ -12,19 +12,18 @@ Tucker. Without goals this is the plain iteration.
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from apd_viewer.geometry import vectors
+from apd_viewer.geometry.descent import Descent
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
+from apd_viewer.geometry.projection import MET, Projection
 
-# Relative to the value at rest; one order better than is promised.
-MET = 1e-10
-_NEWTON_STEPS = 8
-# The directions y age as the shape turns: made anew after so many iterations, or once a goal moves only
-# half as much along its direction as it did.
+# The directions y age as the shape turns: made anew after so many iterations.
 _REFRESH = 10
-_FADED = 0.5
 # The gradients lag one iteration behind: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5
 # What it takes to meet the goals far from rest says little about the end; and goals that nearly contradict
@@ -35,6 +34,9 @@ _SHORTER = (1.0, 0.25, 0.0625)
 # Goals out of reach are given up once so many iterations have not brought them a hundredth nearer.
 _PATIENCE = 60
 _NEARER = 0.99
+# A descent is at its end once so many steps have taken no more than this part of the energy away.
+_WINDOW = 10
+_WORTH_WHILE = 1e-7
 
 
 class Constrained:
@@ -49,8 +51,6 @@ class Constrained:
     ----------
     held : (k, 3) float array
         Positions of the held vertices.
-    values : (g,) float array
-        What the goals measure at ``U``.
     stuck : bool
         Whether the goals have been given up; ``U`` is then the best shape that was found, and stays.
     """
@@ -67,22 +67,33 @@ class Constrained:
         return self._elastic.U
 
     @property
+    def values(self) -> np.ndarray:
+        """What the goals measure at ``U``, (g,) float array."""
+        return self._projection.values
+
+    @property
     def met(self) -> bool:
         """Whether all goals are met at ``U``."""
-        return self._worst(self.values) <= MET
+        return self._projection.met
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether descending further would gain next to nothing."""
+        E = self._energies
+        return self._bottom or (len(E) > _WINDOW and E[0] - E[-1] <= _WORTH_WHILE * E[-1])
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         if [goal.measured for goal in goals] != [goal.measured for goal in self.goals]:
             self._mult = np.zeros(len(goals))
         self.goals = goals
-        self._g = np.zeros((len(goals), *self.U.shape))
-        self._y = np.zeros_like(self._g)
+        self._projection = Projection(self._elastic, goals)
         self._start_over()
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
         self._elastic.restart(U)
+        self._projection.evaluate(U)
         self._mult[:] = 0.0
         self._start_over()
 
@@ -92,7 +103,6 @@ class Constrained:
         self._hope_again()
 
     def _start_over(self) -> None:
-        self.values = self._evaluate(self.U)
         self._age = 0
         self._hope_again()
 
@@ -100,25 +110,44 @@ class Constrained:
         self._best = (np.inf, self.U)
         self._waited = 0
         self.stuck = False
+        self._descent: Descent | None = None
+        self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
+        self._bottom = False
+
+    def descend(self) -> None:
+        """Go downhill in energy while the goals stay met; until they are, a plain iteration.
+
+        The first iteration after the held vertices have moved is always a plain one.
+        """
+        if self._descent is None:
+            self.iterate()
+            if self.met and not self.stuck:
+                self._descent = Descent(self._elastic, self._projection)
+        else:
+            self._bottom = not self._descent.step(self.held)
+            self._mult = self._descent.multipliers
+            self._energies.append(self._descent.energy)
 
     def iterate(self) -> None:
         """A global step that ends where the goals are met, then the local step."""
         if self.stuck:
             return
-        if self._age % _REFRESH == 0:
-            self._make_directions()
+        elastic, projection = self._elastic, self._projection
+        if self._age % _REFRESH == 0 or projection.worn:
+            projection.refresh()
+            self._age = 0
         self._age += 1
-        elastic, held_before = self._elastic, self.met
+        held_before = self.met
         b = elastic.pull()
-        vectors.add(b, self._mult, self._g)
+        vectors.add(b, self._mult, projection.g)
         start, end = self.U, elastic.global_step(b, self.held)
         steady = 1.0 / max(1.0, _STEADY + self._pressure(self._mult))
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady
-            U, mu = self._meet(end if share == 1.0 else self._part_of_the_way(start, end, share))
-            if self._worst(self.values) <= MET:
+            U, mu = projection.onto(end if share == 1.0 else self._part_of_the_way(start, end, share))
+            if self.met:
                 break
-        self._mult += share * mu / max(1.0, self._pressure(mu) / _RUSH)
+        self._mult = self._mult + share * mu / max(1.0, self._pressure(mu) / _RUSH)
         self._mult /= max(1.0, self._pressure(self._mult) / _STRONGEST)
         elastic.local_step(U)
         self._judge()
@@ -134,85 +163,9 @@ class Constrained:
         each = [edge if goal.is_volume else 1.0 for goal in self.goals]
         return float(np.abs(multipliers) @ np.array(each)) if each else 0.0
 
-    # Meeting the goals
-
-    def _measure(self, U: np.ndarray) -> np.ndarray:
-        """What the goals measure at ``U`` (n, 3), (g,) float array."""
-        return np.array([goal.value(U) for goal in self.goals])
-
-    def _evaluate(self, U: np.ndarray) -> np.ndarray:
-        """The same; leaves their gradients."""
-        both = zip(self.goals, self._g, strict=True)
-        return np.array([goal.value_and_gradient(U, g) for goal, g in both])
-
-    def _misses(self, values: np.ndarray) -> np.ndarray:
-        return np.array([goal.miss(value) for goal, value in zip(self.goals, values, strict=True)])
-
-    def _worst(self, values: np.ndarray) -> float:
-        return float(np.abs(self._misses(values)).max(initial=0.0))
-
-    def _make_directions(self) -> None:
-        free = self._elastic.free
-        for y, g in zip(self._y, self._g, strict=True):
-            y[free] = self._elastic.solve(g[free])
-        self._slopes = self._measure_slopes()
-        self._power = np.diag(self._slopes).copy()
-
-    def _measure_slopes(self) -> np.ndarray:
-        """How fast each goal (rows) changes along each direction (columns)."""
-        slopes = [vectors.dots(self._y, g) for g in self._g]
-        return np.array(slopes).reshape(2 * (len(self.goals),))
-
-    def _meet(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Newton's method from ``U`` along the directions; the positions and how far along each.
-
-        Leaves values, gradients and slopes at the positions that it returns. On the way the slopes are
-        corrected by what each step has brought [Broyden 1965]: values cost less than gradients.
-        """
-        mu = np.zeros(len(self.goals))
-        values = self._measure(U)
-        share = 1.0
-        fresh = False  # whether gradients and directions are those of U
-        for _ in range(_NEWTON_STEPS):
-            worst = self._worst_that_can_move(values)
-            if worst <= MET:
-                break
-            step = share * self._newton_step(values)
-            there = U.copy()
-            vectors.add(there, step, self._y)
-            tried = self._measure(there)
-            if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:
-                surprise = tried - values - self._slopes @ step
-                self._slopes = self._slopes + np.outer(surprise, step) / (step @ step)
-                U, values, mu, share, fresh = there, tried, mu + step, 1.0, False
-            elif fresh:
-                share *= 0.5
-            else:
-                self._evaluate(U)
-                self._make_directions()
-                fresh = True
-        self.values = self._evaluate(U)
-        self._slopes = self._measure_slopes()
-        if (np.diag(self._slopes) < _FADED * self._power).any():
-            self._age = 0
-        return U, mu
-
-    def _worst_that_can_move(self, values: np.ndarray) -> float:
-        return float(np.abs(self._misses(values)[self._power > 0.0]).max(initial=0.0))
-
-    def _newton_step(self, values: np.ndarray) -> np.ndarray:
-        """How far to go along each direction; goals that ask for the same are met as well as they can be."""
-        missing = np.array([goal.target - value for goal, value in zip(self.goals, values, strict=True)])
-        step = np.zeros(len(self.goals))
-        movable = np.flatnonzero(self._power > 0.0)
-        scale = np.sqrt(self._power[movable])
-        slopes = self._slopes[np.ix_(movable, movable)] / np.outer(scale, scale)
-        step[movable] = np.linalg.lstsq(slopes, missing[movable] / scale, rcond=1e-4)[0] / scale
-        return step
-
     def _judge(self) -> None:
         """Give the goals up once they have not come nearer for long."""
-        worst = self._worst(self.values)
+        worst = self._projection.worst
         if worst <= MET or worst < _NEARER * self._best[0]:
             self._best, self._waited = (worst, self.U), 0
             return
@@ -220,4 +173,4 @@ class Constrained:
         if self._waited >= _PATIENCE:
             self.stuck = True
             self._elastic.local_step(self._best[1])
-            self.values = self._evaluate(self.U)
+            self._projection.evaluate(self.U)

@@ -121,6 +121,7 @@ def deform(
         area=area,
         volume=volume,
         regions=regions,
+        plain=iterations is not None,
     )
     solver.aim(targets)
     iterating = time.perf_counter()

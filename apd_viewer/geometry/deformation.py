@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constrained import MET, Constrained
+from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.elastic import Elastic, Material
 from apd_viewer.geometry.goals import Goal, Reading, Region, faces_within, make_goals
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.operators import face_areas
+from apd_viewer.geometry.projection import MET
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.vectors import largest_difference
 
@@ -121,6 +122,10 @@ class Deformation:
         "exact" and "paper" keep the area; all else is free. "paper" cannot keep a volume.
     regions : sequence of Region, optional
         Parts that are measured, or that have an area to keep.
+    plain : bool
+        Do plain iterations, a local and a global step each: comparable with other programs, and slow.
+        Without, the energy is minimised by quasi-Newton steps, where the method minimises one: "paper" and
+        "sr-arap" do not.
     rest : RestMesh, optional
         Of the same V and F, to save computing it again.
 
@@ -145,6 +150,7 @@ class Deformation:
         area: float | None = None,
         volume: float | None = None,
         regions: Sequence[Region] = (),
+        plain: bool = False,
         rest: RestMesh | None = None,
     ) -> None:
         if rest is None:
@@ -164,6 +170,7 @@ class Deformation:
         material = _material(method, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
+        self._descends = not plain and method not in ("paper", "sr-arap")
         goals = self._goals(area, volume, regions)
         started = time.perf_counter()
         elastic = Elastic(rest.shape, solve_ids, material)
@@ -254,7 +261,10 @@ class Deformation:
         """One iteration, without the readings of its shape."""
         method = self._method
         before = method.U
-        method.iterate()
+        if self._descends and isinstance(method, Constrained):
+            method.descend()
+        else:
+            method.iterate()
         self._iteration += 1
         self._steps.append(largest_difference(method.U, before) / self.rest.diagonal)
 
@@ -262,7 +272,7 @@ class Deformation:
     def settled(self) -> bool:
         """Whether nothing more comes of iterating."""
         method = self._method
-        return method.stuck or (self._still() and method.met)
+        return method.stuck or (method.met and self._still())
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
@@ -303,6 +313,8 @@ class Deformation:
         last = self._steps[-1]
         if last <= _ROUNDING:
             return True
+        if self._descends and isinstance(self._method, Constrained):
+            return self._method.exhausted
         if last > _STILL or len(self._steps) <= _MEMORY:
             return False
         rate = (last / self._steps[0]) ** (1.0 / _MEMORY)

@@ -155,7 +155,7 @@ def test_what_is_given_is_not_written_to_and_the_result_cannot_be(method):
 
 @both
 def test_so_many_iterations_are_so_many_steps(method):
-    solver = Deformation(V, F, FIXED, method=method, handle=HANDLE)
+    solver = Deformation(V, F, FIXED, method=method, handle=HANDLE, plain=True)
     solver.aim(TARGETS)
     seen = []
     result = run(method=method, iterations=25, progress=seen.append)
@@ -194,12 +194,12 @@ def test_aiming_again_continues_and_aiming_with_a_shape_starts_from_it(method):
     def frames(solver, count):
         return [solver.step().U for _ in range(count)][-1]
 
-    straight = Deformation(V, F, FIXED, method=method, handle=HANDLE)
+    straight = Deformation(V, F, FIXED, method=method, handle=HANDLE, plain=True)
     straight.aim(TARGETS)
     first = frames(straight, 10)
     expected = frames(straight, 1)
     if method == "arap":  # the paper's method continues from the shape before the correction
-        resumed = Deformation(V, F, FIXED, method=method, handle=HANDLE)
+        resumed = Deformation(V, F, FIXED, method=method, handle=HANDLE, plain=True)
         resumed.aim(TARGETS, U=first)
         assert np.abs(frames(resumed, 1) - expected).max() <= 1e-11 * DIAGONAL
 
@@ -210,7 +210,7 @@ def test_aiming_again_continues_and_aiming_with_a_shape_starts_from_it(method):
 
     straight.aim(TARGETS)
     assert straight.step().iteration == 1
-    warm = Deformation(V, F, FIXED, method=method, handle=HANDLE)
+    warm = Deformation(V, F, FIXED, method=method, handle=HANDLE, plain=True)
     warm.aim(TARGETS)
     frames(warm, 60)
     warm.aim(TARGETS)

@@ -1,0 +1,167 @@
+"""Quasi-Newton steps among the shapes that meet the goals: they fall, they end where nothing pulls."""
+
+import numpy as np
+import pytest
+from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
+
+from apd_viewer.geometry.constrained import Constrained
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.goals import Region, make_goals
+from apd_viewer.geometry.lbfgs import Memory
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+MESHES = {"tube": tube(16, 20), "box": box(3, 3, 8), "sphere": sphere(3)}
+MATERIALS = {
+    "arap": Material(),
+    "stiff": Material(bending=1e-2),
+    "local": Material(0.1, 0.1, 20.0),
+}
+
+
+def twisted(V, angle=1.8):
+    base, handle = ends(V)
+    return np.concatenate([base, handle]), np.vstack(
+        [V[base], moved(V[handle], rotation([0, 0, 1], angle), [0.2, 0, 0.3])]
+    )
+
+
+def some_goals(rest, kind):
+    upper = np.flatnonzero(rest.V[:, 2] > np.median(rest.V[:, 2]))
+    if kind == "area":
+        return make_goals(rest, 100.0, None, ())
+    if kind == "area, region":
+        return make_goals(rest, 103.0, None, (Region("upper", upper, 101.0),))
+    return ()
+
+
+@pytest.mark.parametrize("kind", ["nothing", "area", "area, region"])
+@pytest.mark.parametrize("material", MATERIALS)
+@pytest.mark.parametrize("mesh", MESHES)
+def test_the_energy_falls_and_the_goals_stay_met(mesh, material, kind):
+    V, F = MESHES[mesh]
+    rest, (fixed, targets) = RestMesh(V, F), twisted(V)
+    order = np.argsort(fixed)
+    elastic = Elastic(rest.shape, fixed[order], MATERIALS[material])
+    method = Constrained(elastic, some_goals(rest, kind))
+    method.aim(targets[order])
+    method.descend()
+    assert method.met
+    before = elastic.energy
+    for _ in range(120):
+        method.descend()
+        assert method.met
+        assert np.array_equal(method.U[fixed[order]], targets[order])
+        assert elastic.energy <= before * (1 + 1e-14)
+        before = elastic.energy
+        if method.exhausted:
+            break
+
+
+@pytest.mark.parametrize("method", ["arap", "exact", "local"])
+@pytest.mark.parametrize("mesh", MESHES)
+def test_it_ends_lower_than_plain_iterations_and_sooner(mesh, method):
+    V, F = MESHES[mesh]
+    fixed, targets = twisted(V)
+    fast = deform(V, F, fixed, targets, method)
+    solver = Deformation(V, F, fixed, method=method)
+    plain = deform(V, F, fixed, targets, method, iterations=2 * fast.iterations)
+    assert fast.converged
+
+    def energy(U):
+        solver.aim(targets, U=U)
+        return solver._method._elastic.energy
+
+    assert energy(fast.U) <= energy(plain.U) * (1 + 1e-7)
+
+
+@pytest.mark.parametrize("kind", ["nothing", "area", "area, region"])
+def test_it_ends_where_nothing_pulls_but_the_goals(kind):
+    V, F = MESHES["box"]
+    rest, (fixed, targets) = RestMesh(V, F), twisted(V, 0.6)
+    order = np.argsort(fixed)
+    elastic = Elastic(rest.shape, fixed[order])
+    method = Constrained(elastic, some_goals(rest, kind))
+    method.aim(targets[order])
+    for _ in range(400):
+        method.descend()
+    free, h = elastic.free, 1e-6
+    goals = some_goals(rest, kind)
+    g = np.zeros((len(goals), *V.shape))
+    for goal, row in zip(goals, g, strict=True):
+        goal.value_and_gradient(method.U, row)
+    # By differences of Eq. 1 itself, along random directions from which those of the goals are taken out.
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        way = np.zeros_like(V)
+        way[free] = rng.normal(size=(len(free), 3))
+        if len(goals):
+            columns = g[:, free].reshape(len(g), -1).T
+            along = np.linalg.lstsq(columns, way[free].ravel(), rcond=None)[0]
+            way[free] -= (columns @ along).reshape(-1, 3)
+        way /= np.linalg.norm(way)
+        slope = (rest.energy(method.U + h * way) - rest.energy(method.U - h * way)) / (2 * h)
+        assert abs(slope) <= 1e-6 * rest.energy(method.U)
+
+
+def test_the_unit_of_length_changes_nothing():
+    V, F = MESHES["tube"]
+    fixed, targets = twisted(V)
+    small, large = (deform(s * V, F, fixed, s * targets) for s in (1.0, 1024.0))
+    assert small.iterations == large.iterations
+    assert np.array_equal(1024.0 * small.U, large.U)
+
+
+def test_a_fine_bottle_settles():
+    """Plain iterations stay for thousands in a shape of one and a half times the energy."""
+    V, F, labels = sample_bottle(1.5)
+    base, handle = np.flatnonzero(labels == 0), np.flatnonzero(labels == 2)
+    centre = V[handle].mean(axis=0)
+    targets = np.vstack([V[base], (V[handle] - centre) @ rotation([0, 1, 0], 2 * np.pi / 3).T + centre])
+    fixed = np.concatenate([base, handle])
+    fast = deform(V, F, fixed, targets)
+    plain = deform(V, F, fixed, targets, iterations=fast.iterations)
+    assert fast.converged
+    assert abs(fast.area_error) <= 1e-9
+    assert fast.energy < 0.9 * plain.energy
+
+
+# The memory of the steps
+
+
+def dense_directions(H0, pairs, gradient):
+    """-H gradient with the matrix of Broyden, Fletcher, Goldfarb and Shanno, written out."""
+    H, eye = H0, np.eye(len(H0))
+    for s, y in pairs:
+        rho = 1.0 / (s @ y)
+        H = (eye - rho * np.outer(s, y)) @ H @ (eye - rho * np.outer(y, s)) + rho * np.outer(s, s)
+    return -H @ gradient
+
+
+def test_directions_are_those_of_the_matrix():
+    rng = np.random.default_rng(3)
+    n = 7
+    root = rng.normal(size=(3 * n, 3 * n))
+    A = root @ root.T + np.eye(3 * n)
+    H0 = np.kron(np.diag(rng.uniform(0.5, 2.0, n)), np.eye(3))
+    memory, pairs = Memory(n, 4), []
+    for _ in range(9):
+        gradient = rng.normal(size=(n, 3))
+        got = memory.direction(gradient, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
+        expected = dense_directions(H0, pairs[-4:], gradient.ravel())
+        assert np.abs(got.ravel() - expected).max() <= 1e-9 * np.abs(expected).max()
+        step = rng.normal(size=(n, 3))
+        memory.learn(step, (A @ step.ravel()).reshape(-1, 3))
+        pairs.append((step.ravel(), A @ step.ravel()))
+
+
+def test_a_step_over_which_the_slope_fell_is_left_out():
+    memory = Memory(2, 3)
+    memory.learn(np.ones((2, 3)), -np.ones((2, 3)))
+    memory.learn(np.ones((2, 3)), np.zeros((2, 3)))
+    assert len(memory) == 0
+    memory.learn(np.ones((2, 3)), np.ones((2, 3)))
+    assert len(memory) == 1
+    memory.forget()
+    assert np.array_equal(memory.direction(np.ones((2, 3)), lambda b: 2 * b), np.full((2, 3), -2.0))
