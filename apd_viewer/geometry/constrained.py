@@ -34,9 +34,9 @@ _SHORTER = (1.0, 0.25, 0.0625)
 # Goals out of reach are given up once so many iterations have not brought them a hundredth nearer.
 _PATIENCE = 60
 _NEARER = 0.99
-# A descent is at its end once so many steps have taken no more than this part of the energy away.
+# Over so many steps a descent is judged, and ended where they have taken no more of the energy away.
 _WINDOW = 10
-_WORTH_WHILE = 1e-7
+WORTH_WHILE = 1e-7
 
 
 class Constrained:
@@ -46,6 +46,8 @@ class Constrained:
     ----------
     elastic : Elastic
     goals : tuple of Goal
+    worth_while : float
+        A descent is at its end once ten steps have taken no more than this part of the energy away.
 
     Attributes
     ----------
@@ -55,8 +57,11 @@ class Constrained:
         Whether the goals have been given up; ``U`` is then the best shape that was found, and stays.
     """
 
-    def __init__(self, elastic: Elastic, goals: tuple[Goal, ...] = ()) -> None:
+    def __init__(
+        self, elastic: Elastic, goals: tuple[Goal, ...] = (), worth_while: float = WORTH_WHILE
+    ) -> None:
         self._elastic = elastic
+        self._worth_while = worth_while
         self.goals: tuple[Goal, ...] = ()
         self._mult = np.zeros(0)
         self.keep(goals)
@@ -80,7 +85,7 @@ class Constrained:
     def exhausted(self) -> bool:
         """Whether descending further would gain next to nothing."""
         E = self._energies
-        return self._bottom or (len(E) > _WINDOW and E[0] - E[-1] <= _WORTH_WHILE * E[-1])
+        return self._bottom or (len(E) > _WINDOW and E[0] - E[-1] <= self._worth_while * E[-1])
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""

@@ -15,6 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.elastic import Elastic, Material
 from apd_viewer.geometry.goals import Goal, Reading, Region, faces_within, make_goals
+from apd_viewer.geometry.guided import guided
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.operators import face_areas
@@ -174,13 +175,14 @@ class Deformation:
         goals = self._goals(area, volume, regions)
         started = time.perf_counter()
         elastic = Elastic(rest.shape, solve_ids, material)
-        self._method: Method = (
-            LiHui(elastic, self._handle_of, goals, tolerance)
-            if method == "paper"
-            else Constrained(elastic, goals)
-        )
+        self._method = self._made(elastic, goals)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
+
+    def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
+        if self.method == "paper":
+            return LiHui(elastic, self._handle_of, goals, self._tolerance)
+        return guided(elastic, goals) if self._descends else Constrained(elastic, goals)
 
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
         if not isinstance(regions, Sequence):

@@ -18,6 +18,7 @@ from apd_viewer.geometry import cells, vectors
 from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.membrane import Membrane
 from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.rotations import turn_rotations
 
 _MINUS = np.array([-1.0])
 
@@ -147,6 +148,12 @@ class Elastic:
             cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, self.q, self.R)
         else:
             cells.local_step(*rest.graph, rest.V, U, S0, self.q, self.R)
+
+    def turn(self, turns: np.ndarray) -> None:
+        """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""
+        turn_rotations(turns, self.q, self.R)
+        if self._membrane is not None:
+            self._membrane.turn(turns)
 
     def iterate(self, targets: np.ndarray) -> None:
         """Global step with the held vertices at ``targets`` (k, 3), then the local step."""

@@ -17,6 +17,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.measures import Patch
 from apd_viewer.geometry.operators import cotangents, element_laplacian
+from apd_viewer.geometry.rotations import quaternion_to_matrix
 
 # A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
 _NEEDLE = 1e4
@@ -117,6 +118,19 @@ def _gather(start: np.ndarray, corner: np.ndarray, forces: np.ndarray, b: np.nda
                 b[i, a] += forces[corner[e], a]
 
 
+@njit(cache=True, nogil=True, parallel=True)
+def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
+    """Turn the ``forces`` (3 m, 3) of every triangle as its first corner in ``turns`` (n, 4)."""
+    for portion in prange((len(F) + _PORTION - 1) // _PORTION):
+        R = np.empty((3, 3))
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            quaternion_to_matrix(turns[F[t, 0]], R)
+            for c in range(3):
+                x, y, z = forces[3 * t + c, 0], forces[3 * t + c, 1], forces[3 * t + c, 2]
+                for a in range(3):
+                    forces[3 * t + c, a] = R[a, 0] * x + R[a, 1] * y + R[a, 2] * z
+
+
 class Membrane:
     """The triangles of a rest shape, laid flat.
 
@@ -156,6 +170,10 @@ class Membrane:
         """Find the projections at ``U`` (n, 3), which is what the rest is about."""
         weights = self.shear, self.area
         self.energy = float(_forces(self._patch.F, self._rest, self._cot, U, *weights, self._forces))
+
+    def turn(self, turns: np.ndarray) -> None:
+        """Turn the projections by ``turns`` (n, 4), unit quaternions at the vertices."""
+        _turn(self._patch.F, turns, self._forces)
 
     def pull(self, b: np.ndarray) -> None:
         """Add what the projections ask for to ``b`` (n, 3): ``grad E = 4 (K U - b)``."""

@@ -14,7 +14,7 @@ not positive definite the largest eigenvector of Horn's symmetric 4x4 matrix is 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 # Matrices that are worked on at once: as many doubles as the widest registers hold.
 LANES = 8
@@ -222,3 +222,16 @@ def fit_rotations(S: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
         fit_lanes(X, scratch)
         for i in range(count):
             store_rotation(X, i, q[first + i], R[first + i])
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def turn_rotations(turns: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
+    """Turn every rotation, ``q`` (n, 4) and its matrix ``R`` (n, 3, 3), by that of ``turns`` (n, 4)."""
+    for i in prange(len(q)):
+        w, x, y, z = turns[i, 0], turns[i, 1], turns[i, 2], turns[i, 3]
+        a, b, c, d = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+        q[i, 0] = w * a - x * b - y * c - z * d
+        q[i, 1] = w * b + x * a + y * d - z * c
+        q[i, 2] = w * c - x * d + y * a + z * b
+        q[i, 3] = w * d + x * c - y * b + z * a
+        quaternion_to_matrix(q[i], R[i])

@@ -1,0 +1,179 @@
+"""A coarse surface that shows a fine one the way: what it is made of, hands over, and what comes of it."""
+
+import numpy as np
+import pytest
+from meshes import rotation, sample_bottle, soup, sphere, tube
+
+from apd_viewer.geometry.coarse import Coarse, _blended, _difference
+from apd_viewer.geometry.constrained import Constrained
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.goals import Region, make_goals
+from apd_viewer.geometry.guided import Guided, guided
+from apd_viewer.geometry.measures import area_of
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+TUBE = tube(80, 120, height=4.0)
+
+
+def ends_of(V, share=0.1):
+    z = (V[:, 2] - V[:, 2].min()) / np.ptp(V[:, 2])
+    base, handle = np.flatnonzero(z < share), np.flatnonzero(z > 1 - share)
+    fixed = np.sort(np.concatenate([base, handle]))
+    return fixed, np.isin(fixed, handle)
+
+
+def held(V, angle=1.5, shift=(0.2, 0, 0.3)):
+    fixed, is_handle = ends_of(V)
+    targets = V[fixed].copy()
+    targets[is_handle] = targets[is_handle] @ rotation([0, 0, 1], angle).T + shift
+    return fixed, targets
+
+
+def coarse_of(V, F, fixed, goals=()):
+    return Coarse(Elastic(RestMesh(V, F).shape, fixed), goals, Constrained)
+
+
+@pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
+def test_it_is_a_smaller_mesh_of_the_same_shape(mesh):
+    V, F = mesh
+    coarse = coarse_of(V, F, np.arange(5))
+    assert 0.2 * len(V) < len(coarse.vertices) < 0.6 * len(V)
+    assert len(np.unique(coarse.vertices)) == len(coarse.vertices)
+    assert (np.sort(coarse.F, axis=1)[:, :-1] < np.sort(coarse.F, axis=1)[:, 1:]).all()
+    assert area_of(V[coarse.vertices], coarse.F) == pytest.approx(area_of(V, F), rel=0.02)
+
+
+def test_a_handle_of_one_vertex_is_heard_of():
+    V, F = TUBE
+    for lonely in (4000, 4321, 5003):
+        coarse = coarse_of(V, F, np.array([0, 1, 2, lonely]))
+        assert lonely in coarse.vertices
+
+
+def test_every_vertex_turns_with_those_near_it_on_its_own_side():
+    """A cup of two walls, nearer to each other than the coarse vertices are."""
+    V, F = TUBE
+    n = len(V)
+    inner = V * [0.99, 0.99, 1.0]
+    both, faces = np.vstack([V, inner]), np.vstack([F, F[:, ::-1] + n])
+    coarse = coarse_of(both, faces, np.array([0, n]))
+    near = coarse.vertices[coarse._near]
+    assert ((near < n) == (np.arange(2 * n) < n)[:, None])[coarse._weight > 1e-6].all()
+    assert np.abs(coarse._weight.sum(axis=1) - 1.0).max() <= 1e-12
+
+
+def test_pieces_turn_by_themselves():
+    V, F = TUBE
+    n = len(V)
+    both, faces = np.vstack([V, V + [2.01, 0, 0]]), np.vstack([F, F + n])
+    fixed, _ = ends_of(V)
+    coarse = coarse_of(both, faces, fixed)
+    coarse.aim(V[fixed] @ rotation([0, 0, 1], 0.7).T)
+    turns = coarse.turns(400)
+    half = np.array([np.cos(0.35), 0, 0, np.sin(0.35)])
+    assert np.abs(np.abs(turns[:n] @ half) - 1.0).max() <= 1e-6
+    assert np.abs(turns[n:] - [1.0, 0, 0, 0]).max() <= 1e-15
+    assert np.abs(np.abs(coarse.turns(10)[:, 0]) - 1.0).max() <= 1e-6, "what was handed over is not again"
+
+
+def test_goals_are_those_of_the_coarse_surface():
+    V, F = sphere(5)
+    rest = RestMesh(V, F)
+    upper = np.flatnonzero(V[:, 2] > 0)
+    goals = make_goals(rest, 103.0, 97.0, (Region("upper", upper, 110.0), Region("dot", F[0], 100.0)))
+    coarse = coarse_of(V, F, np.arange(3), goals)
+    own = {goal.name: goal for goal in coarse._method.goals}
+    assert list(own) == ["the area", "the volume", "“upper”"], "what has no triangle cannot be asked for"
+    assert own["the area"].rest == pytest.approx(goals[0].rest, rel=0.02)
+    for goal in goals[:3]:
+        assert own[goal.name].target / own[goal.name].rest == pytest.approx(goal.target / goal.rest)
+
+
+def test_blending_and_differences_of_rotations():
+    rng = np.random.default_rng(0)
+    q, p = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in rng.normal(size=(2, 50, 4)))
+    assert np.abs(_difference(q, q) - [1, 0, 0, 0]).max() <= 1e-15
+    near = rng.integers(50, size=(200, 4)).astype(np.int32)
+    alone = np.zeros((200, 4))
+    alone[:, 2] = 1.0
+    assert np.abs(np.abs((_blended(q, near, alone) * q[near[:, 2]]).sum(axis=1)) - 1).max() <= 1e-14
+    same = np.tile(p[:1], (50, 1)) * np.where(rng.random(50) < 0.5, 1, -1)[:, None]
+    weight = rng.random((200, 4))
+    assert np.abs(np.abs(_blended(same, near, weight) @ p[0]) - 1).max() <= 1e-14
+    assert np.array_equal(_blended(q, near, np.zeros((200, 4))), np.tile([1.0, 0, 0, 0], (200, 1)))
+
+
+@pytest.mark.parametrize("material", [Material(), Material(bending=1e-3), Material(0.1, 0.1, 20.0)])
+def test_what_is_held_and_what_is_kept_holds_in_every_iteration(material):
+    V, F = TUBE
+    rest, (fixed, targets) = RestMesh(V, F), held(V)
+    elastic = Elastic(rest.shape, fixed, material)
+    method = guided(elastic, make_goals(rest, 100.0, None, ()))
+    assert isinstance(method, Guided)
+    method.aim(targets)
+    for _ in range(40):
+        method.descend()
+        assert method.met
+        assert np.array_equal(method.U[fixed], targets)
+        assert np.isfinite(method.U).all()
+
+
+@pytest.mark.parametrize("method", ["arap", "exact", "local"])
+def test_it_gets_lower_in_a_few_iterations_than_alone_in_many(method):
+    V, F, labels = sample_bottle(1.3)
+    fixed = np.flatnonzero(labels != 1)
+    centre = V[labels == 2].mean(axis=0)
+    targets = V[fixed].copy()
+    turned = (targets - centre) @ rotation([0, 1, 0], 2 * np.pi / 3).T + centre
+    targets[labels[fixed] == 2] = turned[labels[fixed] == 2]
+
+    def energy(plain, count):
+        solver = Deformation(V, F, fixed, method=method, plain=plain)
+        solver.aim(targets)
+        for _ in range(count):
+            solver.iterate()
+        return solver._method._elastic.energy
+
+    assert energy(False, 12) < 0.9 * energy(True, 25)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1e-3])
+def test_the_shape_comes_without_a_jump(stiffness):
+    """Of a stiff tube the hand sees at once what will come; one that buckles does so before the eyes."""
+    V, F = TUBE
+    fixed, _ = ends_of(V)
+    solver = Deformation(V, F, fixed, stiffness=stiffness)
+    for angle in (0.1, 0.2, 0.3):
+        solver.aim(held(V, angle, (0, 0, 0))[1])
+        first = shown = solver.step()
+    while not solver.settled:
+        frame = solver.step()
+        assert np.abs(frame.U - shown.U).max() <= 0.03 * solver.rest.diagonal
+        shown = frame
+    assert shown.converged
+    if stiffness:
+        assert np.abs(first.U - shown.U).max() <= 3e-3 * solver.rest.diagonal
+
+
+def test_going_back_by_a_jump_takes_the_coarse_surface_along():
+    V, F = TUBE
+    fixed, targets = held(V)
+    solver = Deformation(V, F, fixed)
+    solver.aim(targets)
+    for _ in range(15):
+        solver.step()
+    solver.aim(V[fixed], U=V)
+    assert np.abs(solver.step().U - V).max() <= 1e-9 * solver.rest.diagonal
+
+
+def test_a_mesh_of_loose_triangles_is_followed_too():
+    V, F = soup(*tube(60, 80))
+    fixed = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) > 0.4 * np.ptp(V[:, 2]))
+    solver = Deformation(V, F, fixed)
+    turn = np.where(V[fixed, 2:] > V[:, 2].mean(), V[fixed] @ rotation([0, 0, 1], 0.5).T, V[fixed])
+    solver.aim(turn)
+    for _ in range(5):
+        frame = solver.step()
+        assert np.isfinite(frame.U).all()
+        assert abs(frame.area_error) <= 1e-9
