@@ -14,11 +14,10 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.goals import Goal, Reading, Region, faces_within, make_goals
+from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
-from apd_viewer.geometry.operators import face_areas
 from apd_viewer.geometry.projection import MET
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.vectors import largest_difference
@@ -187,7 +186,7 @@ class Deformation:
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
         if not isinstance(regions, Sequence):
             raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
-        faces_of = [faces_within(self.rest, region) for region in regions]
+        patches = [patch_of(self.rest, region) for region in regions]
         if area is None and self.method in _KEEP_THE_AREA:
             area = 100.0
         if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
@@ -195,7 +194,7 @@ class Deformation:
                 "The method 'paper' keeps only the total area; choose 'exact' for a volume or a region."
             )
         goals = make_goals(self.rest, area, volume, regions)
-        self._regions, self._faces_of = tuple(regions), faces_of
+        self._regions, self._patches = tuple(regions), patches
         return goals
 
     @property
@@ -279,28 +278,26 @@ class Deformation:
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
         method, settled = self._method, self.settled
-        U = frozen(method.U[self.rest.weld.inverse])
-        areas = face_areas(U, self.rest.F)
-        total = float(areas.sum())
+        area, volume, local_change = self.rest.survey(method.U)
         return Frame(
-            U=U,
+            U=frozen(self.rest.weld.spread(method.U)),
             iteration=self._iteration,
-            area=total,
-            area_error=total / self.rest.area - 1.0,
-            volume=self.rest.volume_of(U),
+            area=area,
+            area_error=area / self.rest.area - 1.0,
+            volume=volume,
             handle_drift=self._drift(),
             converged=settled and method.met,
             settled=settled,
-            regions=tuple(float(areas[faces].sum()) for faces in self._faces_of),
-            local_change=self.rest.largest_change(areas),
+            regions=tuple(patch.area(method.U) for patch in self._patches),
+            local_change=local_change,
             unreached=self._unreached() if method.stuck else None,
         )
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
         """What became of each region in ``frame``."""
         readings = []
-        for region, faces, area in zip(self._regions, self._faces_of, frame.regions, strict=True):
-            rest = float(self.rest.face_areas[faces].sum())
+        for region, patch, area in zip(self._regions, self._patches, frame.regions, strict=True):
+            rest = patch.area(self.rest.shape.V)
             target = None if region.area is None else rest * region.area / 100.0
             readings.append(Reading(region.name, rest, area, target))
         return tuple(readings)

@@ -93,8 +93,8 @@ class Goal:
         return f"{self.name} is at {reached:.{digits}g} % instead of {wanted:.4g} %"
 
 
-def faces_within(rest: RestMesh, region: Region) -> np.ndarray:
-    """Ids of the triangles that belong to a region."""
+def patch_of(rest: RestMesh, region: Region) -> Patch:
+    """The triangles that belong to a region, in vertices of the solve."""
     if not isinstance(region, Region) or not region.name:
         raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
     vertices = whole_numbers(region.vertices, f"The vertices of the region “{region.name}”").ravel()
@@ -102,7 +102,7 @@ def faces_within(rest: RestMesh, region: Region) -> np.ndarray:
         raise InputError(f"The region “{region.name}” has a vertex that does not exist; correct its ids.")
     inside = np.zeros(len(rest.weld.first), dtype=bool)
     inside[rest.weld.inverse[vertices]] = True
-    return np.flatnonzero(inside[rest.shape.F].all(axis=1))
+    return Patch(rest.shape.F[inside[rest.shape.F].all(axis=1)], len(inside))
 
 
 def make_goals(
@@ -125,7 +125,7 @@ def make_goals(
         goals.append(_goal("the volume", rest.shape.whole, True, rest.volume, inside))
     for region in regions:
         if region.area is not None:
-            patch = Patch(rest.shape.F[faces_within(rest, region)], len(rest.shape.V))
+            patch = patch_of(rest, region)
             at_rest = patch.area(rest.shape.V)
             if at_rest <= 0.0:
                 raise InputError(f"The region “{region.name}” covers no whole triangle; make it larger.")

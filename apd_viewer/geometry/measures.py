@@ -8,6 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+# Triangles that a core takes on at once.
+_PORTION = 1024
+
 
 class Patch:
     """Some triangles of a mesh, and where their corners are.
@@ -75,6 +78,41 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         total += np.sqrt(x * x + y * y + z * z)
     return 0.5 * total
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def survey(U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float) -> tuple[float, float, float]:
+    """Area, signed volume inside, and largest relative change of a triangle's area, in one pass.
+
+    Parameters
+    ----------
+    U : (n, 3) float array
+    F : (m, 3) int array
+    rest : (m,) float array
+        Areas of the triangles at rest.
+    least : float
+        Area at rest below which the change of a triangle does not count.
+    """
+    ox, oy, oz = U[F[0, 0], 0], U[F[0, 0], 1], U[F[0, 0], 2]
+    count = (len(F) + _PORTION - 1) // _PORTION
+    changes = np.zeros(count)
+    total = inside = 0.0
+    for portion in prange(count):
+        area = volume = largest = 0.0
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            own = 0.5 * np.sqrt(x * x + y * y + z * z)
+            area += own
+            volume += (U[i, 0] - ox) * x + (U[i, 1] - oy) * y + (U[i, 2] - oz) * z
+            if rest[t] > least:
+                largest = max(largest, abs(own / rest[t] - 1.0))
+        changes[portion] = largest
+        total += area
+        inside += volume
+    return total, inside / 6.0, changes.max()
 
 
 @njit(cache=True, nogil=True, parallel=True)

@@ -93,6 +93,10 @@ class Weld:
         first, inverse = np.unique(representative, return_inverse=True)
         return cls(frozen(first), frozen(inverse))
 
+    def spread(self, U: np.ndarray) -> np.ndarray:
+        """The positions ``U`` (k, 3) of the vertices of the solve, for all vertices of the file, (n, 3)."""
+        return U.copy() if len(U) == len(self.inverse) else U[self.inverse]
+
 
 def numbers(given: object, what: str) -> np.ndarray:
     """Copy what a caller gave into a float64 array, or raise InputError."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.measures import survey
 from apd_viewer.geometry.mesh import Weld
-from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
+from apd_viewer.geometry.operators import face_areas, why_no_volume
 from apd_viewer.geometry.rest_shape import RestShape
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.
@@ -36,17 +37,22 @@ class RestMesh:
         self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
         self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
         self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
-        self.volume = self.volume_of(V)
+        self.volume = self.survey(self.shape.V)[1]
 
-    def volume_of(self, U: np.ndarray) -> float | None:
-        """Volume that the mesh encloses at ``U`` (n, 3); None if it is not closed."""
-        return None if self.why_no_volume else volume(U, self.F)
+    def survey(self, U: np.ndarray) -> tuple[float, float | None, float]:
+        """Readings of the positions ``U`` (k, 3) of the vertices of the solve.
 
-    def largest_change(self, areas: np.ndarray) -> float:
-        """Largest relative change of a triangle's area to what it is in ``areas`` (m,), up or down."""
-        rest = self.face_areas
-        counts = rest > _SLIVER * self.area / len(rest)
-        return float(np.abs(areas[counts] / rest[counts] - 1.0).max())
+        Returns
+        -------
+        area : float
+        volume : float or None
+            None if the mesh is not closed.
+        change : float
+            Largest relative change of a triangle's area, up or down.
+        """
+        least = _SLIVER * self.area / len(self.F)
+        area, volume, change = survey(U, self.shape.whole.F, self.face_areas, least)
+        return float(area), None if self.why_no_volume else float(volume), float(change)
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""

@@ -5,13 +5,35 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry import picking
-from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.deformation import METHODS, Deformation
+from apd_viewer.geometry.goals import Region
 
 
 def warm_up() -> None:
-    """Use every kernel once: the first time compiles them (seconds), later ones load them (0.2 s)."""
-    V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    F = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    fixed = np.arange(2)
-    deform(V, F, fixed, V[fixed] * 1.1, handle=fixed[1:], iterations=1)
+    """Use every kernel once: the first time compiles them (20 s), later ones load them (half a second)."""
+    V, F = _ball()
+    fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
+    targets = V[fixed] * [1.0, 1.0, 1.1]
+    region = Region("region", np.arange(500), 100.0)
+    for method in METHODS:
+        solver = Deformation(V, F, fixed, method=method, handle=fixed[200:], stiffness=1e-3)
+        if method != "paper":
+            solver.keep(None, 100.0, (region,))
+        solver.aim(targets)
+        for _ in range(3):
+            solver.step()
     picking.warm_up()
+
+
+def _ball() -> tuple[np.ndarray, np.ndarray]:
+    """A sphere, with vertices enough that a coarse one is made of it too."""
+    around, along = 64, 48
+    u, v = np.meshgrid(np.arange(around) * (2 * np.pi / around), np.linspace(0.05, np.pi - 0.05, along))
+    V = np.column_stack([(np.sin(v) * np.cos(u)).ravel(), (np.sin(v) * np.sin(u)).ravel(), np.cos(v).ravel()])
+    i = np.arange(along - 1)[:, None] * around + np.arange(around)
+    j = np.arange(along - 1)[:, None] * around + (np.arange(around) + 1) % around
+    quads = np.stack([i, i + around, j + around, j], axis=-1).reshape(-1, 4)
+    caps = np.arange(1, around - 1)
+    top = np.column_stack([np.zeros_like(caps), caps, caps + 1])
+    last = (along - 1) * around
+    return V, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]], top, last + top[:, ::-1]])

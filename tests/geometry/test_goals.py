@@ -5,7 +5,7 @@ import pytest
 from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals import Region, faces_within, make_goals
+from apd_viewer.geometry.goals import Region, make_goals, patch_of
 from apd_viewer.geometry.rest_mesh import RestMesh
 
 V, F = box(2, 3, 4)
@@ -36,10 +36,10 @@ def test_value_and_gradient_belong_together(goal):
 
 
 def test_a_region_is_the_triangles_with_all_corners_in_it():
-    faces = faces_within(REST, Region("lid", TOP))
-    assert (V[F[faces]][:, :, 2] == 4).all()
-    assert len(faces) == 2 * 6
-    assert len(faces_within(REST, Region("a point", TOP[:1]))) == 0
+    patch = patch_of(REST, Region("lid", TOP))
+    assert (V[patch.F][:, :, 2] == 4).all()
+    assert len(patch.F) == 2 * 6
+    assert len(patch_of(REST, Region("a point", TOP[:1])).F) == 0
 
 
 def test_a_region_goes_over_seams():
@@ -47,7 +47,7 @@ def test_a_region_goes_over_seams():
     X, G = soup(V, F)
     rest = RestMesh(X, G)
     named = rest.weld.first[X[rest.weld.first][:, 2] == 4]
-    assert len(faces_within(rest, Region("lid", named))) == 2 * 6
+    assert len(patch_of(rest, Region("lid", named)).F) == 2 * 6
 
 
 def test_words_for_what_is_not_reached():
@@ -72,10 +72,10 @@ def test_there_must_be_something_to_measure():
     assert make_goals(REST, None, None, [Region("speck", TOP[:2])]) == ()
     for ids in ([-1], [len(V)]):
         with pytest.raises(InputError, match="“lid” has a vertex that does not exist"):
-            faces_within(REST, Region("lid", np.array(ids)))
+            patch_of(REST, Region("lid", np.array(ids)))
 
 
 @pytest.mark.parametrize("region", ["lid", ("lid", TOP), Region("", TOP), None])
 def test_what_is_no_region_is_refused(region):
     with pytest.raises(InputError, match="Regions must be a list of Region"):
-        faces_within(REST, region)
+        patch_of(REST, region)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from meshes import box, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.measures import Patch, area_of
-from apd_viewer.geometry.operators import area, cotangent_laplacian, volume
+from apd_viewer.geometry.measures import Patch, area_of, survey
+from apd_viewer.geometry.operators import area, cotangent_laplacian, face_areas, volume
 
 
 def wild(V, seed=0):
@@ -83,6 +83,16 @@ def test_shifts_and_rotations_change_nothing(measure):
     assert measure(U @ R.T + [1e3, -2e3, 5e2], F, there) == pytest.approx(value, rel=1e-10)
     assert np.abs(there - g @ R.T).max() <= 1e-9
     assert np.abs(g.sum(axis=0)).max() <= 1e-12
+
+
+@pytest.mark.parametrize("mesh", MESHES)
+def test_a_survey_reads_area_volume_and_the_largest_change(mesh):
+    V, F = MESHES[mesh]
+    U, rest = wild(V), face_areas(V, F)
+    change = np.abs(face_areas(U, F) / rest - 1)
+    assert survey(U, F, rest, 0.0) == pytest.approx((area(U, F), volume(U, F), change.max()), rel=1e-12)
+    least = np.sort(rest[np.argsort(change)][-3:])[-1]
+    assert survey(U, F, rest, least)[2] == pytest.approx(change[rest > least].max(initial=0.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("mesh", MESHES)
