@@ -20,13 +20,14 @@ LIBRARIES = {
     "ui": SCREEN | {"numpy"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh"},
-    "geometry": {"numpy", "scipy", "numba", "cholespy"},
+    "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification"},
     "errors": set(),
 }
 # Libraries that only the named files may touch.
 DRAWS = {"ui/picture.py", "ui/shading.py", "ui/surface.py", "ui/viewport.py"}
 CONFINED = {
     "cholespy": {"geometry/linear_solver.py"},
+    "fast_simplification": {"geometry/coarse.py"},
     "pyvista": DRAWS,
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,

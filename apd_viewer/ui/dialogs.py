@@ -66,5 +66,6 @@ def about(parent: QWidget) -> None:
         "About APD Viewer",
         f"<h3>APD Viewer {version('apd-viewer')}</h3>"
         "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
-        "<p>Built on NumPy, SciPy, Numba, cholespy, trimesh, PyVista and Qt for Python. MIT licence.</p>",
+        "<p>Built on NumPy, SciPy, Numba, cholespy, fast-simplification, trimesh, PyVista and Qt for Python. "
+        "MIT licence.</p>",
     )

@@ -1,0 +1,184 @@
+"""Setup, iterations and the way to the end, against libigl and Open3D, in one run.
+
+    python tests/benchmarks/speed.py [--largest]
+
+The sample bottle, twisted by 120 degrees. Whatever is compared takes turns, so that whatever else the
+machine does falls on all of it; the figures are medians. Open3D factors anew at every call, so its iterations
+are those of one call, the setup taken off; it is left out where it is not installed.
+
+The second table: how long it takes to an energy within 2 % of the best that any run here has found. That
+best is searched for by runs from different starts; shapes that buckle have many minima.
+"""
+
+import argparse
+import importlib
+import sys
+import time
+from pathlib import Path
+
+import igl
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from meshes import rotation, sample_bottle
+
+from apd_viewer.geometry.constraints import constraints
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.warmup import warm_up
+
+EDGES = {1.0: 30, 0.565: 20, 0.282: 12}  # length of the edges: iterations
+LARGEST = {0.141: 5}
+WARM_UP = 3
+ITERATIONS = (
+    *("vertices", "setup, libigl", "setup", "libigl", "Open3D", "arap", "exact", "solve"),
+    *("libigl / arap", "arap / solve", "exact / arap"),
+)
+TO_THE_END = (
+    *("vertices", "method", "best energy", "ended", "within 2 % after"),
+    *("plain iterations ended", "within 2 % after", "times faster to their end"),
+)
+TWIST = np.eye(4)
+TWIST[:3, :3] = rotation([0, 1, 0], 2 * np.pi / 3)
+
+
+def timed(work):
+    """What work() returns, and how long it took in milliseconds."""
+    started = time.perf_counter()
+    value = work()
+    return value, 1e3 * (time.perf_counter() - started)
+
+
+class Libigl:
+    """As-rigid-as-possible with the energy of Eq. 1."""
+
+    def __init__(self, V, F, held):
+        self.data = igl.ARAPData()
+        self.data.energy = igl.ARAPEnergyType.ARAP_ENERGY_TYPE_SPOKES
+        self.data.max_iter = 1
+        igl.arap_precomputation(V, F, 3, held.fixed.astype(np.int64), self.data)
+        self.U, self.targets = V.copy(), held.targets
+
+    def iterate(self):
+        self.U = igl.arap_solve(self.targets, self.data, self.U)
+
+
+def ours(rest, held, method):
+    solver = Deformation(
+        rest.V, rest.F, held.fixed, method=method, handle=held.handles, plain=True, rest=rest
+    )
+    solver.aim(held.targets)
+    return solver
+
+
+def open3d_iteration(V, F, held):
+    """One iteration of Open3D in milliseconds, or nan."""
+    try:
+        o3d = importlib.import_module("open3d")
+    except ImportError:
+        return np.nan
+    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(V), o3d.utility.Vector3iVector(F))
+    ids, where = o3d.utility.IntVector(held.fixed), o3d.utility.Vector3dVector(held.targets)
+    spokes = o3d.geometry.DeformAsRigidAsPossibleEnergy.Spokes
+    one = timed(lambda: mesh.deform_as_rigid_as_possible(ids, where, 1, spokes))[1]
+    return (timed(lambda: mesh.deform_as_rigid_as_possible(ids, where, 4, spokes))[1] - one) / 3
+
+
+def iterations(edge, count):
+    """One line of the first table."""
+    V, F, labels = sample_bottle(edge)
+    held = constraints(labels, V, [TWIST])
+    theirs, their_setup = timed(lambda: Libigl(V, F, held))
+    rest, at_rest = timed(lambda: RestMesh(V, F))
+    arap, factor = timed(lambda: ours(rest, held, "arap"))
+    exact = ours(rest, held, "exact")
+    elastic = arap._method._elastic
+    b = np.random.default_rng(0).normal(size=(len(elastic.free), 3))
+    work = {
+        "libigl": theirs.iterate,
+        "arap": arap.iterate,
+        "exact": exact.iterate,
+        "solve": lambda: elastic.solve(b),
+    }
+    times = {name: [] for name in work}
+    for _ in range(count + WARM_UP):
+        for name, act in work.items():
+            times[name].append(timed(act)[1])
+    t = {name: float(np.median(taken[WARM_UP:])) for name, taken in times.items()}
+    t["Open3D"] = open3d_iteration(V, F, held)
+    return (
+        *(f"{len(V):,}", f"{their_setup:.0f}", f"{at_rest + factor:.0f}"),
+        *(f"{t[name]:.2f}" for name in ("libigl", "Open3D", "arap", "exact", "solve")),
+        *(f"{t['libigl'] / t['arap']:.1f}", f"{t['arap'] / t['solve']:.2f}", f"{t['exact'] / t['arap']:.2f}"),
+    )
+
+
+def energies(solver, seconds, most):
+    """Energies and the seconds until each, aimed at the twist, to the end or for so long."""
+    elastic, started, course = solver._method._elastic, time.perf_counter(), []
+    while len(course) < most and not (course and (solver.settled or course[-1][0] > seconds)):
+        solver.iterate()
+        course.append((time.perf_counter() - started, elastic.energy))
+    return np.array(course)
+
+
+def way_to_the_end(edge, method, plain_seconds):
+    """One line of the second table."""
+    V, F, labels = sample_bottle(edge)
+    held, rest = constraints(labels, V, [TWIST]), RestMesh(V, F)
+    solver = Deformation(V, F, held.fixed, method=method, handle=held.handles, rest=rest)
+    solver.aim(held.targets)
+    fast = energies(solver, np.inf, 3000)
+    best = fast[-1, 1]
+    for steps in (2, 3, 5):  # other ways to turn by 120 degrees, which may end in other folds
+        solver.aim(V[held.fixed], U=V)
+        for k in range(1, steps + 1):
+            part = np.eye(4)
+            part[:3, :3] = rotation([0, 1, 0], 2 * np.pi / 3 * k / steps)
+            solver.aim(constraints(labels, V, [part]).targets)
+            course = energies(solver, np.inf, 100 if k < steps else 3000)
+        best = min(best, course[-1, 1])
+    plain = energies(ours(rest, held, method), plain_seconds, 10**6)
+
+    def when(course, energy):
+        there = np.flatnonzero(course[:, 1] <= energy)
+        return course[there[0], 0] if len(there) else np.inf
+
+    same = when(fast, plain[-1, 1])
+    return (
+        *(f"{len(V):,}", method, f"{best:.4g}"),
+        *(f"{fast[-1, 1] / best - 1:+.1%} after {fast[-1, 0]:.1f} s", f"{when(fast, 1.02 * best):.2f} s"),
+        *(f"{plain[-1, 1] / best - 1:+.0%} after {plain[-1, 0]:.0f} s", f"{when(plain, 1.02 * best):.3g} s"),
+        f"{plain[-1, 0] / same:.0f}",
+    )
+
+
+def row(cells):
+    """A line of a table in Markdown."""
+    print("| " + " | ".join(cells) + " |", flush=True)
+
+
+def main() -> None:
+    """Print both tables as Markdown."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--largest", action="store_true", help="also at 655,000 vertices")
+    parser.add_argument("--plain-seconds", type=float, default=60.0, help="how long plain iterations get")
+    options = parser.parse_args()
+    warm_up()
+    print("Milliseconds.\n")
+    row(ITERATIONS)
+    row(["---"] * len(ITERATIONS))
+    for edge, count in {**EDGES, **(LARGEST if options.largest else {})}.items():
+        row(iterations(edge, count))
+    print()
+    row(TO_THE_END)
+    row(["---"] * len(TO_THE_END))
+    for edge in (1.0, 0.358):
+        for method in ("arap", "exact"):
+            row(way_to_the_end(edge, method, options.plain_seconds))
+
+
+if __name__ == "__main__":
+    main()
