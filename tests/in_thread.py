@@ -1,7 +1,7 @@
 """The solver's process as a thread of the tests: the same pipes and messages, and nothing to wait for.
 
-Most tests are about what is said and answered. A process takes half a second to start, and what a test changes
-in the solver would not reach it; those that are about the process have a real one.
+Most tests are about what is said and answered. A process takes half a second to start, and what a test
+changes in the solver would not reach it; those that are about the process have a real one.
 """
 
 import contextlib
@@ -24,10 +24,14 @@ class InThread:
         self._thread.start()
 
     def _serve(self, connection: socket.socket) -> None:
-        with contextlib.suppress(OSError):  # an answer that nobody hears stays in the file
-            with connection, connection.makefile("rb") as source, connection.makefile("wb") as sink:
-                serve(source, sink)
-                connection.shutdown(socket.SHUT_RDWR)
+        with (
+            contextlib.suppress(OSError),  # an answer that nobody hears stays in the file
+            connection,
+            connection.makefile("rb") as source,
+            connection.makefile("wb") as sink,
+        ):
+            serve(source, sink)
+            connection.shutdown(socket.SHUT_RDWR)
 
     def kill(self) -> None:
         """Hang up, on both sides."""

@@ -32,8 +32,7 @@ sys.path[:] = sys.argv[1:]
 from apd_viewer.session.solver_process import main
 main(replies)
 """
-# Neither a console window nor more of the processor than the window leaves. The flags exist on Windows only.
-_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "BELOW_NORMAL_PRIORITY_CLASS", 0)
+_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
 
 
 class Process(Protocol):
@@ -83,8 +82,8 @@ class Child:
     ----------
     publish : callable
         Called with every Published, on a thread of the child.
-    progressed : callable
-        ``progressed(child, request, step)``, called on that thread before and after a request is made ready.
+    prepares : callable
+        Called on that thread when the process begins to make something ready.
     ended : callable
         Called on that thread, last, when the process has come to its end, for whatever reason.
 
@@ -104,13 +103,13 @@ class Child:
     def __init__(
         self,
         publish: Callable[[Published], object],
-        progressed: Callable[[Child, Request, Step], object],
+        prepares: Callable[[Child], object],
         ended: Callable[[Child], object],
     ) -> None:
         self.alive = True
         self.dismissed = False
         self.preparation: Preparation | None = None
-        self._publish, self._progressed, self._ended = publish, progressed, ended
+        self._publish, self._prepares, self._ended = publish, prepares, ended
         self._process = start_process()
         self._packer = wire.Packer()
         self._numbers = itertools.count(1)
@@ -200,11 +199,11 @@ class Child:
         elif message.step is Step.TURNED_TO:
             for number in [n for n in list(self._orders) if n < message.number]:
                 del self._orders[number]
+        elif message.step is Step.PREPARING:
+            self.preparation = Preparation(self._orders[message.number][0], time.monotonic())
+            self._prepares(self)
         else:
-            request = self._orders[message.number][0]
-            begins = message.step is Step.PREPARING
-            self.preparation = Preparation(request, time.monotonic()) if begins else None
-            self._progressed(self, request, message.step)
+            self.preparation = None
 
     def _hear_answer(self, answer: Answer) -> None:
         self.preparation = None

@@ -22,14 +22,12 @@ from apd_viewer.session.sharing import leave_blocks_to_their_owner
 from apd_viewer.session.slot import Slot
 from apd_viewer.session.solver import Solver
 
-NICENESS = 5  # whoever draws the shapes comes first
+NICENESS = 5
 
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is meant for the window
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
     sys.stdout = sys.stderr
     leave_blocks_to_their_owner()
     with os.fdopen(replies, "wb") as sink:

@@ -28,12 +28,11 @@ import numpy as np
 
 from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document
-from apd_viewer.session.messages import Step
 from apd_viewer.session.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.slot import Slot
 
 MOST_DEATHS = 3  # one after another, without a shape
-_QUIET = 30.0  # s; who was told of a death need not be told of the next one sooner
+_CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
 # What things take, in seconds; only to tell what is clearly worth it, so powers of two would do.
 _START = 0.6
 _PER_VERTEX = 1e-5
@@ -74,7 +73,7 @@ class Worker:
         self._shape: tuple[int, np.ndarray] | None = None
         self._news: Slot[str] = Slot()
         self._deaths = 0
-        self._quiet_since = -np.inf
+        self._last_death = -np.inf
         self._child: Child | None = None
         self._closed = False
         self._changing_child = threading.Lock()
@@ -159,7 +158,7 @@ class Worker:
             if self._closed:
                 return None
             try:
-                self._child = Child(self._publish, self._progressed, self._ended)
+                self._child = Child(self._publish, self._end_if_useless, self._ended)
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
             return self._child
@@ -172,16 +171,16 @@ class Worker:
 
     def _mourn(self, request: Request) -> bool:
         """Count a death; True if the request is given up for it."""
-        self._deaths += 1
+        now = time.monotonic()
+        calm, self._last_death = now - self._last_death > _CALM, now
+        self._deaths = 1 if calm else self._deaths + 1
         if self._deaths >= MOST_DEATHS:
             self._fail(request, _GIVEN_UP.format(times=self._deaths))
             return True
-        now = time.monotonic()
-        if now - self._quiet_since > _QUIET:
+        if calm:
             self._news.put(_DIED)
             if self._replies.offer(Published(Reply(request.document, request.generation, None, False))):
                 self._wake()
-        self._quiet_since = now
         return False
 
     def _fail(self, request: Request, sentence: str) -> None:
@@ -201,12 +200,6 @@ class Worker:
         if reply.finished:
             self._finished = reply.document, reply.generation
         self._put(published)
-
-    def _progressed(self, child: Child, request: Request, step: Step) -> None:
-        if step is Step.PREPARING:
-            self._end_if_useless(child)
-        elif not request.iterate:
-            self._deaths = 0
 
     def _ended(self, _: Child) -> None:
         if not self._closed:
