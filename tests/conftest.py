@@ -1,7 +1,25 @@
 """What all rooms' tests share. pytest puts this folder on sys.path, so ``from meshes import box`` works."""
 
+import pytest
 from hypothesis import settings
+from in_thread import InThread
+
+from apd_viewer.session import child
+
+START = child.start_process
 
 # The kernels compile on first use, which no deadline can foresee; the same examples on every machine.
 settings.register_profile("suite", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("suite")
+
+
+@pytest.fixture(autouse=True)
+def solver_in_a_thread(monkeypatch):
+    """The solver is a thread, where a test can change it, unless the test is about the process."""
+    monkeypatch.setattr(child, "start_process", InThread)
+
+
+@pytest.fixture
+def process(solver_in_a_thread, monkeypatch):
+    """The solver is a process, as it is for the user."""
+    monkeypatch.setattr(child, "start_process", START)

@@ -1,16 +1,15 @@
-"""Compile the kernels before they are needed."""
+"""Compile the kernels of a deformation before they are needed."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry import picking
 from apd_viewer.geometry.deformation import METHODS, Deformation
 from apd_viewer.geometry.goals import Region
 
 
 def warm_up() -> None:
-    """Use every kernel once: the first time compiles them (20 s), later ones load them (half a second)."""
+    """Use every one of them once: the first time compiles them (20 s), later ones load them (half a second)."""
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]
@@ -22,7 +21,6 @@ def warm_up() -> None:
         solver.aim(targets)
         for _ in range(3):
             solver.step()
-    picking.warm_up()
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:

@@ -24,6 +24,15 @@ class Slot(Generic[T]):
             self._filled.notify()
         return was_empty
 
+    def offer(self, value: T) -> bool:
+        """Leave ``value`` if nothing else is there; True if so."""
+        with self._filled:
+            if self._value is not None:
+                return False
+            self._value = value
+            self._filled.notify()
+        return True
+
     def take(self) -> T | None:
         """Take the value away; None if there is none."""
         with self._filled:

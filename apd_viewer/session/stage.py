@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from apd_viewer.session.document import Document, State
-from apd_viewer.session.worker import Reply, Request, Worker
+from apd_viewer.session.requests import Reply, Request
+from apd_viewer.session.worker import Worker
 
 
 class Activity(Enum):
@@ -121,13 +122,16 @@ class Stage:
     def receive(self) -> None:
         """Take in what the worker has left."""
         reply = self._worker.take()
+        if reply is not None and reply.news:
+            self._listener.told(reply.news)
         if reply is not None and reply.generation == self._generation:
             self._accept(reply)
 
     def _accept(self, reply: Reply) -> None:
         if reply.warning and reply.warning != self._warned:
             self._listener.told(reply.warning)
-        self._warned = reply.warning
+        if reply.frame is not None:
+            self._warned = reply.warning
         # A slightly stale frame of this drag is worth showing, but says nothing about its end.
         latest = reply.document is self._asked
         if reply.frame is not None:

@@ -1,7 +1,18 @@
-"""The thread that iterates: complete requests in, coalesced replies out.
+"""Drives the solver, which has a process of its own: complete requests in, coalesced replies out.
 
-It knows nothing of windows and calls nobody while it holds a lock. Requests and replies are plain
-values that can be pickled.
+The process holds whatever would keep the window from answering, and takes nothing with it when it dies:
+
+    ask ──> slot ──> thread "solver" ──> child: envelope, pipe ──> process
+    take <── slot <── thread "answers" of the child: pipe, tray <──
+
+The thread "solver" alone starts processes and sends. It waits at the slot, where the newest request wins, for
+a request or for the word that the process has ended, and then sees to it that a process has the latest
+request. A process that ended by itself is replaced, and the new one goes on from the last shape that came;
+after a few deaths without a shape the request is given up, in a sentence. A process that makes something
+ready that nobody needs any more is ended on purpose, if a new one would be there sooner. Whoever learns of
+that kills it, be it the window's thread, and the rest follows from its end.
+
+All that a reply says may be overwritten by the next one, but for news: they go with the reply taken next.
 """
 
 from __future__ import annotations
@@ -10,186 +21,202 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
+from enum import Enum
 
 import numpy as np
 
-from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import Constraints
-from apd_viewer.geometry.deform import MOST_ITERATIONS
-from apd_viewer.geometry.deformation import Deformation, Frame
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document
+from apd_viewer.session.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.slot import Slot
 
+MOST_DEATHS = 3  # one after another, without a shape
+_CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
+# What things take, in seconds; only to tell what is clearly worth it, so powers of two would do.
+_START = 0.6
+_PER_VERTEX = 1e-5
+_PER_VERTEX_OF_A_MESH = 2.5e-6  # to get to know it
+_PER_VERTEX_WITH_BENDING = 5e-5
 
-@dataclass(frozen=True, eq=False)
-class Request:
-    """What to work on.
-
-    Attributes
-    ----------
-    document : Document
-    generation : int
-        Counts jumps of the state. A new one starts from ``U``; the same one goes on from where
-        the worker is.
-    U : (n, 3) float array
-        The shape to start from.
-    iterate : bool
-        Otherwise only make ready: factor, so that the first drag need not wait.
-    """
-
-    document: Document
-    generation: int
-    U: np.ndarray
-    iterate: bool
+_DIED = "The solver ended unexpectedly and was started again; nothing is lost."
+_GIVEN_UP = (
+    "The solver ended {times} times over this, and left no word; it may lack memory. "
+    "Undo the last step, or close other programs and try again."
+)
+_NOT_SENT = "The solver cannot be asked ({why}); undo the last step."
+_NOT_STARTED = "The solver cannot be started ({why}); close other programs and try again."
 
 
-@dataclass(frozen=True, eq=False)
-class Reply:
-    """What came of a request: a frame, or a sentence that says why there is none.
+class _Call(Enum):
+    """What lies in the slot when it is no request."""
 
-    Attributes
-    ----------
-    finished : bool
-        Nothing more comes for this request.
-    seconds : float
-        Time that the last iteration took.
-    warning : str or None
-        What the user should know about what is held.
-    """
-
-    document: Document
-    generation: int
-    frame: Frame | None
-    finished: bool
-    seconds: float = 0.0
-    failure: str | None = None
-    warning: str | None = None
+    LOOK_AFTER_THE_CHILD = 1
 
 
 class Worker:
-    """Owns the solver and the thread that drives it.
+    """Answers requests, by a process that it starts with the first one.
 
     Parameters
     ----------
     wake : callable
-        Called on the worker's thread when a reply lies in the empty slot; must only pass it on.
+        Called on a thread of the worker when a reply lies in the empty slot; must only pass it on.
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
         self._wake = wake
-        self._requests: Slot[Request] = Slot()
-        self._replies: Slot[Reply] = Slot()
-        self._rest: tuple[Mesh, RestMesh] | None = None
-        self._solver: Deformation | None = None
-        self._key: tuple[object, ...] = ()
-        self._goals: tuple[object, ...] = ()
-        self._poses: tuple[object, ...] = ()
-        self._generation: int | None = None
+        self._requests: Slot[Request | _Call] = Slot()
+        self._replies: Slot[Published] = Slot()
+        self._asked: Request | None = None
+        self._turned_to: Request | None = None
+        self._finished: tuple[Document, int] | None = None
+        self._shape: tuple[int, np.ndarray] | None = None
+        self._news: Slot[str] = Slot()
+        self._deaths = 0
+        self._last_death = -np.inf
+        self._child: Child | None = None
+        self._closed = False
+        self._changing_child = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="solver", daemon=True)
         self._thread.start()
 
     def ask(self, request: Request) -> None:
-        """Turn to ``request`` next, and forget any other that still waits."""
+        """Turn to ``request`` next, and forget any other that still waits. Never blocks."""
+        self._asked = request
         self._requests.put(request)
+        if (child := self._child) is not None:
+            self._end_if_useless(child)
 
     def take(self) -> Reply | None:
         """Take the newest reply; None if there is none."""
-        return self._replies.take()
+        published = self._replies.take()
+        if published is None:
+            return None
+        published.look()
+        news = self._news.take()
+        return replace(published.reply, news=news) if news else published.reply
 
     def close(self) -> None:
-        """End the thread after the iteration that it is in, and wait for it."""
+        """End the process, whatever it is doing, and the threads."""
+        with self._changing_child:
+            self._closed = True
+            child = self._child
         self._requests.close()
+        if child is not None:
+            child.dismiss()
+            child.join()
         self._thread.join()
-        self._solver = self._rest = None
+        self._child = self._shape = self._asked = self._turned_to = None
+        self._replies.take()
+
+    # The thread "solver"
 
     def _run(self) -> None:
-        while (request := self._requests.wait()) is not None:
+        while (called := self._newest()) is not None:
+            if isinstance(called, Request):
+                self._turned_to = called
+            elif self._child is None or self._child.alive:
+                continue
             try:
-                self._answer(request)
-            except InputError as error:
-                self._fail(request, str(error))
+                while self._turned_to is not None and not self._closed and not self._sent(self._turned_to):
+                    pass
             except Exception as error:
-                # A defect or a lack of memory must reach the screen, and the next request a thread.
-                traceback.print_exc()
-                self._fail(
-                    request, f"The solver stopped ({str(error) or type(error).__name__}); undo the last step."
-                )
+                self._give_up(error)
 
-    def _answer(self, request: Request) -> None:
-        if self._rest is not None and self._rest[0] is not request.document.mesh:
-            self._solver = self._rest = None
-            self._key = ()
-        if request.document.problem:
-            return
-        solver = self._prepared(request)
-        if not request.iterate:
-            return
-        warning = solver.rest.loose_warning(solver.fixed)
-        while True:  # one step at least, or poses that come faster than they are prepared show nothing
-            started = time.perf_counter()
-            frame = solver.step()
-            seconds = time.perf_counter() - started
-            finished = frame.settled or frame.iteration >= MOST_ITERATIONS
-            self._reply(Reply(request.document, request.generation, frame, finished, seconds, None, warning))
-            if finished or self._requests.waiting:
-                return
+    def _newest(self) -> Request | _Call | None:
+        """What there is to do, once the process can take it; None in the end."""
+        if self._child is not None:
+            self._child.wait_until_received()
+        return self._requests.wait()
 
-    def _prepared(self, request: Request) -> Deformation:
-        """The solver of the request, told what is asked and aimed; factored only where it must be."""
-        document = request.document
-        held = document.constraints()
-        weights = document.stiffness, document.area_stiffness, document.shear_stiffness
-        key = (document.mesh, document.labels, document.method, *weights)
-        goals = (document.targets, document.hold_area, document.member, document.regions)
-        poses = tuple(handle.pose for handle in document.handles)
-        fresh = self._solver is None or not _alike(key, self._key)
-        if self._solver is None or fresh:
-            self._solver = None  # its memory is needed for the next one
-            self._solver = self._made(document, held)
-        elif not _alike(goals, self._goals):
-            self._solver.keep(*document.asked)
-        self._solver.tolerance = document.tolerance
-        jump = fresh or request.generation != self._generation
-        # Aiming anew would take the paper's handle back to where it was put.
-        if jump or not _alike(poses, self._poses):
-            self._solver.aim(held.targets, request.U if jump else None)
-        self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
-        return self._solver
+    def _give_up(self, error: Exception) -> None:
+        """Forget a request that cannot be sent, and the process that may have half of it."""
+        traceback.print_exc()
+        request, self._turned_to = self._turned_to, None
+        if self._child is not None:
+            self._child.dismiss()
+        if request is not None:
+            self._fail(request, _NOT_SENT.format(why=str(error) or type(error).__name__))
 
-    def _made(self, document: Document, held: Constraints) -> Deformation:
-        rest = self._rest_of(document.mesh)
-        return Deformation(
-            rest.V,
-            rest.F,
-            held.fixed,
-            method=document.method,
-            handle=held.handles,
-            stiffness=document.stiffness,
-            area_stiffness=document.area_stiffness,
-            shear_stiffness=document.shear_stiffness,
-            **document.asked._asdict(),
-            rest=rest,
-        )
+    def _sent(self, request: Request) -> bool:
+        """Whether a process has the request now, or it has been given up; otherwise its process has died."""
+        child = self._child
+        if child is not None and not child.alive:
+            self._child = None
+            if not child.dismissed and self._mourn(request):
+                return True
+            child = None
+        if child is None:
+            child = self._started(request)
+            if child is None:
+                return True
+            request = self._resumed(request)
+        return child.send(request)
 
-    def _rest_of(self, mesh: Mesh) -> RestMesh:
-        if self._rest is None or self._rest[0] is not mesh:
-            self._rest = (mesh, RestMesh(mesh.V, mesh.F, mesh.weld))
-        return self._rest[1]
+    def _started(self, request: Request) -> Child | None:
+        with self._changing_child:
+            if self._closed:
+                return None
+            try:
+                self._child = Child(self._publish, self._end_if_useless, self._ended)
+            except OSError as error:
+                self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
+            return self._child
 
-    def _fail(self, request: Request, message: str) -> None:
-        self._solver = None
-        self._reply(Reply(request.document, request.generation, None, True, failure=message))
+    def _resumed(self, request: Request) -> Request:
+        """What to ask of a process that knows nothing yet: the request, from the last shape that came."""
+        shape, finished = self._shape, self._finished == (request.document, request.generation)
+        U = shape[1] if shape is not None and shape[0] == request.generation else request.U
+        return replace(request, U=U, iterate=request.iterate and not finished)
 
-    def _reply(self, reply: Reply) -> None:
-        if self._replies.put(reply):
+    def _mourn(self, request: Request) -> bool:
+        """Count a death; True if the request is given up for it."""
+        now = time.monotonic()
+        calm, self._last_death = now - self._last_death > _CALM, now
+        self._deaths = 1 if calm else self._deaths + 1
+        if self._deaths >= MOST_DEATHS:
+            self._fail(request, _GIVEN_UP.format(times=self._deaths))
+            return True
+        if calm:
+            self._news.put(_DIED)
+            if self._replies.offer(Published(Reply(request.document, request.generation, None, False))):
+                self._wake()
+        return False
+
+    def _fail(self, request: Request, sentence: str) -> None:
+        self._put(Published(Reply(request.document, request.generation, None, True, failure=sentence)))
+
+    def _put(self, published: Published) -> None:
+        if self._replies.put(published):
             self._wake()
 
+    # The thread "answers"
 
-def _alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
-    """Whether two tuples are equal; arrays only if they are the very same."""
-    return len(a) == len(b) and all(
-        x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
-    )
+    def _publish(self, published: Published) -> None:
+        reply = published.reply
+        if reply.frame is not None:
+            self._deaths = 0
+            self._shape = reply.generation, reply.frame.U
+        if reply.finished:
+            self._finished = reply.document, reply.generation
+        self._put(published)
+
+    def _ended(self, _: Child) -> None:
+        if not self._closed:
+            self._requests.offer(_Call.LOOK_AFTER_THE_CHILD)
+
+    # Any thread
+
+    def _end_if_useless(self, child: Child) -> None:
+        """End the process if nobody asks for what it makes ready, and another would be there sooner."""
+        under_way, asked = child.preparation, self._asked
+        if under_way is None or asked is None:
+            return
+        document = under_way.request.document
+        if alike(factored_for(document), factored_for(asked.document)):
+            return
+        n = len(document.mesh.V)
+        takes = n * (_PER_VERTEX_WITH_BENDING if document.stiffness > 0.0 else _PER_VERTEX)
+        again = _START + (n * _PER_VERTEX_OF_A_MESH if document.mesh is asked.document.mesh else 0.0)
+        if takes - (time.monotonic() - under_way.since) > 2.0 * again:
+            child.dismiss()

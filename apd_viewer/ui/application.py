@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -25,8 +26,8 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
+from apd_viewer.geometry import picking
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.ui.garbage import GuiThreadGC
 
 # pyvistaqt sets the default format once more for each viewport, to what is set here already.
@@ -96,9 +97,10 @@ def run(mesh: object = None) -> None:
 
     window = Window(QSettings())
     window.show()
-    # While the user looks at the mesh, so that the first drag need not wait for a compiler.
-    warming = threading.Thread(target=warm_up, name="warm-up", daemon=True)
+    # While the user looks at the mesh, so that the first stroke need not wait for a compiler.
+    warming = threading.Thread(target=picking.warm_up, name="warm-up", daemon=True)
     warming.start()
+    gc.freeze()  # what is loaded stays: to look through it for garbage takes 0.15 s every time
     if shown is None:
         window.session.open_sample("bottle")
     elif isinstance(shown, Mesh):
@@ -107,6 +109,7 @@ def run(mesh: object = None) -> None:
         window.open_path(shown)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
     application.exec()
+    gc.unfreeze()
     warming.join()  # a thread that compiles while the interpreter ends would take it down
 
 

@@ -1,10 +1,10 @@
-"""The user's verbs, answered by the real worker thread; the owner's thread is the test's."""
+"""The user's verbs, answered by the real worker; the owner's thread is the test's."""
 
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
+import in_thread
 import numpy as np
 import pytest
 from meshes import box, ends, rotation
@@ -119,7 +119,7 @@ def bar() -> Mesh:
 
 
 def solver_threads() -> list[threading.Thread]:
-    return [thread for thread in threading.enumerate() if thread.name == "solver"]
+    return [thread for thread in threading.enumerate() if thread.name == in_thread.NAME]
 
 
 @pytest.fixture
@@ -143,13 +143,13 @@ def session(empty):
 @pytest.fixture
 def slow(monkeypatch):
     """Every iteration takes 10 ms longer, so that whatever is done meets one under way."""
-    real = Deformation.step
+    real = Deformation.iterate
 
-    def step(self):
+    def iterate(self):
         time.sleep(0.01)
-        return real(self)
+        real(self)
 
-    monkeypatch.setattr(Deformation, "step", step)
+    monkeypatch.setattr(Deformation, "iterate", iterate)
 
 
 class Counter:
@@ -547,7 +547,7 @@ def test_the_listener_is_woken_by_the_worker_once_for_what_it_has_not_taken(sess
     session.begin_gesture()
     session.move_handle(BENT)
     time.sleep(0.1)
-    assert session.woken == ["solver"]
+    assert session.woken == ["answers"]
     session.settle()
     session.end_gesture("Move handle")
 
@@ -717,7 +717,7 @@ def test_an_error_that_says_nothing_is_named(session, monkeypatch, capfd):
     def failing(_):
         raise MemoryError
 
-    monkeypatch.setattr(Deformation, "step", failing)
+    monkeypatch.setattr(Deformation, "iterate", failing)
     session.drag(BENT)
     session.until(lambda: session.failed)
     assert "MemoryError" in session.failed[0]
@@ -759,7 +759,7 @@ def test_a_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch)
         raise ValueError("broken")
 
     session.on_failed = session.undo
-    monkeypatch.setattr(Deformation, "step", failing)
+    monkeypatch.setattr(Deformation, "iterate", failing)
     session.drag(BENT)
     session.until(lambda: session.failed)
     monkeypatch.undo()
@@ -806,9 +806,8 @@ def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
 
 
 def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
-    real = Deformation.step
-    monkeypatch.setattr(Deformation, "step", lambda self: replace(real(self), settled=False, converged=False))
-    monkeypatch.setattr("apd_viewer.session.worker.MOST_ITERATIONS", 30)
+    monkeypatch.setattr(Deformation, "settled", False)
+    monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 30)
     session.drag(BENT)
     session.settle()
     assert session.activity is Activity.UNREACHED

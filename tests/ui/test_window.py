@@ -221,8 +221,8 @@ def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
 
 
 @pytest.fixture
-def big(qtbot, window):
-    """A window on a ball of 40,962 vertices, its poles painted."""
+def big(process, qtbot, window):
+    """A window on a ball of 40,962 vertices, its poles painted, and the solver ready for it."""
     V, F = meshes.sphere(6)
     window.show_mesh(Mesh(V, F))
     idle(qtbot, window)
@@ -232,8 +232,10 @@ def big(qtbot, window):
         session.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
         session.end_stroke("Paint")
     window.take(Tool.MOVE)
-    # The worker has taken the last request once it has factored for it.
-    qtbot.waitUntil(lambda: session._worker._key[1:2] == (document(window).labels,), timeout=20_000)
+    session.begin_gesture()
+    session.move_handle(np.eye(4) + np.eye(4, k=3) * 1e-6)
+    qtbot.waitUntil(lambda: session.state.frame.iteration, timeout=20_000)
+    session.cancel_gesture()
     qtbot.wait(400)
     return window
 

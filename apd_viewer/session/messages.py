@@ -1,0 +1,66 @@
+"""What worker and solver process tell each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from apd_viewer.geometry.deformation import Frame
+from apd_viewer.session.requests import Request
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """A request on its way to the solver process.
+
+    Attributes
+    ----------
+    number : int
+        Later orders have higher ones.
+    tray : str or None
+        Name of the tray to put shapes into; without one they travel in the answers.
+    """
+
+    number: int
+    request: Request
+    tray: str | None
+
+
+class Step(Enum):
+    """How far an order has come."""
+
+    RECEIVED = "received"
+    TURNED_TO = "turned to"  # whatever was ordered before is answered or dropped
+    PREPARING = "preparing"  # this may take long and cannot be interrupted
+    READY = "ready"
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """An order has come a step further."""
+
+    number: int
+    step: Step
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What came of an order.
+
+    Attributes
+    ----------
+    frame : Frame or None
+        Without its shape, if that lies in the tray.
+    put : int or None
+        The number under which it lies there.
+    finished, seconds, failure, warning
+        See :class:`apd_viewer.session.requests.Reply`.
+    """
+
+    number: int
+    frame: Frame | None
+    put: int | None = None
+    finished: bool = True
+    seconds: float = 0.0
+    failure: str | None = None
+    warning: str | None = None

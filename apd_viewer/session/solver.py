@@ -1,0 +1,159 @@
+"""What answers requests, in a process of its own: prepares, iterates, and turns to the newest one.
+
+An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
+and none of them is measured; the one with which a request is finished always is.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.constraints import Constraints
+from apd_viewer.geometry.deform import MOST_ITERATIONS
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.session.document import Document
+from apd_viewer.session.messages import Answer, Order, Progress, Step
+from apd_viewer.session.requests import alike, factored_for
+from apd_viewer.session.sharing import Tray
+from apd_viewer.session.slot import Slot
+
+_NOTHING = np.zeros((0, 3))
+_MOMENT = 0.0005  # s
+
+
+class Solver:
+    """Answers orders one after another, and keeps what the next one may need again.
+
+    Parameters
+    ----------
+    orders : Slot of Order
+        Where the newest order is; its end is the end of :meth:`run`.
+    tell : callable
+        Called with every Progress and Answer.
+    """
+
+    def __init__(self, orders: Slot[Order], tell: Callable[[Progress | Answer], None]) -> None:
+        self._orders = orders
+        self._tell = tell
+        self._tray: Tray | None = None
+        self._rest: tuple[Mesh, RestMesh] | None = None
+        self._solver: Deformation | None = None
+        self._key: tuple[object, ...] = ()
+        self._goals: tuple[object, ...] = ()
+        self._poses: tuple[object, ...] = ()
+        self._generation: int | None = None
+
+    def run(self, at_leisure: Callable[[], object] = lambda: None) -> None:
+        """Answer orders until there are no more; ``at_leisure()`` is called once, between two of them."""
+        idle = False
+        while (order := self._orders.wait()) is not None:
+            self._tell(Progress(order.number, Step.TURNED_TO))
+            try:
+                self._answer(order)
+            except InputError as error:
+                self._fail(order, str(error))
+            except Exception as error:
+                # A defect or a lack of memory must reach the screen, and the next request a solver.
+                traceback.print_exc()
+                said = str(error) or type(error).__name__
+                self._fail(order, f"The solver stopped ({said}); undo the last step.")
+            if not idle and not self._orders.waiting:
+                idle = True
+                at_leisure()
+
+    def _fail(self, order: Order, message: str) -> None:
+        self._solver = None
+        self._tell(Answer(order.number, None, failure=message))
+
+    def _answer(self, order: Order) -> None:
+        request = order.request
+        if self._rest is not None and self._rest[0] is not request.document.mesh:
+            self._solver = self._rest = self._tray = None
+            self._key = ()
+        if request.document.problem:
+            return
+        solver = self._prepared(order)
+        self._tell(Progress(order.number, Step.READY))
+        if request.iterate:
+            self._iterate(order, solver)
+
+    def _iterate(self, order: Order, solver: Deformation) -> None:
+        tray = self._tray_of(order)
+        warning = solver.rest.loose_warning(solver.fixed)
+        iterations, since, last = 0, time.perf_counter(), 0
+        while True:  # once at least, or poses that come faster than they are prepared show nothing
+            solver.iterate()
+            iterations += 1
+            finished = solver.settled or iterations >= MOST_ITERATIONS
+            if finished:
+                while tray is not None and not tray.free and not self._orders.waiting:
+                    time.sleep(_MOMENT)
+            if tray is None or (tray.free and (finished or tray.seen)):
+                seconds = (time.perf_counter() - since) / (iterations - last)
+                frame = solver.frame()
+                put = None
+                if tray is not None:
+                    put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
+                self._tell(Answer(order.number, frame, put, finished, seconds, warning=warning))
+                since, last = time.perf_counter(), iterations
+            if finished or self._orders.waiting:
+                return
+
+    def _tray_of(self, order: Order) -> Tray | None:
+        if order.tray is None:
+            return None
+        if self._tray is None or self._tray.name != order.tray:
+            self._tray = Tray(len(order.request.document.mesh.V), order.tray)
+        return self._tray
+
+    def _prepared(self, order: Order) -> Deformation:
+        """The solver of the request, told what is asked and aimed; factored only where it must be."""
+        request = order.request
+        document = request.document
+        held = document.constraints()
+        key = factored_for(document)
+        names = tuple(region.name for region in document.regions)
+        goals = (document.targets, document.hold_area, document.member, names)
+        poses = tuple(handle.pose for handle in document.handles)
+        fresh = self._solver is None or not alike(key, self._key)
+        if self._solver is None or fresh:
+            self._solver = None  # its memory is needed for the next one
+            self._tell(Progress(order.number, Step.PREPARING))
+            self._solver = self._made(document, held)
+        elif not alike(goals, self._goals):
+            self._solver.keep(*document.asked)
+        self._solver.tolerance = document.tolerance
+        jump = fresh or request.generation != self._generation
+        # Aiming anew would take the paper's handle back to where it was put.
+        if jump or not alike(poses, self._poses):
+            self._solver.aim(held.targets, request.U if jump else None)
+        self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
+        return self._solver
+
+    def _made(self, document: Document, held: Constraints) -> Deformation:
+        rest = self._rest_of(document.mesh)
+        return Deformation(
+            rest.V,
+            rest.F,
+            held.fixed,
+            method=document.method,
+            handle=held.handles,
+            stiffness=document.stiffness,
+            area_stiffness=document.area_stiffness,
+            shear_stiffness=document.shear_stiffness,
+            **document.asked._asdict(),
+            rest=rest,
+        )
+
+    def _rest_of(self, mesh: Mesh) -> RestMesh:
+        if self._rest is None or self._rest[0] is not mesh:
+            self._rest = (mesh, RestMesh(mesh.V, mesh.F, mesh.weld))
+        return self._rest[1]

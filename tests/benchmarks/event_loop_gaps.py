@@ -1,0 +1,144 @@
+"""How long the event loop of a window is kept waiting while a large mesh is factored, iterated and painted.
+
+    python tests/benchmarks/event_loop_gaps.py [length of the edges]
+
+A timer of 5 ms runs in an application that draws nothing; the gaps between its ticks are what a user would
+feel. With edges of 0.141, the default, the sample bottle has 655,000 vertices. Prints the largest memory of
+both processes too (where the system tells).
+"""
+
+import gc
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QCoreApplication, QObject, Qt, QTimer, Signal
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from meshes import rotation, sample_bottle
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.session import Activity, Listener, Session
+from apd_viewer.ui.application import SWITCH_INTERVAL
+from apd_viewer.ui.garbage import GuiThreadGC
+
+EVENTS = 120  # of the mouse, in each measurement
+EVERY = 1 / 60  # s
+
+
+class Loop(QObject):
+    """An event loop with a session, and the times at which its timer ticked."""
+
+    woken = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.session = Session(
+            Listener(self.woken.emit, lambda *_: None, lambda: None, self.say, lambda said: self.say(said))
+        )
+        self.woken.connect(self.session.receive, Qt.ConnectionType.QueuedConnection)
+        self.ticks: list[float] = []
+        self.timer = QTimer(self)
+        self.timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self.timer.timeout.connect(lambda: self.ticks.append(time.perf_counter()))
+        self.timer.start(5)
+
+    def say(self, sentence: str) -> None:
+        print(" ", sentence)
+
+    def run(self, done=lambda: True, event=lambda _: None, seconds: float = 120.0, events: int = EVENTS):
+        """Send mouse events until ``events`` are sent and it is done; prints the gaps."""
+        self.ticks.clear()
+        begun, sent = time.perf_counter(), 0
+        while time.perf_counter() - begun < seconds:
+            if sent < events and time.perf_counter() - begun >= sent * EVERY:
+                event(sent)
+                sent += 1
+            if sent == events and done():
+                break
+            QCoreApplication.processEvents()
+            time.sleep(0.0002)
+        return np.diff(self.ticks)
+
+
+def report(title: str, gaps: np.ndarray) -> None:
+    p50, p99, most = 1e3 * np.quantile(gaps, [0.5, 0.99, 1.0])
+    print(f"{title:42} {len(gaps):6} ticks  p50 {p50:5.1f}  p99 {p99:5.1f}  max {most:6.1f} ms", flush=True)
+
+
+def peak(pid: int | str) -> str:
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+        return f"{int(status.split('VmHWM:')[1].split()[0]) / 2**20:.2f} GiB"
+    except (OSError, IndexError):
+        return "unknown"
+
+
+def main() -> None:
+    application = QCoreApplication([])
+    collector = GuiThreadGC(application)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    gc.freeze()  # as the window does
+    edge = float(sys.argv[1]) if len(sys.argv) > 1 else 0.141
+    V, F, labels = sample_bottle(edge)
+    print(f"{len(V):,} vertices")
+    loop = Loop()
+    session = loop.session
+    mesh = Mesh(V, F)
+    report("nothing", loop.run())
+    session.show(mesh)
+    report("open", loop.run(lambda: session.errand is None, events=0))
+
+    def stroke(ids, label):
+        session.begin_gesture()
+        session.paint(ids, label)
+        session.end_stroke("Paint")
+
+    def twisted(angle):
+        pose = np.eye(4)
+        pose[:3, :3] = rotation([0, 1, 0], angle)
+        return pose
+
+    stroke(np.flatnonzero(labels == BASE), BASE)
+    stroke(np.flatnonzero(labels == HANDLE), HANDLE)
+    session.begin_gesture()
+    report(
+        "drag: start, factor, first frame",
+        loop.run(lambda: session.state.frame.iteration, lambda k: session.move_handle(twisted(0.002 * k))),
+    )
+    report("drag: iterate", loop.run(event=lambda k: session.move_handle(twisted(0.2 + 0.002 * k))))
+    session.end_gesture("Move handle")
+    report("iterate", loop.run(events=4 * EVENTS))
+    order = np.argsort(V[:, 1])
+    free = order[labels[order] == FREE]
+    brush = (
+        [free[k : k + 2000] for k in range(0, 2000 * EVENTS, 2000)] if len(free) > 2000 * EVENTS else [free]
+    )
+
+    def paint(k):
+        session.paint(brush[k % len(brush)], BASE)
+
+    session.begin_gesture()
+    report("paint while it is iterated", loop.run(event=paint))
+    session.end_stroke("Paint")
+    session.begin_gesture()
+    report("paint while it is factored", loop.run(event=paint))
+    session.cancel_gesture()
+    session.set_method("local")
+    session.set_method("exact")
+    session.begin_gesture()
+    session.move_handle(twisted(0.5))
+    session.end_gesture("Move handle")
+    first = session.state.frame
+    report("factor again, iterate", loop.run(lambda: session.state.frame is not first))
+    child = session._worker._child
+    print(f"peak memory: {peak('self')} here, {peak(child._process.pid)} in the solver's process")
+    print(session.activity is not Activity.IDLE)
+    session.close()
+    collector.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,44 @@
+"""The solver's process as a thread of the tests: the same pipes and messages, and nothing to wait for.
+
+Most tests are about what is said and answered. A process takes half a second to start, and what a test
+changes in the solver would not reach it; those that are about the process have a real one.
+"""
+
+import contextlib
+import socket
+import threading
+
+from apd_viewer.session.solver_process import serve
+
+NAME = "process"
+
+
+class InThread:
+    """Serves like a process; once killed it ends after the iteration that it is in."""
+
+    def __init__(self) -> None:
+        ours, theirs = socket.socketpair()
+        self._socket = ours
+        self.stdin, self.stdout = ours.makefile("wb"), ours.makefile("rb")
+        self._thread = threading.Thread(target=self._serve, args=(theirs,), name=NAME)
+        self._thread.start()
+
+    def _serve(self, connection: socket.socket) -> None:
+        with (
+            contextlib.suppress(OSError),  # an answer that nobody hears stays in the file
+            connection,
+            connection.makefile("rb") as source,
+            connection.makefile("wb") as sink,
+        ):
+            serve(source, sink)
+            connection.shutdown(socket.SHUT_RDWR)
+
+    def kill(self) -> None:
+        """Hang up, on both sides."""
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
+
+    def wait(self) -> int:
+        self._thread.join()
+        self._socket.close()
+        return 0

@@ -1,0 +1,368 @@
+"""The solver's process: killed, useless, unable to start, left alone. The user's work survives all of it."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import interleavings
+import numpy as np
+import pytest
+from meshes import box
+from test_session import BENT, Driven, bar, pose
+from test_session import empty as empty
+from test_session import session as session
+
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session import child, worker
+from apd_viewer.session.document import opened
+from apd_viewer.session.requests import Request
+from apd_viewer.session.session import Activity
+
+pytestmark = pytest.mark.usefixtures("process")
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
+ROOT = Path(__file__).parents[2]
+
+
+def pid_of(session: Driven) -> int | None:
+    process = session._worker._child
+    return process and process._process.pid
+
+
+def kill(session: Driven) -> None:
+    """Kill the process, and wait until there is another."""
+    before = pid_of(session)
+    os.kill(before, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+    session.until(lambda: pid_of(session) not in (before, None), 3.0)
+
+
+def next_frame(session: Driven, seconds: float) -> None:
+    before = session.U
+    session.until(lambda: session.U is not before, seconds)
+
+
+@pytest.fixture
+def altered(monkeypatch):
+    """Processes that are started from now on do something else first."""
+
+    def alter(code: str) -> None:
+        main = "from apd_viewer.session.solver_process import main\n"
+        assert main in child._START
+        monkeypatch.setattr(child, "_START", child._START.replace(main, main + textwrap.dedent(code)))
+
+    return alter
+
+
+# Killed
+
+
+def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
+    session.set_method("arap")
+    session.begin_gesture()
+    for k in range(10):
+        session.move_handle(pose(0.1 * k + 0.1))
+        next_frame(session, 5.0)
+        session.listen(0.02)
+        U, document, killed = session.U, session.state.document, time.monotonic()
+        kill(session)
+        assert session.state.document is document
+        session.move_handle(pose(0.1 * k + 0.15))
+        next_frame(session, 3.0)
+        assert time.monotonic() - killed < 3.0
+        assert np.abs(session.U - U).max() < 1.0, "it goes on from where it was"
+    document = session.state.document
+    session.end_gesture("Move handle")
+    session.settle()
+    assert session.state.document is document
+    assert session.activity is Activity.SETTLED
+    held = document.constraints()
+    assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
+    assert session.failed == []
+    assert len(session.told) == 1, "ten times the same news in ten seconds would be nine too many"
+    assert "nothing is lost" in session.told[0]
+
+
+def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, altered):
+    altered(
+        """
+        import time
+        from apd_viewer.geometry.deformation import Deformation
+        real = Deformation.iterate
+        Deformation.iterate = lambda self: (time.sleep(0.01), real(self))
+        """
+    )
+    session = empty
+    session.show_now(bar())
+    session.paint_ends()
+    session.set_tolerance(1e-12)  # not to be met
+    session.set_method("paper")
+    session.drag(BENT)
+    session.until(lambda: session.state.frame.iteration > 30)
+    U = session.U
+    changes = len(session.changes)
+    kill(session)
+    session.until(lambda: session.told)
+    next_frame(session, 3.0)
+    session.listen(0.1)
+    rest = session.state.document.mesh.V
+    for _, state in session.changes[changes:]:
+        assert np.abs(state.frame.U - U).max() < 0.2 * np.abs(U - rest).max()
+
+
+def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session):
+    session.drag(BENT)
+    session.settle()
+    state = session.state
+    kill(session)
+    session.listen(1.0)
+    assert session.state is state
+    assert session.activity is Activity.SETTLED
+    assert session.failed == []
+    assert len(session.told) == 1
+    session.drag(pose(0.3))
+    session.settle()
+    assert session.activity is Activity.SETTLED
+
+
+def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, altered, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(child, "_START", child._START)
+        altered(
+            """
+            import os
+            from apd_viewer.geometry.deformation import Deformation
+            Deformation.iterate = lambda self: os._exit(139)
+            """
+        )
+        empty.show_now(bar())
+        empty.paint_ends()
+        state = empty.state
+        empty.drag(BENT)
+        empty.until(lambda: empty.failed)
+    assert "3 times" in empty.failed[0]
+    assert empty.failed[0].endswith(".")
+    assert empty.activity is Activity.UNREACHED
+    assert empty.U is state.frame.U
+    empty.undo()
+    assert empty.state is state
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+    assert len(empty.failed) == 1
+
+
+# Not started
+
+
+def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(child, "_START", "raise SystemExit(3)")
+        empty.show_now(bar())
+        empty.until(lambda: empty.failed)
+        assert "3 times" in empty.failed[0]
+        empty.listen(0.2)
+        assert len(empty.failed) == 1
+    empty.paint_ends()
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+
+
+def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(child.sys, "executable", "/no/such/python")
+        empty.show_now(bar())
+        empty.until(lambda: empty.failed)
+    assert "cannot be started" in empty.failed[0]
+    assert empty.state is not None
+    empty.paint_ends()
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+
+
+# Useless
+
+
+@pytest.fixture
+def endless(altered, monkeypatch):
+    """Large meshes take a minute to factor, all the time with the interpreter held; and the worker knows."""
+    monkeypatch.setattr(worker, "_PER_VERTEX", 1.0)
+    altered(
+        """
+        import ctypes
+        from apd_viewer.geometry import elastic
+        real, held = elastic.LinearSolver, ctypes.PyDLL(None).sleep
+        elastic.LinearSolver = lambda A: held(60) if A.shape[0] > 200 else real(A)
+        """
+    )
+
+
+@pytest.fixture
+def factoring(empty, endless):
+    """A session in the middle of an endless factorization."""
+    empty.show_now(Mesh(*box(6, 6, 12)))
+    empty.paint_ends()
+    empty.until(lambda: empty._worker._child and empty._worker._child.preparation)
+    time.sleep(0.2)
+    return empty
+
+
+@linux
+def test_a_factorization_that_has_become_useless_is_ended(factoring):
+    before = pid_of(factoring)
+    factoring.show_now(bar())
+    factoring.paint_ends()
+    factoring.drag(BENT)
+    factoring.settle()
+    assert factoring.activity is Activity.SETTLED
+    assert pid_of(factoring) != before
+    assert not Path(f"/proc/{before}").exists()
+    assert factoring.failed == factoring.told == [], "that is nobody's business"
+
+
+@linux
+def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
+    before = pid_of(factoring)
+    factoring.drag(pose(0.1), pose(0.2))
+    factoring.listen(0.3)
+    assert pid_of(factoring) == before
+
+
+@linux
+def test_closing_ends_a_factorization_at_once(factoring):
+    before = pid_of(factoring)
+    started = time.monotonic()
+    factoring.close()
+    assert time.monotonic() - started < 1.0
+    assert not Path(f"/proc/{before}").exists()
+
+
+def test_to_ask_never_waits(factoring):
+    document = factoring.state.document
+    slowest = 0.0
+    for k in range(200):
+        request = Request(document.moved(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
+        started = time.perf_counter()
+        factoring._worker.ask(request)
+        slowest = max(slowest, time.perf_counter() - started)
+        time.sleep(0.0005)
+    assert slowest < 0.05
+
+
+# Left alone
+
+ORPHAN = """
+    import sys, time
+    sys.path[:0] = {paths!r}
+    from test_session import Driven, BENT, Mesh, box
+    print("begun", flush=True)
+    session = Driven()
+    session.show_now(Mesh(*box(20, 20, 40)))
+    session.paint_ends()
+    session.set_tolerance(1e-12)
+    session.set_method("paper")
+    session.drag(BENT)
+    session.until(lambda: session.state.frame.iteration)
+    print(session._worker._child._process.pid, flush=True)
+    if {wait}:
+        time.sleep(60)
+    session.close()
+"""
+
+
+def script(tmp_path, wait: bool) -> list[str]:
+    """A user's script, without a guard, and a folder to start it in with a trap in it."""
+    paths = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "session")]
+    (tmp_path / "numpy.py").write_text("raise SystemExit('not this one')")
+    (tmp_path / "scripts").mkdir()
+    path = tmp_path / "scripts" / "script.py"
+    path.write_text(textwrap.dedent(ORPHAN.format(paths=paths, wait=wait)))
+    return [sys.executable, "-W", "error", str(path)]
+
+
+def test_a_script_without_a_guard_runs_once(tmp_path):
+    done = subprocess.run(
+        script(tmp_path, False), cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("begun") == 1
+    assert done.stderr == ""
+
+
+@linux
+def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
+    blocks = set(os.listdir("/dev/shm"))  # noqa: PTH208
+    owner = subprocess.Popen(
+        script(tmp_path, True), cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    with owner:
+        assert owner.stdout.readline() == "begun\n"
+        pid = int(owner.stdout.readline())
+        assert set(os.listdir("/dev/shm")) - blocks, "the test is blind"  # noqa: PTH208
+        owner.kill()
+    end = time.monotonic() + 10.0
+    while Path(f"/proc/{pid}").exists() or set(os.listdir("/dev/shm")) - blocks:  # noqa: PTH208
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@linux
+def test_sessions_leave_no_process_no_memory_and_no_open_file():
+    def left():
+        return len(os.listdir("/proc/self/fd")), set(os.listdir("/dev/shm"))  # noqa: PTH208
+
+    for k in range(3):
+        session = Driven()
+        session.show_now(Mesh(*box(20, 20, 40)))
+        session.paint_ends()
+        session.drag(BENT)
+        session.until(lambda s=session: s.state.frame.iteration)
+        session.close()
+        del session
+        if k == 0:
+            before = left()
+    assert left() == before
+
+
+# Any order, and for long
+
+
+def test_interleavings():
+    assert interleavings.play(40) > 400
+
+
+def resident(pid: int | str) -> int:
+    """Bytes of a process in memory."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@linux
+def test_memory_does_not_grow_with_the_events_of_a_drag(session):
+    session.set_method("arap")
+    session.begin_gesture()
+    sizes = []
+    for k in range(3000):
+        session.move_handle(pose(0.5 * np.sin(0.01 * k)))
+        session.receive()
+        time.sleep(0.0005)
+        if k in (999, 2999):
+            sizes.append(resident("self") + resident(pid_of(session)))
+    session.end_gesture("Move handle")
+    assert sizes[1] < 1.05 * sizes[0]
+
+
+def test_the_last_painted_labels_are_the_ones_that_are_factored(session):
+    """Strokes follow each other faster than they are made ready."""
+    z = session.state.document.mesh.V[:, 2]
+    for k in range(1, 5):
+        session.stroke(np.flatnonzero(z == k), BASE if k < 3 else HANDLE)
+    session.drag(pose(0.2, (0.2, 0.0, 0.0)))
+    session.settle()
+    held = session.state.document.constraints()
+    assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-9)
+    assert opened(session.state.document.mesh).document.problem

@@ -1,0 +1,153 @@
+"""What is the same object on one side is the same object on the other."""
+
+import gc
+import io
+import weakref
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from meshes import box, sphere
+
+from apd_viewer.geometry.constraints import BASE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session import sharing, wire
+from apd_viewer.session.document import opened
+
+
+class Line:
+    """A packer and an unpacker."""
+
+    def __init__(self) -> None:
+        self.packer, self.unpacker = wire.Packer(), wire.Unpacker()
+        self.bytes = 0
+
+    def sent(self, value):
+        message = self.packer.packed(value)
+        self.bytes = len(message)
+        arrived = self.unpacker.unpacked(message)
+        if self.packer.envelope:
+            self.packer.envelope.discard()
+        return arrived
+
+
+@pytest.fixture(params=["shared memory", "no shared memory"])
+def line(request, monkeypatch):
+    if request.param == "no shared memory":
+
+        def full(_):
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(sharing, "_made", full)
+    return Line()
+
+
+MESHES = {"small": box(), "large": sphere(4)}
+
+
+@pytest.mark.parametrize("size", MESHES)
+def test_a_document_arrives_with_all_its_arrays_once(line, size):
+    document = opened(Mesh(*MESHES[size])).document.painted(np.arange(5), BASE)
+    there = line.sent((document, document.labels))
+    assert np.array_equal(there[0].labels, document.labels)
+    assert there[0].labels is there[1]
+    assert there[0].grip is there[0].mesh.V, "as here"
+    assert np.array_equal(there[0].mesh.V, document.mesh.V)
+    assert np.array_equal(there[0].mesh.F, document.mesh.F)
+    assert np.array_equal(there[0].mesh.weld.inverse, document.mesh.weld.inverse)
+    first = line.bytes
+    again = line.sent((replace(document, area=101.0), document.labels))
+    assert again[0].area == 101.0
+    assert again[0].mesh is there[0].mesh
+    assert again[0].labels is again[1] is there[1]
+    assert line.bytes < first / 2
+
+
+def test_what_arrives_is_read_only_whole_and_its_own(line):
+    arrays = [
+        np.arange(100_000.0).reshape(-1, 4)[::2, ::-1],
+        np.asfortranarray(np.arange(60_000).reshape(300, 200)),
+        np.zeros((0, 3)),
+        np.array(3.5),
+        np.arange(20_000, dtype=np.uint8),
+    ]
+    there = line.sent(arrays)
+    for a, b in zip(arrays, there, strict=True):
+        assert a.dtype == b.dtype
+        assert a.shape == b.shape
+        assert np.array_equal(a, b)
+        assert not b.flags.writeable
+    first = arrays[0].copy()
+    arrays[0][:] = 0.0
+    assert np.array_equal(there[0], first)
+
+
+def test_equal_arrays_that_are_two_stay_two(line):
+    a, b = line.sent((np.zeros(5000), np.zeros(5000)))
+    assert a is not b
+
+
+def test_what_is_no_longer_mentioned_is_let_go_on_both_sides(line):
+    kept, dropped = np.zeros(5000), np.ones(5000)
+    here = weakref.ref(dropped)
+    there = [weakref.ref(array) for array in line.sent((kept, dropped))]
+    del dropped
+    again = line.sent(kept)
+    gc.collect()
+    assert again is there[0]()
+    assert there[1]() is None
+    assert here() is None
+
+
+def test_an_array_in_the_place_of_one_that_is_gone_is_not_taken_for_it(line):
+    for k in range(50):
+        assert line.sent(np.full(3000, float(k)))[0] == k
+
+
+def test_messages_follow_each_other_and_end():
+    file = io.BytesIO()
+    for message in (b"one", b"", b"three" * 10_000):
+        wire.write(file, message)
+    whole = file.getvalue()
+    file.seek(0)
+    assert [wire.read(file) for _ in range(4)] == [b"one", b"", b"three" * 10_000, None]
+    for cut in (0, 3, 9, len(whole) - 1):
+        file = io.BytesIO(whole[:cut])
+        while wire.read(file) is not None:
+            pass
+
+
+def test_a_tray_tells_each_side_what_the_other_has_done():
+    ours = sharing.Tray(4)
+    theirs = sharing.Tray(4, ours.name)
+    assert theirs.free
+    assert theirs.seen
+    U = np.arange(12.0).reshape(4, 3)
+    number = theirs.put(U)
+    assert not theirs.free
+    assert not theirs.seen
+    assert np.array_equal(ours.carry(number), U)
+    assert theirs.free
+    assert not theirs.seen
+    ours.look(number)
+    assert theirs.seen
+    name = ours.name
+    del ours, theirs
+    with pytest.raises(FileNotFoundError):
+        sharing.Tray(4, name)
+
+
+def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    if not hasattr(sharing.os, "posix_fallocate"):
+        pytest.skip("this system does not promise what it has not")
+    made = []
+    real = sharing.SharedMemory
+    monkeypatch.setattr(sharing, "SharedMemory", lambda **how: made.append(real(**how)) or made[-1])
+    monkeypatch.setattr(sharing.os, "posix_fallocate", full)
+    with pytest.raises(OSError, match="No space"):
+        sharing.Tray(4)
+    with pytest.raises(FileNotFoundError):
+        real(name=made[0].name)
