@@ -9,7 +9,7 @@ from apd_viewer.geometry.goals import Region
 
 
 def warm_up() -> None:
-    """Use every one of them once: the first time compiles them (20 s), later ones load them (half a second)."""
+    """Use every one once: the first time compiles them (20 s), later ones load them (half a second)."""
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]

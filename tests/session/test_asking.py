@@ -236,8 +236,9 @@ def test_there_are_only_so_many(session, add, most, remove):
 def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
     ready(parted)
     factored.count = 0
+    there = parted.U
     parted.drag(BENT)
-    parted.until(lambda: parted.state.frame.iteration >= 2)
+    parted.until(lambda: parted.U is not there and parted.state.frame.iteration >= 2)
     iteration = parted.state.frame.iteration
     parted.rename_handle(1, "Neck")
     parted.rename_handle(0, "Neck")
