@@ -15,6 +15,7 @@ from numba import njit, prange
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.constrained import Constrained
+from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.measures import Patch
@@ -97,10 +98,11 @@ class Coarse:
 
     def turns(self, iterations: int) -> np.ndarray:
         """Go on for some iterations; how each fine vertex should turn for it, (n, 4) quaternions."""
-        for _ in range(iterations):
-            if self.settled:
-                break
-            self._method.descend()
+        with cores_for(len(self.vertices)):
+            for _ in range(iterations):
+                if self.settled:
+                    break
+                self._method.descend()
         turned = _difference(self._elastic.q, self._reference)
         self._reference = self._elastic.q.copy()
         return _blended(turned, self._near, self._weight)

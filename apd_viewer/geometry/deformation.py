@@ -13,6 +13,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
+from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic, Material
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
@@ -171,10 +172,10 @@ class Deformation:
         if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
         self._descends = not plain and method not in ("paper", "sr-arap")
-        goals = self._goals(area, volume, regions)
-        started = time.perf_counter()
-        elastic = Elastic(rest.shape, solve_ids, material)
-        self._method = self._made(elastic, goals)
+        with cores_for(len(rest.shape.V)):
+            goals = self._goals(area, volume, regions)
+            started = time.perf_counter()
+            self._method = self._made(Elastic(rest.shape, solve_ids, material), goals)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
@@ -219,7 +220,8 @@ class Deformation:
         area, volume, regions
             See the class.
         """
-        self._method.keep(self._goals(area, volume, regions))
+        with cores_for(len(self.rest.shape.V)):
+            self._method.keep(self._goals(area, volume, regions))
         self._begin()
 
     def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
@@ -244,9 +246,11 @@ class Deformation:
             U = numbers(U, "Positions to start from")
             if U.shape != self.rest.V.shape or not np.isfinite(U).all():
                 raise InputError(f"Positions to start from must be {len(self.rest.V)} finite positions.")
-            self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
         self._asked = asked
-        self._method.aim(self._asked)
+        with cores_for(len(self.rest.shape.V)):
+            if U is not None:
+                self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+            self._method.aim(self._asked)
         self._begin()
 
     def _begin(self) -> None:
@@ -262,12 +266,14 @@ class Deformation:
         """One iteration, without the readings of its shape."""
         method = self._method
         before = method.U
-        if self._descends and isinstance(method, Constrained):
-            method.descend()
-        else:
-            method.iterate()
+        with cores_for(len(before)):
+            if self._descends and isinstance(method, Constrained):
+                method.descend()
+            else:
+                method.iterate()
+            step = largest_difference(method.U, before)
         self._iteration += 1
-        self._steps.append(largest_difference(method.U, before) / self.rest.diagonal)
+        self._steps.append(step / self.rest.diagonal)
 
     @property
     def settled(self) -> bool:
@@ -278,7 +284,9 @@ class Deformation:
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
         method, settled = self._method, self.settled
-        area, volume, local_change = self.rest.survey(method.U)
+        with cores_for(len(method.U)):
+            area, volume, local_change = self.rest.survey(method.U)
+            regions = tuple(patch.area(method.U) for patch in self._patches)
         return Frame(
             U=frozen(self.rest.weld.spread(method.U)),
             iteration=self._iteration,
@@ -288,7 +296,7 @@ class Deformation:
             handle_drift=self._drift(),
             converged=settled and method.met,
             settled=settled,
-            regions=tuple(patch.area(method.U) for patch in self._patches),
+            regions=regions,
             local_change=local_change,
             unreached=self._unreached() if method.stuck else None,
         )
@@ -297,7 +305,8 @@ class Deformation:
         """What became of each region in ``frame``."""
         readings = []
         for region, patch, area in zip(self._regions, self._patches, frame.regions, strict=True):
-            rest = patch.area(self.rest.shape.V)
+            with cores_for(len(self.rest.shape.V)):
+                rest = patch.area(self.rest.shape.V)
             target = None if region.area is None else rest * region.area / 100.0
             readings.append(Reading(region.name, rest, area, target))
         return tuple(readings)

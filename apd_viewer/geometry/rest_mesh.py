@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.measures import survey
 from apd_viewer.geometry.mesh import Weld
 from apd_viewer.geometry.operators import face_areas, why_no_volume
@@ -37,7 +38,8 @@ class RestMesh:
         self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
         self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
         self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
-        self.volume = self.survey(self.shape.V)[1]
+        with cores_for(len(self.shape.V)):
+            self.volume = self.survey(self.shape.V)[1]
 
     def survey(self, U: np.ndarray) -> tuple[float, float | None, float]:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve.
@@ -56,7 +58,8 @@ class RestMesh:
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
-        return self.shape.energy(U[self.weld.first])
+        with cores_for(len(self.shape.V)):
+            return self.shape.energy(U[self.weld.first])
 
     def loose_pieces(self, fixed: np.ndarray) -> int:
         """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
