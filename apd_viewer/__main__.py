@@ -20,16 +20,16 @@ from apd_viewer.files.report import write_report
 from apd_viewer.files.selections import read_region, read_selection, read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
-from apd_viewer.geometry.deformation import (
+from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.goals import Region
+from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     METHODS,
-    Frame,
 )
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.inspection import inspect
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

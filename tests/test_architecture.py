@@ -27,7 +27,7 @@ LIBRARIES = {
 DRAWS = {"ui/picture.py", "ui/shading.py", "ui/surface.py", "ui/viewport.py"}
 CONFINED = {
     "cholespy": {"geometry/linear_solver.py"},
-    "fast_simplification": {"geometry/coarse.py"},
+    "fast_simplification": {"geometry/thinning.py"},
     "pyvista": DRAWS,
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,

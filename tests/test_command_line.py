@@ -18,7 +18,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
 from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import METHODS
+from apd_viewer.geometry.methods import METHODS
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"

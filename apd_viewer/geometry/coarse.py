@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import fast_simplification
 import numpy as np
 from numba import njit, prange
 from scipy.spatial import KDTree
@@ -19,18 +18,8 @@ from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.measures import Patch
-from apd_viewer.geometry.operators import vertex_normals
-from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.rest_shape import RestShape, Thinner
 
-# A coarse mesh has so many times fewer vertices, and no more than it can be solved with in a blink.
-_RATIO = 2.5
-_MOST = 40_000
-# Below this the coarsest mesh would no longer tell where the fine one goes.
-FEWEST = 500
-# Coarse vertices that a fine one turns with.
-_NEAREST = 4
-# The two sides of a thin wall are as far apart as their normals say: so many coarse edges.
-_ACROSS = 2.0
 # A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.
 _UNHEARD = 1.5
 
@@ -61,17 +50,17 @@ class Coarse:
         iterations_of: Callable[[Elastic, tuple[Goal, ...]], Constrained],
     ) -> None:
         rest, fixed = elastic.rest, elastic.fixed
-        vertices, F = _thinned(rest.V, rest.F, int(np.clip(len(rest.V) / _RATIO, FEWEST, _MOST)))
-        edge = _edge_length(rest.V[vertices], F)
-        self.vertices = _with_held(rest.V, vertices, fixed, edge)
-        self.F = F
-        self._shape = RestShape(rest.V[self.vertices], F)
+        thinner = rest.thinner
+        self.vertices = _with_held(rest, thinner, fixed)
+        self.F = thinner.shape.F
+        unchanged = np.array_equal(self.vertices, thinner.vertices)
+        self._shape = thinner.shape if unchanged else RestShape(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
         self._which = np.searchsorted(fixed, self.vertices[held])
         self._elastic = Elastic(self._shape, held, elastic.material)
         self._method = iterations_of(self._elastic, self._own(goals))
         self._reference = self._elastic.q.copy()
-        self._near, self._weight = self._neighbourhoods(rest, edge)
+        self._near, self._weight = thinner.near, thinner.weight
 
     @property
     def settled(self) -> bool:
@@ -110,13 +99,11 @@ class Coarse:
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """The same goals for the coarse surface: the same percentages of what it measures at rest."""
         own = []
-        place = np.full(int(self.vertices.max()) + 1, -1)
-        place[self.vertices] = np.arange(len(self.vertices))
         for goal in goals:
-            inside = np.zeros(len(self.vertices), dtype=bool)
-            measured = np.unique(goal.patch.F)
-            measured = measured[measured < len(place)]
-            inside[place[measured][place[measured] >= 0]] = True
+            measured = np.zeros(int(self.vertices.max()) + 1, dtype=bool)
+            corners = goal.patch.F.ravel()
+            measured[corners[corners < len(measured)]] = True
+            inside = measured[self.vertices]
             patch = Patch(self.F[inside[self.F].all(axis=1)], len(self.vertices))
             if len(patch.F) and (
                 at_rest := Goal(goal.name, patch, goal.is_volume, 1.0, 1.0).value(self._shape.V)
@@ -124,50 +111,20 @@ class Coarse:
                 own.append(Goal(goal.name, patch, goal.is_volume, at_rest, at_rest * goal.target / goal.rest))
         return tuple(own)
 
-    def _neighbourhoods(self, rest: RestShape, edge: float) -> tuple[np.ndarray, np.ndarray]:
-        """For every fine vertex the coarse ones that it turns with, (n, 4), and their weights."""
-        normals = np.empty_like(rest.V)
-        vertex_normals(rest.V, rest.F, normals)
-        place = np.hstack([rest.V, _ACROSS * edge * normals])
-        distance, near = KDTree(place[self.vertices]).query(place, k=_NEAREST, workers=-1)
-        weight = 1.0 / np.maximum(distance, 1e-3 * edge)
-        weight[rest.piece[self.vertices[near]] != rest.piece[:, None]] = 0.0
-        weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
-        return near.astype(np.int32), weight
 
-
-def _thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Some of the vertices, (c,) ids, and triangles (k, 3) between them, by their places among these."""
-    proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    origin = V[proper[:, 0]].mean(axis=0)
-    points, triangles = fast_simplification.simplify(
-        (V - origin).astype(np.float32), proper.astype(np.int32), target_count=2 * count
-    )
-    used, triangles = np.unique(triangles, return_inverse=True)
-    nearest = KDTree(V - origin).query(points[used])[1]
-    vertices, merged = np.unique(nearest, return_inverse=True)
-    T = merged[triangles.reshape(-1, 3)]
-    T = T[(T[:, 0] != T[:, 1]) & (T[:, 1] != T[:, 2]) & (T[:, 2] != T[:, 0])]
-    kept, T = np.unique(T, return_inverse=True)
-    return vertices[kept], T.reshape(-1, 3)
-
-
-def _edge_length(V: np.ndarray, F: np.ndarray) -> float:
-    return float(np.linalg.norm(V[F] - V[np.roll(F, -1, axis=1)], axis=2).mean())
-
-
-def _with_held(V: np.ndarray, vertices: np.ndarray, fixed: np.ndarray, edge: float) -> np.ndarray:
-    """The vertices, some replaced by held ones, so that no held part is unheard of."""
-    vertices = vertices.copy()
+def _with_held(rest: RestShape, thinner: Thinner, fixed: np.ndarray) -> np.ndarray:
+    """The vertices of a thinner mesh, some replaced by held ones, so that no held part is unheard of."""
+    V, vertices = rest.V, thinner.vertices.copy()
     while True:
         heard = vertices[np.isin(vertices, fixed)]
         away = KDTree(V[heard]).query(V[fixed])[0] if len(heard) else np.full(len(fixed), np.inf)
-        farthest = int(np.argmax(away))
-        if away[farthest] <= _UNHEARD * edge or len(heard) == len(vertices):
+        same = np.isin(rest.piece[fixed], rest.piece[np.setdiff1d(vertices, fixed)])
+        farthest = int(np.argmax(np.where(same, away, 0.0)))
+        if not same.any() or away[farthest] <= _UNHEARD * thinner.edge:
             return vertices
-        open_ = np.flatnonzero(~np.isin(vertices, fixed))
-        nearest = open_[np.argmin(np.linalg.norm(V[vertices[open_]] - V[fixed[farthest]], axis=1))]
-        vertices[nearest] = fixed[farthest]
+        lonely = fixed[farthest]
+        others = np.flatnonzero(~np.isin(vertices, fixed) & (rest.piece[vertices] == rest.piece[lonely]))
+        vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely
 
 
 def _difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:

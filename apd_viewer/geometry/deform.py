@@ -10,15 +10,14 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deformation import (
+from apd_viewer.geometry.deformation import Deformation, Frame
+from apd_viewer.geometry.goals import Reading, Region
+from apd_viewer.geometry.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
-    Deformation,
-    Frame,
 )
-from apd_viewer.geometry.goals import Reading, Region
 
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000

@@ -6,7 +6,6 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +13,22 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.cores import cores_for
-from apd_viewer.geometry.elastic import Elastic, Material
+from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    KEEP_THE_AREA,
+    PLAIN_ONLY,
+    check_method,
+    check_tolerance,
+    material_of,
+)
 from apd_viewer.geometry.projection import MET
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.vectors import largest_difference
@@ -27,16 +37,6 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     Method: TypeAlias = Constrained | LiHui
-
-METHODS = ("exact", "local", "paper", "arap", "sr-arap")
-DEFAULT_METHOD = "exact"
-DEFAULT_TOLERANCE = 1e-3
-# Against a stiffness of 1 of each cell of Eq. 1, of which "local" keeps a tenth to hold the corners together.
-DEFAULT_AREA_STIFFNESS = 20.0
-DEFAULT_SHEAR_STIFFNESS = 0.1
-_LOCAL_RIGIDITY = 0.1
-# These two are about the total area; the others leave it free unless asked.
-_KEEP_THE_AREA = ("exact", "paper")
 
 # Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
 # all those to come together will move none by more than _REMAINING, guessed from how fast the steps
@@ -165,13 +165,13 @@ class Deformation:
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
         self._handle_of = _handle_of(handle, rest, solve_ids)
-        _check_method(method, self._handle_of)
-        _check_tolerance(tolerance)
+        check_method(method, self._handle_of)
+        check_tolerance(tolerance)
         self._tolerance = tolerance
-        material = _material(method, stiffness, area_stiffness, shear_stiffness)
+        material = material_of(method, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
-        self._descends = not plain and method not in ("paper", "sr-arap")
+        self._descends = not plain and method not in PLAIN_ONLY
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
             started = time.perf_counter()
@@ -188,7 +188,7 @@ class Deformation:
         if not isinstance(regions, Sequence):
             raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
         patches = [patch_of(self.rest, region) for region in regions]
-        if area is None and self.method in _KEEP_THE_AREA:
+        if area is None and self.method in KEEP_THE_AREA:
             area = 100.0
         if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
             raise InputError(
@@ -205,7 +205,7 @@ class Deformation:
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         self._tolerance = tolerance
         if isinstance(self._method, LiHui):
             self._method.tolerance = tolerance
@@ -378,32 +378,3 @@ def _handle_of(
             raise InputError("A vertex belongs to two handles; give it to one of them.")
         number[mine] = k
     return number
-
-
-def _check_method(method: str, handle_of: np.ndarray) -> None:
-    if method not in METHODS:
-        raise InputError(f"There is no method {method!r}; choose one of {', '.join(METHODS)}.")
-    if len(handle_of) == 0:
-        raise InputError("Nothing is held; name the vertices that stay or move as given.")
-    if method == "paper" and ((handle_of > 0).all() or not (handle_of > 0).any()):
-        raise InputError(
-            "The method 'paper' needs base and handle; name the handle's vertices among the held ones."
-        )
-
-
-def _check_tolerance(tolerance: float) -> None:
-    if not isinstance(tolerance, Real) or not tolerance > 0.0:
-        raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
-
-
-def _material(method: str, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
-    """The weights of the energy that a method minimises."""
-    given = {"stiffness": stiffness, "area stiffness": area_stiffness, "shear stiffness": shear_stiffness}
-    for name, weight in given.items():
-        if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
-            raise InputError(f"The {name} must be a number of at least zero.")
-    if method == "sr-arap":
-        return Material(coupling=stiffness)
-    if method == "local":
-        return Material(_LOCAL_RIGIDITY, shear_stiffness, area_stiffness, stiffness)
-    return Material(bending=stiffness)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.coarse import FEWEST, Coarse
+from apd_viewer.geometry.coarse import Coarse
 from apd_viewer.geometry.constrained import WORTH_WHILE, Constrained
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
+from apd_viewer.geometry.rest_shape import FEWEST
 
 # Below so many free vertices a surface finds its way as soon alone.
 _ALONE = 4 * FEWEST
@@ -21,8 +22,12 @@ _FARTHEST = 8
 
 def guided(elastic: Elastic, goals: tuple[Goal, ...], worth_while: float = WORTH_WHILE) -> Constrained:
     """Iterations of a surface that follow a coarse one, if it is fine enough to gain by that."""
-    kind = Guided if len(elastic.free) >= _ALONE else Constrained
-    return kind(elastic, goals, worth_while)
+    if len(elastic.free) < _ALONE:
+        return Constrained(elastic, goals, worth_while)
+    # Thousands of loose triangles cannot be thinned, and what is held may leave the thin mesh no freedom.
+    vertices = elastic.rest.thinner.vertices
+    helps = len(vertices) < len(elastic.rest.V) / 2 and np.isin(vertices, elastic.free).sum() > FEWEST / 2
+    return (Guided if helps else Constrained)(elastic, goals, worth_while)
 
 
 def _roughly(elastic: Elastic, goals: tuple[Goal, ...]) -> Constrained:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,8 +18,15 @@ from apd_viewer.geometry.operators import (
     edge_weights,
     laplacian,
     vertex_areas,
+    vertex_normals,
 )
+from apd_viewer.geometry.thinning import edge_length, neighbourhoods, thinned
 
+# A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
+# than it takes to tell where the full one goes.
+_RATIO = 2.5
+_MOST = 40_000
+FEWEST = 500
 # A vertex with next to no area around it, among needles, would outweigh the bends of all others.
 _SMALLEST_AREA = 1e-2
 
@@ -72,6 +80,17 @@ class RestShape:
         """The Laplacian of the rest positions, (n, 3) float array."""
         return self.L @ self.V
 
+    @cached_property
+    def thinner(self) -> Thinner:
+        """A mesh of the same shape with fewer vertices."""
+        count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
+        vertices, F = thinned(self.V, self.F, count)
+        edge = edge_length(self.V[vertices], F)
+        normals = np.empty_like(self.V)
+        vertex_normals(self.V, self.F, normals)
+        near, weight = neighbourhoods(self.V, normals, self.piece, vertices, edge)
+        return Thinner(vertices, RestShape(self.V[vertices], F), near, weight, edge)
+
     @property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``start, neighbour, weight`` of the edges, for the kernels."""
@@ -87,6 +106,20 @@ class RestShape:
         """Rotations of the rest pose: quaternions (n, 4) and matrices (n, 3, 3)."""
         n = len(self.V)
         return np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)), np.tile(np.eye(3), (n, 1, 1))
+
+
+class Thinner(NamedTuple):
+    """A mesh of the same shape with some of the vertices, (c,) ids.
+
+    ``near`` and ``weight`` (n, 4) say with which of them each vertex goes; ``edge`` is the mean length of its
+    edges.
+    """
+
+    vertices: np.ndarray
+    shape: RestShape
+    near: np.ndarray
+    weight: np.ndarray
+    edge: float
 
 
 class Bending:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.deformation import METHODS, Deformation
+from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.goals import Region
+from apd_viewer.geometry.methods import METHODS
 
 
 def warm_up() -> None:

@@ -9,17 +9,17 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, what_is_missing
-from apd_viewer.geometry.deformation import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-    Frame,
-)
+from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
 from apd_viewer.geometry.measures import area_of
 from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+)
 
 IDENTITY = frozen(np.eye(4))
 # These say nothing of the total area.

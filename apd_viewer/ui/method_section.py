@@ -5,11 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from apd_viewer.geometry.deformation import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-)
+from apd_viewer.geometry.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, DEFAULT_TOLERANCE
 from apd_viewer.session.document import Document
 from apd_viewer.ui.dial import DECADES, Dial
 from apd_viewer.ui.fields import Choice, Number

@@ -167,6 +167,17 @@ def test_going_back_by_a_jump_takes_the_coarse_surface_along():
     assert np.abs(solver.step().U - V).max() <= 1e-9 * solver.rest.diagonal
 
 
+def test_what_cannot_be_thinned_goes_alone():
+    V, F = soup(*sphere(4))
+    rng = np.random.default_rng(0)
+    V = V + 0.01 * rng.normal(size=(len(F), 1, 3)).repeat(3, axis=1).reshape(-1, 3)
+    solver = Deformation(V, F, np.flatnonzero(V[:, 2] > 0))
+    assert type(solver._method) is Constrained
+    V, F = TUBE
+    nearly_all = np.setdiff1d(np.arange(len(V)), F[::3].ravel()[:200])
+    assert type(Deformation(V, F, nearly_all)._method) is Constrained
+
+
 def test_a_mesh_of_loose_triangles_is_followed_too():
     V, F = soup(*tube(60, 80))
     fixed = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) > 0.4 * np.ptp(V[:, 2]))

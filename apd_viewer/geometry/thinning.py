@@ -1,0 +1,72 @@
+"""Fewer vertices for the same shape, and which of them each vertex goes with."""
+
+from __future__ import annotations
+
+import fast_simplification
+import numpy as np
+from scipy.spatial import KDTree
+
+# Vertices of the thinned mesh that one of the full mesh goes with.
+_NEAREST = 4
+# The two sides of a thin wall are as far apart as their normals say: so many edges.
+_ACROSS = 2.0
+
+
+def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """About ``count`` of the vertices (n, 3), and triangles between them.
+
+    Returns
+    -------
+    vertices : (c,) int array
+        Ids, ascending.
+    triangles : (k, 3) int array
+        By the places of their corners among ``vertices``.
+    """
+    proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
+    origin = V[proper[:, 0]].mean(axis=0)
+    points, triangles = fast_simplification.simplify(
+        (V - origin).astype(np.float32), proper.astype(np.int32), target_count=2 * count
+    )
+    used, triangles = np.unique(triangles, return_inverse=True)
+    # Back to the vertices themselves: what is held needs no interpolation then.
+    nearest = KDTree(V - origin).query(points[used])[1]
+    vertices, merged = np.unique(nearest, return_inverse=True)
+    T = merged[triangles.reshape(-1, 3)]
+    T = T[(T[:, 0] != T[:, 1]) & (T[:, 1] != T[:, 2]) & (T[:, 2] != T[:, 0])]
+    kept, T = np.unique(T, return_inverse=True)
+    return vertices[kept], T.reshape(-1, 3)
+
+
+def edge_length(V: np.ndarray, F: np.ndarray) -> float:
+    """Mean length of the edges of the triangles ``F`` (m, 3)."""
+    return float(np.linalg.norm(V[F] - V[np.roll(F, -1, axis=1)], axis=2).mean())
+
+
+def neighbourhoods(
+    V: np.ndarray, normals: np.ndarray, piece: np.ndarray, vertices: np.ndarray, edge: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """For every vertex those of a thinned mesh that it goes with, on its own side of a wall.
+
+    Parameters
+    ----------
+    V, normals : (n, 3) float arrays
+    piece : (n,) int array
+        The connected piece of every vertex; there is no going with another one.
+    vertices : (c,) int array
+        Those of the thinned mesh.
+    edge : float
+        Mean length of its edges.
+
+    Returns
+    -------
+    near : (n, 4) int32 array
+        By their places among ``vertices``.
+    weight : (n, 4) float array
+        Rows sum to one, or to zero where the thinned mesh has nothing of the piece.
+    """
+    place = np.hstack([V, _ACROSS * edge * normals])
+    distance, near = KDTree(place[vertices]).query(place, k=_NEAREST, workers=-1)
+    weight = 1.0 / np.maximum(distance, 1e-3 * edge)
+    weight[piece[vertices[near]] != piece[:, None]] = 0.0
+    weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
+    return near.astype(np.int32), weight
