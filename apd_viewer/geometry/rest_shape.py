@@ -8,7 +8,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry import cells
-from apd_viewer.geometry.mesh import pieces
 from apd_viewer.geometry.operators import (
     border_vertices,
     cotangent_laplacian,
@@ -16,6 +15,7 @@ from apd_viewer.geometry.operators import (
     laplacian,
     vertex_areas,
 )
+from apd_viewer.geometry.pieces import pieces
 
 # A vertex with next to no area around it, among needles, would outweigh the bends of all others.
 _SMALLEST_AREA = 1e-2
