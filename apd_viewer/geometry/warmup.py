@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry import picking
+from apd_viewer.geometry import skin
 from apd_viewer.geometry.deform import deform
 
 
@@ -14,4 +14,4 @@ def warm_up() -> None:
     F = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     fixed = np.arange(2)
     deform(V, F, fixed, V[fixed] * 1.1, handle=fixed[1:], iterations=1)
-    picking.warm_up()
+    skin.warm_up()

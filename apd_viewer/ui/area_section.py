@@ -150,7 +150,7 @@ class AreaSection(QWidget):
 def verdict(state: State) -> str:
     """The change of the total area, and how it stands to what is asked."""
     document, change = state.document, signed(100 * state.frame.area_error, 3)
-    asked = document.asked.area
+    asked = document.kept[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0

@@ -32,13 +32,13 @@ class Guide:
         self._invitation.say("" if document is None else self._next_step(document, tool, handle))
 
     def _next_step(self, document: Document, tool: Tool, handle: int) -> str:
-        if not (document.labels == BASE).any():
+        if not document.counts[BASE]:
             return "Paint the part that stays in place: the base (B)"
-        if not (document.labels >= HANDLE).any():
+        if not document.counts[HANDLE:].any():
             return "Now paint the part to be moved: the handle (H)"
         if document.problem:
             return document.problem
-        if not (document.labels == HANDLE + handle).any():
+        if not document.counts[HANDLE + handle]:
             return f"Paint the part that “{document.handles[handle].name}” moves (H)"
         if tool is Tool.REGION and not document.member.any():
             return "Paint a part whose area you want to see, or to keep"

@@ -41,10 +41,11 @@ class PaintSection(Section):
 
     def show_settings(self, document: Document) -> None:
         """Count the labels."""
-        labels = document.labels
-        chosen = (labels == BASE, labels >= HANDLE, labels == FREE)
-        for field, those in zip(self._counts, chosen, strict=True):
-            field.setText(f"{int(those.sum()):,}")
+        counts = document.counts
+        for field, count in zip(
+            self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
+        ):
+            field.setText(f"{count:,}")
 
 
 class Panel(QScrollArea):
