@@ -13,7 +13,7 @@ PACKAGE = "apd_viewer"
 
 # What lies on the right may be imported by what lies on the left, and not the other way around.
 ROOMS = ["top", "ui", "session", "files", "geometry", "errors"]
-TOP = {"__main__", "papertables"}
+TOP = {"__main__", "api", "headless", "papertables", "parser"}
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 LIBRARIES = {
     "top": set(),

@@ -10,6 +10,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.painter import Painter
@@ -21,6 +22,7 @@ from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.document import Document, State
 
 
@@ -67,6 +69,7 @@ class Canvas(QObject):
         self._handle = self._region = 0
         self._erasing = False
         self._document: Document | None = None
+        self._sketched: np.ndarray | None = None
         self._connect()
 
     def _connect(self) -> None:
@@ -126,6 +129,12 @@ class Canvas(QObject):
         """Recolour the background."""
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
+    def sketch(self, mesh: Mesh, labels: np.ndarray) -> None:
+        """Draw a mesh that is about to be opened; nothing of it can be touched yet."""
+        self._sketched = mesh.V
+        self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
+        self._look_at_all()
+
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Show what differs between two states, with the active handle and region."""
         document, self._document = new.document, new.document
@@ -146,6 +155,11 @@ class Canvas(QObject):
         self.painter.cancel()
         document = state.document
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
+        sketched, self._sketched = self._sketched, None
+        if sketched is None or not np.array_equal(sketched, document.mesh.V):
+            self._look_at_all()  # otherwise the camera may have been moved since
+
+    def _look_at_all(self) -> None:
         self.viewport.look_home()
         self.frame_mesh()
 

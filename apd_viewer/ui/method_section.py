@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from apd_viewer.geometry.deformation import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-)
-from apd_viewer.session.document import Document
 from apd_viewer.ui.dial import DECADES, Dial
 from apd_viewer.ui.fields import Choice, Number
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document
 
 METHOD_NAMES = {"exact": "Exact", "local": "Local", "paper": "Paper (Li & Hui)", "arap": "ARAP"}
 METHOD_WORDS = {
@@ -73,17 +72,14 @@ class MethodSection(Section):
             maximum=10.0,
             decimals=3,
             suffix=" %",
-            value=100.0 * DEFAULT_TOLERANCE,
         )
         self.area_stiffness = _modulus(
             "Area stiffness",
             "How firmly a triangle keeps its area: the area modulus, against that of the whole",
-            DEFAULT_AREA_STIFFNESS,
         )
         self.shear_stiffness = _modulus(
             "Shear stiffness",
             "How firmly a triangle keeps its angles: the shear modulus, against that of the whole",
-            DEFAULT_SHEAR_STIFFNESS,
         )
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
@@ -94,6 +90,7 @@ class MethodSection(Section):
             ("local", _row("Shear stiffness", self.shear_stiffness)),
         )
         for _, row in self._rows:
+            row.hide()  # until there is a method that it matters for
             self.column.addWidget(row)
         tip = "How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness"
         field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
@@ -121,7 +118,7 @@ class MethodSection(Section):
         self.stiffness.set_theme(theme)
 
 
-def _modulus(name: str, tip: str, value: float) -> Number:
+def _modulus(name: str, tip: str) -> Number:
     field = Number(
         brief=True,
         accessibleName=name,
@@ -129,7 +126,6 @@ def _modulus(name: str, tip: str, value: float) -> Number:
         minimum=0.0,
         maximum=10_000.0,
         decimals=4,
-        value=value,
     )
     field.setStepType(Number.StepType.AdaptiveDecimalStepType)
     return field

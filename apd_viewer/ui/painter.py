@@ -8,6 +8,8 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
+from apd_viewer.geometry.sketch import Sketch
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -226,6 +228,7 @@ class Painter(QObject):
         radius = self._radius * self._viewport.world_per_pixel(hit.point)
         skin = self._surface.skin
         assert skin is not None
+        assert not isinstance(skin, Sketch)  # it is never hit
         return skin.under_brush(self._surface.U, (hit.face, last.face), last.point, hit.point, radius)
 
     def _ring(self, hit: Hit) -> np.ndarray:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.session.document import Document, State
 from apd_viewer.ui.fields import Check, Number, percent_field
 from apd_viewer.ui.figures import length
 from apd_viewer.ui.icons import icon
@@ -17,6 +17,9 @@ from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.part_list import PartList, PartRow
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document, State
 
 _DRIFT = "How far a handle is from where it was put; the farthest of several"
 

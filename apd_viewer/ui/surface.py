@@ -8,6 +8,7 @@ import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.shading import headlight, match_background, shade
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Surface:
 
     Attributes
     ----------
-    skin : Skin or None
+    skin : Skin, Sketch or None
         Of the mesh that is shown.
     U : (n, 3) float64 array
         Positions as shown, read-only; what picking uses.
@@ -44,7 +45,7 @@ class Surface:
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self.skin: Skin | None = None
+        self.skin: Skin | Sketch | None = None
         self.U: np.ndarray = np.empty((0, 3))
         self.revision = 0
         self._origin = np.zeros(3)
@@ -69,12 +70,12 @@ class Surface:
         viewport.pick = self.point_under
         viewport.box = lambda: self._box
 
-    def set_mesh(self, skin: Skin, U: np.ndarray, rgba: np.ndarray) -> None:
+    def set_mesh(self, skin: Skin | Sketch, U: np.ndarray, rgba: np.ndarray) -> None:
         """Show another mesh.
 
         Parameters
         ----------
-        skin : Skin
+        skin : Skin or Sketch
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """
@@ -145,7 +146,7 @@ class Surface:
 
     def hit(self, position: QPointF) -> Hit | None:
         """What is seen of the surface at a position in the viewport."""
-        if self.skin is None:
+        if self.skin is None or isinstance(self.skin, Sketch):
             return None
         origin, direction = self._viewport.ray(position)
         if self._boxes is None:

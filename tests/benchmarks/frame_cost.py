@@ -75,6 +75,7 @@ class Bench:
     def __init__(self, application, V, F, labels) -> None:
         self.application = application
         self.window = Window(QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat))
+        self.window.start()
         self.window.session._worker.close()
         self.worker = self.window.session._stage._worker = self.window.session._worker = Silent()
         self.view = self.window.canvas.viewport

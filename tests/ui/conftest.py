@@ -81,6 +81,7 @@ def window(qtbot, settings, monkeypatch):
     """A window without a mesh, that does not ask before it is closed."""
     monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
     window = Window(settings)
+    window.start()
     show(qtbot, window, window.canvas.viewport)
     yield window
     window.close()
