@@ -133,7 +133,9 @@ class Canvas(QObject):
         """Draw a mesh that is about to be opened; nothing of it can be touched yet."""
         self._sketched = mesh.V
         self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
-        self._look_at_all()
+        handle = mesh.V[labels == HANDLE]
+        self.viewport.look_home()
+        self._frame(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Show what differs between two states, with the active handle and region."""
@@ -157,11 +159,8 @@ class Canvas(QObject):
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
-            self._look_at_all()  # otherwise the camera may have been moved since
-
-    def _look_at_all(self) -> None:
-        self.viewport.look_home()
-        self.frame_mesh()
+            self.viewport.look_home()  # otherwise it has, and may have been turned since
+            self.frame_mesh()
 
     def _recolor(self, old: Document, new: Document) -> None:
         ids = np.flatnonzero((old.labels != new.labels) | (old.member != new.member))
@@ -169,10 +168,14 @@ class Canvas(QObject):
 
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""
-        points, room = self.surface.U, np.zeros(len(self.surface.U))
         active = _active(self._pivots, self._handle)
-        if active is not None:
-            points = np.vstack([points, active.centre])
+        self._frame(None if active is None else active.centre)
+
+    def _frame(self, gizmo: np.ndarray | None) -> None:
+        """Show the mesh, and all of a gizmo that stands at a point."""
+        points, room = self.surface.U, np.zeros(len(self.surface.U))
+        if gizmo is not None:
+            points = np.vstack([points, gizmo])
             room = np.append(room, SIZE)
         self.viewport.frame(points, room)
 

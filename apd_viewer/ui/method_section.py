@@ -61,6 +61,7 @@ class MethodSection(Section):
         self._gives_up = quiet("What the method gives up")
         self.column.addWidget(self._keeps)
         self.column.addWidget(self._gives_up)
+        self._describe("exact")
         self.column.addSpacing(4)
         self._add_settings()
 
@@ -101,16 +102,19 @@ class MethodSection(Section):
     def show_settings(self, document: Document) -> None:
         """Show the method and the settings that matter for it."""
         self.method.setCurrentIndex(self.method.findData(document.method))
-        self.heading.say(METHOD_NAMES[document.method], only_folded=True)
-        keeps, gives_up = METHOD_WORDS[document.method]
-        self._keeps.setText(keeps)
-        self._gives_up.setText(gives_up)
+        self._describe(document.method)
         for method, row in self._rows:
             row.setVisible(method == document.method)
         self.tolerance.show_value(100.0 * document.tolerance)
         self.area_stiffness.show_value(document.area_stiffness)
         self.shear_stiffness.show_value(document.shear_stiffness)
         self.stiffness.show_value(document.stiffness)
+
+    def _describe(self, method: str) -> None:
+        self.heading.say(METHOD_NAMES[method], only_folded=True)
+        keeps, gives_up = METHOD_WORDS[method]
+        self._keeps.setText(keeps)
+        self._gives_up.setText(gives_up)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour what the style sheet does not reach."""

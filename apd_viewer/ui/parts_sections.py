@@ -113,6 +113,7 @@ class RegionSection(Section):
         self.list = PartList(REGION_COLORS, self._row)
         self.note = quiet("Why regions are not kept")
         self.note.setText("The method Paper only measures regions.")
+        self.note.hide()
         self.add = QPushButton("Add region", toolTip="One more part whose area is measured (Shift+R)")
         self.add.clicked.connect(self.added)
         for part in (self.empty, self.list, self.note):

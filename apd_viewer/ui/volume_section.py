@@ -40,6 +40,8 @@ class VolumeSection(Section):
         self.why_not = quiet("Why the volume cannot be kept")
         for part in (self.volume, self.target, self.why_not):
             self.column.addWidget(part)
+        for later in (self.target.field, self.target.slider, self.why_not):
+            later.hide()  # until there is something to keep
         self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
 
     def set_theme(self, theme: Theme) -> None:

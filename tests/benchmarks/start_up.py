@@ -98,7 +98,7 @@ KINDS = ("imports", "window", "bottle", "ready", "gap")
 
 
 def main() -> None:
-    """Print the medians, and their ratios to the imports alone."""
+    """Print the medians, and those of the ratios to the imports alone."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else RUNS
     taken = {}
     with tempfile.TemporaryDirectory() as home:
@@ -108,10 +108,11 @@ def main() -> None:
                 found[command] = seconds("-m", "apd_viewer", command)["end"]
             for name, took in found.items():
                 taken.setdefault(name, []).append(took)
-    base = np.median(taken["imports"][1:])
+    # Ratios within a round: what else the machine does changes from one to the next.
+    base = np.array(taken["imports"][1:])
     for name in (*KINDS, *COMMANDS):
-        median = np.median(taken[name][1:])
-        print(f"{name:12} {1e3 * median:7.0f} ms   x {median / base:5.2f}")
+        times = np.array(taken[name][1:])
+        print(f"{name:12} {1e3 * np.median(times):7.0f} ms   x {np.median(times / base):5.2f}")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from meshes import box, grid, soup, sphere
 
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.operators import vertex_neighbours
+from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.geometry.skin import Skin, _drape, warm_up
 
 
@@ -78,3 +79,12 @@ def test_warm_up_compiles_what_a_window_calls():
     torn = Mesh(*soup(V, F))
     draped(Skin.of(torn.F, len(torn.V), torn.joined_F), torn.V)
     assert len(_drape.signatures) == compiled
+
+
+def test_a_sketch_looks_like_what_it_stands_in_for():
+    V, F = sphere(2)
+    V = np.vstack([V + 100.0, [[-9.0, 9.0, 9.0]]])
+    origin = np.full(3, 100.0)
+    skin, sketch = draped(Skin.of(F, len(V)), V, origin), draped(Sketch(F), V, origin)
+    for mine, expected in zip(sketch, skin, strict=True):
+        np.testing.assert_allclose(mine, expected, atol=1e-6)
