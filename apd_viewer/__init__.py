@@ -11,14 +11,12 @@ Neither importing the package nor deforming without a window loads Qt or VTK.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.deform import Result, deform
-from apd_viewer.geometry.deformation import Deformation, Frame
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from apd_viewer.api import Deformation, Frame, Mesh, Region, Result, deform, open_mesh, save_mesh
 
 __version__ = "0.1.0"
 __all__ = [
@@ -33,6 +31,19 @@ __all__ = [
     "save_mesh",
     "view",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what scripts work with when it is asked for first: a window can be seen before."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from apd_viewer import api
+
+    return getattr(api, name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]
 
 
 def view(mesh: Any = None) -> None:
@@ -50,9 +61,10 @@ def view(mesh: Any = None) -> None:
     """
     try:
         from apd_viewer.ui.application import run
+
+        run(mesh)
     except ImportError as error:
         raise InputError(
             f"The window needs a library that is missing ({error}); "
             "the README names the system packages to install."
         ) from error
-    run(mesh)

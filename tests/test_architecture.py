@@ -13,7 +13,7 @@ PACKAGE = "apd_viewer"
 
 # What lies on the right may be imported by what lies on the left, and not the other way around.
 ROOMS = ["top", "ui", "session", "files", "geometry", "errors"]
-TOP = {"__main__", "papertables"}
+TOP = {"__main__", "api", "headless", "papertables", "parser"}
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 LIBRARIES = {
     "top": set(),
@@ -253,3 +253,31 @@ def test_neither_importing_nor_working_without_a_window_loads_qt_or_vtk(tmp_path
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
+
+
+FIRST_PICTURE = """
+    import sys
+    import apd_viewer.__main__
+    assert "numpy" not in sys.modules, "the command line reads its words"
+    import apd_viewer.ui.application
+    import apd_viewer.ui.window
+    loaded = {name.partition(".")[0] for name in sys.modules}
+    assert "pyvistaqt" in loaded, "the test is blind"
+    assert not loaded & {"numba", "scipy", "cholespy", "trimesh"}, loaded
+    import apd_viewer
+    assert "Deformation" in dir(apd_viewer)
+    assert apd_viewer.Deformation.__name__ == "Deformation"
+    assert not hasattr(apd_viewer, "nonsense")
+"""
+
+
+def test_a_first_picture_waits_for_nothing_that_only_work_needs():
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(FIRST_PICTURE)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr

@@ -13,7 +13,7 @@ import trimesh
 from meshes import box, ends, grid, rotation, sphere
 
 import apd_viewer
-import apd_viewer.__main__
+from apd_viewer import headless
 from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
@@ -514,7 +514,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(apd_viewer.__main__, "deform", interrupted)
+    monkeypatch.setattr(headless, "deform", interrupted)
     before = sorted(bar.folder.iterdir())
     assert command(*bar.words()) == (130, "", "stopped; nothing was written\n")
     assert sorted(bar.folder.iterdir()) == before

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import Mesh, counted, pieces
-from apd_viewer.geometry.operators import area, face_areas, volume, why_no_volume
+from apd_viewer.geometry.mesh import Mesh, counted
+from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
+from apd_viewer.geometry.pieces import pieces
 
 
 @dataclass(frozen=True)
@@ -39,20 +40,22 @@ def inspect(mesh: Mesh) -> Inspection:
     first, inverse = mesh.weld.first, mesh.weld.inverse
     F = inverse[mesh.F]
     why = why_no_volume(F, len(first))
+    areas = face_areas(mesh.V, mesh.F)
+    count = len(np.unique(pieces(F, len(first))[F[:, 0]]))
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
     return Inspection(
         vertices=len(mesh.V),
         faces=len(mesh.F),
-        pieces=len(np.unique(pieces(F, len(first))[F])),
-        area=area(mesh.V, mesh.F),
+        pieces=count,
+        area=float(areas.sum()),
         volume=None if why else volume(mesh.V, mesh.F),
         why_no_volume=why,
         size=(dx, dy, dz),
-        findings=tuple(_findings(mesh, F)),
+        findings=tuple(_findings(mesh, areas, count)),
     )
 
 
-def _findings(mesh: Mesh, F: np.ndarray) -> list[str]:
+def _findings(mesh: Mesh, areas: np.ndarray, count: int) -> list[str]:
     findings = []
     repeated = len(mesh.V) - len(mesh.weld.first)
     if repeated:
@@ -60,15 +63,16 @@ def _findings(mesh: Mesh, F: np.ndarray) -> list[str]:
             f"{counted(repeated, 'vertex repeats', 'vertices repeat')} the position of another; "
             "they move together."
         )
-    unused = len(mesh.V) - len(np.unique(mesh.F))
+    used = np.zeros(len(mesh.V), dtype=bool)
+    used[mesh.F] = True
+    unused = int((~used).sum())
     if unused:
         findings.append(
             f"{counted(unused, 'vertex belongs', 'vertices belong')} to no face; such a vertex does not move."
         )
-    flat = int((face_areas(mesh.V, mesh.F) == 0.0).sum())
+    flat = int((areas == 0.0).sum())
     if flat:
         findings.append(f"{counted(flat, 'face has', 'faces have')} no area and no stiffness.")
-    count = len(np.unique(pieces(F, len(mesh.weld.first))[F]))
     if count > 1:
         findings.append(f"There are {count:,} separate pieces; each needs base or handle to move.")
     return findings

@@ -7,8 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 
@@ -144,22 +142,3 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
 def counted(number: int, one: str, many: str) -> str:
     """A number with its noun and verb: ``counted(2, "face has", "faces have")`` is "2 faces have"."""
     return f"{number:,} {one if number == 1 else many}"
-
-
-def pieces(F: np.ndarray, n: int) -> np.ndarray:
-    """Label of the connected piece of every vertex.
-
-    Parameters
-    ----------
-    F : (m, 3) int array
-    n : int
-        Number of vertices.
-
-    Returns
-    -------
-    (n,) int array
-        Equal for two vertices exactly if a path of edges joins them.
-    """
-    a, b = F[:, [0, 1]].ravel(), F[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(n, n))
-    return connected_components(graph, directed=False)[1]

@@ -1,4 +1,4 @@
-"""Discrete operators of a triangle mesh: areas, gradients, normals, cotangents, adjacency.
+"""Discrete operators of a triangle mesh: areas, gradients, cotangents, adjacency.
 
 Throughout, ``V`` or ``U`` is an (n, 3) float array of positions in mesh units and ``F`` an (m, 3)
 integer array of triangles, counter-clockwise seen from outside.
@@ -35,35 +35,6 @@ def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     graph = sp.csr_array((ones, (np.concatenate([a, b]), np.concatenate([b, a]))), shape=(n, n))
     graph.sum_duplicates()
     return graph.indptr.astype(np.int32), graph.indices.astype(np.int32)
-
-
-@njit(cache=True, nogil=True)
-def vertex_normals(U: np.ndarray, F: np.ndarray, out: np.ndarray) -> None:
-    """Write unit vertex normals, weighted by triangle area, into ``out``.
-
-    Parameters
-    ----------
-    U : (n, 3) float array
-    F : (m, 3) int array
-    out : (n, 3) float array
-        Overwritten. Rows of vertices without area become zero.
-    """
-    out[:] = 0.0
-    for t in range(F.shape[0]):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        for v in (i, j, k):
-            out[v, 0] += x
-            out[v, 1] += y
-            out[v, 2] += z
-    for v in range(out.shape[0]):
-        length = np.sqrt(out[v, 0] ** 2 + out[v, 1] ** 2 + out[v, 2] ** 2)
-        if length > 0.0:
-            out[v, 0] /= length
-            out[v, 1] /= length
-            out[v, 2] /= length
 
 
 @njit(cache=True, nogil=True)

@@ -1,7 +1,7 @@
 """What a ray meets, and which vertices a brush covers.
 
-No search structure: a mesh that deforms would have to rebuild it for every pick, which costs more
-than looking at each triangle once.
+No search tree: a mesh that deforms would have to rebuild it for every pick, which costs more than looking
+at each triangle once. Boxes around the triangles as they come cost no more than one look at them.
 """
 
 from __future__ import annotations
@@ -9,10 +9,44 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+BLOCK = 128  # triangles in a box; neighbours in a file are mostly neighbours in space
+_SLACK = 1e-9  # rounding must not let a ray miss the box of a triangle that it meets
+
+
+@njit(cache=True, nogil=True)
+def boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Boxes around every ``BLOCK`` triangles that follow each other.
+
+    Parameters
+    ----------
+    U : (n, 3) float array
+    F : (m, 3) int array
+
+    Returns
+    -------
+    (b, 2, 3) float array
+        The low and the high corner of each.
+    """
+    count = (F.shape[0] + BLOCK - 1) // BLOCK
+    found = np.empty((count, 2, 3))
+    for b in range(count):
+        lx = ly = lz = np.inf
+        hx = hy = hz = -np.inf
+        for t in range(b * BLOCK, min((b + 1) * BLOCK, F.shape[0])):
+            for c in range(3):
+                x, y, z = U[F[t, c], 0], U[F[t, c], 1], U[F[t, c], 2]
+                lx, ly, lz = min(lx, x), min(ly, y), min(lz, z)
+                hx, hy, hz = max(hx, x), max(hy, y), max(hz, z)
+        largest = max(max(abs(lx), abs(hx)), max(abs(ly), abs(hy)), max(abs(lz), abs(hz)))
+        slack = _SLACK * largest
+        found[b, 0, 0], found[b, 0, 1], found[b, 0, 2] = lx - slack, ly - slack, lz - slack
+        found[b, 1, 0], found[b, 1, 1], found[b, 1, 2] = hx + slack, hy + slack, hz + slack
+    return found
+
 
 @njit(cache=True, nogil=True)
 def ray_hit(
-    origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray
+    origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray, around: np.ndarray
 ) -> tuple[int, float, float, float]:
     """Nearest triangle that a ray meets, from either side.
 
@@ -21,6 +55,8 @@ def ray_hit(
     origin, direction : (3,) float array
     U : (n, 3) float array
     F : (m, 3) int array
+    around : (b, 2, 3) float array
+        The :func:`boxes` of the same ``U`` and ``F``.
 
     Returns
     -------
@@ -34,26 +70,43 @@ def ray_hit(
     ox, oy, oz = origin[0], origin[1], origin[2]
     dx, dy, dz = direction[0], direction[1], direction[2]
     face, distance, b1, b2 = -1, np.inf, 0.0, 0.0
-    for t in range(F.shape[0]):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ex, ey, ez = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        gx, gy, gz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        px, py, pz = dy * gz - dz * gy, dz * gx - dx * gz, dx * gy - dy * gx
-        det = ex * px + ey * py + ez * pz
-        if det == 0.0:
+    for b in range(around.shape[0]):
+        if not _enters(origin, direction, around[b], distance):
             continue
-        sx, sy, sz = ox - U[i, 0], oy - U[i, 1], oz - U[i, 2]
-        u = (sx * px + sy * py + sz * pz) / det
-        if u < 0.0 or u > 1.0:
-            continue
-        qx, qy, qz = sy * ez - sz * ey, sz * ex - sx * ez, sx * ey - sy * ex
-        v = (dx * qx + dy * qy + dz * qz) / det
-        if v < 0.0 or u + v > 1.0:
-            continue
-        s = (gx * qx + gy * qy + gz * qz) / det
-        if 0.0 < s < distance:
-            face, distance, b1, b2 = t, s, u, v
+        for t in range(b * BLOCK, min((b + 1) * BLOCK, F.shape[0])):
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            ex, ey, ez = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            gx, gy, gz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            px, py, pz = dy * gz - dz * gy, dz * gx - dx * gz, dx * gy - dy * gx
+            det = ex * px + ey * py + ez * pz
+            if det == 0.0:
+                continue
+            sx, sy, sz = ox - U[i, 0], oy - U[i, 1], oz - U[i, 2]
+            u = (sx * px + sy * py + sz * pz) / det
+            if u < 0.0 or u > 1.0:
+                continue
+            qx, qy, qz = sy * ez - sz * ey, sz * ex - sx * ez, sx * ey - sy * ex
+            v = (dx * qx + dy * qy + dz * qz) / det
+            if v < 0.0 or u + v > 1.0:
+                continue
+            s = (gx * qx + gy * qy + gz * qz) / det
+            if 0.0 < s < distance:
+                face, distance, b1, b2 = t, s, u, v
     return face, distance, b1, b2
+
+
+@njit(cache=True, nogil=True)
+def _enters(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance: float) -> bool:
+    """Whether a ray enters a ``box`` (2, 3) before it has gone a ``distance``."""
+    near, far = 0.0, distance
+    for c in range(3):
+        if direction[c] == 0.0:
+            if not box[0, c] <= origin[c] <= box[1, c]:
+                return False
+        else:
+            a, b = (box[0, c] - origin[c]) / direction[c], (box[1, c] - origin[c]) / direction[c]
+            near, far = max(near, min(a, b)), min(far, max(a, b))
+    return near <= far
 
 
 @njit(cache=True, nogil=True)
@@ -136,12 +189,3 @@ def _nearest(U: np.ndarray, candidates: np.ndarray, x: np.ndarray) -> int:
         if squared < best:
             best, nearest = squared, v
     return nearest
-
-
-def warm_up() -> None:
-    """Compile the kernels, or load them from the cache, before the first mouse event needs them."""
-    U = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    F = np.array([[0, 1, 2]], dtype=np.int32)
-    start, neighbour = np.array([0, 2, 4, 6], dtype=np.int32), np.array([1, 2, 0, 2, 0, 1], dtype=np.int32)
-    ray_hit(U[0], U[1], U, F)
-    brush(start, neighbour, U, F[0], U[0], U[0], 1.0)

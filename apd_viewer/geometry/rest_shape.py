@@ -11,15 +11,14 @@ from numba import njit, prange
 
 from apd_viewer.geometry import cells, vectors
 from apd_viewer.geometry.measures import Patch
-from apd_viewer.geometry.mesh import pieces
 from apd_viewer.geometry.operators import (
     border_vertices,
     cotangent_laplacian,
     edge_weights,
     laplacian,
     vertex_areas,
-    vertex_normals,
 )
+from apd_viewer.geometry.pieces import pieces
 from apd_viewer.geometry.thinning import edge_length, neighbourhoods, thinned
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
@@ -86,8 +85,7 @@ class RestShape:
         count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
         vertices, F = thinned(self.V, self.F, count)
         edge = edge_length(self.V[vertices], F)
-        normals = np.empty_like(self.V)
-        vertex_normals(self.V, self.F, normals)
+        normals = self.whole.vertex_normals(self.V)
         near, weight = neighbourhoods(self.V, normals, self.piece, vertices, edge)
         return Thinner(vertices, RestShape(self.V[vertices], F), near, weight, edge)
 

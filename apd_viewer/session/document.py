@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, what_is_missing
+from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints
 from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
-from apd_viewer.geometry.measures import area_of
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -20,6 +19,9 @@ from apd_viewer.geometry.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
 )
+from apd_viewer.geometry.regions import region_areas
+from apd_viewer.geometry.skin import Skin
+from apd_viewer.session import derived
 
 IDENTITY = frozen(np.eye(4))
 # These say nothing of the total area.
@@ -113,7 +115,16 @@ class Document:
     @property
     def problem(self) -> str | None:
         """What must be painted before a handle can move, as a sentence; None if nothing."""
-        return what_is_missing(self.labels)
+        return derived.problem(self.labels)
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Number of the vertices with each label, (256,) int array."""
+        return derived.counts(self.labels)
+
+    def centre(self, k: int) -> np.ndarray | None:
+        """Centre of what handle ``k`` was gripped at, (3,); None if it holds nothing."""
+        return derived.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
 
     def constraints(self) -> Constraints:
         """Held vertices and where they are held; raises InputError where ``problem`` says why."""
@@ -130,32 +141,41 @@ class Document:
         return self.area, self.volume, *(part.area for part in self.regions)
 
     @property
-    def asked(self) -> Asked:
+    def kept(self) -> tuple[float | None, ...]:
         """What of the targets the method is asked for: a region has an area once it has a triangle."""
         leaves_area = self.method in _LEAVE_THE_AREA or (self.method == "local" and not self.hold_area)
         only_area = self.method == "paper"
-        rest = self.region_areas(self.mesh.V)
-        return Asked(
+        return (
             None if leaves_area else self.area,
             None if only_area else self.volume,
-            tuple(
-                Region(
-                    part.name,
-                    np.flatnonzero(self.member == k),
-                    part.area if at_rest > 0.0 and not only_area else None,
-                )
-                for k, (part, at_rest) in enumerate(zip(self.regions, rest, strict=True), start=1)
+            *(
+                part.area if at_rest > 0.0 and not only_area else None
+                for part, at_rest in zip(self.regions, self.rest_areas, strict=True)
             ),
         )
 
-    def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
-        """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""
+    @property
+    def asked(self) -> Asked:
+        """The same, with the vertices of the regions."""
+        area, volume, *areas = self.kept
+        regions = tuple(
+            Region(part.name, np.flatnonzero(self.member == k), percent)
+            for k, (part, percent) in enumerate(zip(self.regions, areas, strict=True), start=1)
+        )
+        return Asked(area, volume, regions)
+
+    @property
+    def rest_areas(self) -> tuple[float, ...]:
+        """Area of each region at rest."""
         if not self.regions:
             return ()
-        corners = self.member[self.mesh.F]
-        alike = (corners[:, 0] == corners[:, 1]) & (corners[:, 1] == corners[:, 2])
-        number = np.where(alike, corners[:, 0], 0)
-        return tuple(float(area_of(U, self.mesh.F[number == k])) for k in range(1, len(self.regions) + 1))
+        return derived.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
+
+    def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
+        """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""
+        if U is self.mesh.V or not self.regions:
+            return self.rest_areas
+        return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
 
     def painted_like(self, other: Document) -> bool:
         """Whether both have the very same paint: labels and regions."""
@@ -196,11 +216,16 @@ class Document:
         return self if member is self.member else replace(self, member=member)
 
     def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
-        inverse = self.mesh.weld.inverse
-        covered = np.zeros(len(self.mesh.weld.first), dtype=bool)
-        covered[inverse[ids]] = True
-        painted = np.where(covered[inverse], np.uint8(code), codes)
-        return codes if np.array_equal(painted, codes) else frozen(painted)
+        weld = self.mesh.weld
+        if len(weld.first) < len(codes):
+            covered = np.zeros(len(weld.first), dtype=bool)
+            covered[weld.inverse[ids]] = True
+            ids = np.flatnonzero(covered[weld.inverse])
+        if (codes[ids] == code).all():
+            return codes
+        painted = codes.copy()
+        painted[ids] = code
+        return frozen(painted)
 
     def moved(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""
@@ -240,12 +265,15 @@ class State:
     document : Document
     inspection : Inspection
         Readings of the mesh at rest.
+    skin : Skin
+        What is drawn and touched of the mesh.
     frame : Frame
         The latest shape, and its readings.
     """
 
     document: Document
     inspection: Inspection
+    skin: Skin
     frame: Frame
 
     @property
@@ -253,30 +281,22 @@ class State:
         """The large arrays that keeping this state keeps; most are shared with other states."""
         document = self.document
         mesh = document.mesh
-        return mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
+        own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
+        return *own, *self.skin.arrays
 
     @property
     def lacks(self) -> bool:
         """Whether an area or a volume is asked for that the shape does not have."""
         document, rest, now = self.document, self.inspection, self.frame
-        asked = document.asked
         within = document.tolerance if document.method == "paper" else _MET
-        measured = [
-            (asked.area, rest.area, now.area),
-            (asked.volume, rest.volume, now.volume),
-            *zip(
-                (region.area for region in asked.regions),
-                document.region_areas(document.mesh.V),
-                now.regions,
-                strict=True,
-            ),
-        ]
+        at_rest = rest.area, rest.volume, *document.rest_areas
+        measured = zip(document.kept, at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(
             percent is not None
-            and at_rest is not None
+            and before is not None
             and value is not None
-            and abs(value / at_rest - percent / 100.0) > within * percent / 100.0
-            for percent, at_rest, value in measured
+            and abs(value / before - percent / 100.0) > within * percent / 100.0
+            for percent, before, value in measured
         )
 
     def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
@@ -287,7 +307,7 @@ class State:
         same = frame is shown and document.member is before.member and document.regions is before.regions
         if not same:
             frame = replace(frame, regions=document.region_areas(frame.U))
-        return State(document, self.inspection, frame)
+        return State(document, self.inspection, self.skin, frame)
 
     def unsettled(self) -> State:
         """The state with a shape that is on its way."""
@@ -309,7 +329,8 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(f"Handle {k}") for k in range(1, count + 1)),
     )
-    return State(document, inspection, rest_frame(mesh, inspection))
+    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
+    return State(document, inspection, skin, rest_frame(mesh, inspection))
 
 
 def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:

@@ -6,8 +6,8 @@ import gc
 import os
 import signal
 import sys
-import threading
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"
@@ -17,6 +17,7 @@ from PySide6.QtCore import (
     QMessageLogContext,
     QSettings,
     Qt,
+    QTimer,
     QtMsgType,
     qFormatLogMessage,
     qInstallMessageHandler,
@@ -26,12 +27,18 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
-from apd_viewer.geometry import picking
+from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.ui.garbage import GuiThreadGC
+from apd_viewer.ui.loading import Loading
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.window import Window
 
 # pyvistaqt sets the default format once more for each viewport, to what is set here already.
 HARMLESS = "Setting a new default format"
+
+PATIENCE = 1000  # ms; a window that is not drawn, because it is covered or minimized, loads all the same
 
 SWITCH_INTERVAL = 0.001  # s; the GUI thread waits less for a worker that holds the interpreter
 
@@ -96,21 +103,30 @@ def run(mesh: object = None) -> None:
     from apd_viewer.ui.window import Window
 
     window = Window(QSettings())
-    window.show()
-    # While the user looks at the mesh, so that the first stroke need not wait for a compiler.
-    warming = threading.Thread(target=picking.warm_up, name="warm-up", daemon=True)
-    warming.start()
-    gc.freeze()  # what is loaded stays: to look through it for garbage takes 0.15 s every time
     if shown is None:
-        window.session.open_sample("bottle")
+        window.canvas.sketch(*open_sample("bottle"))
+        window.open_sample("bottle")
     elif isinstance(shown, Mesh):
         window.show_mesh(shown)
     else:
         window.open_path(shown)
+    window.show()
+    loading = Loading()
+    loading.loaded.connect(lambda: window.close() if loading.error else _start(window))
+    window.canvas.viewport.frameSwapped.connect(loading.begin, Qt.ConnectionType.SingleShotConnection)
+    QTimer.singleShot(PATIENCE, loading.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
+    gc.freeze()  # what has been imported stays: to look through it for garbage delays the first picture
     application.exec()
     gc.unfreeze()
-    warming.join()  # a thread that compiles while the interpreter ends would take it down
+    loading.join()
+    if loading.error is not None:
+        raise loading.error
+
+
+def _start(window: Window) -> None:
+    gc.freeze()
+    window.start()
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:

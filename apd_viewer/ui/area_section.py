@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
-from apd_viewer.session.document import State
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, short, signed
 from apd_viewer.ui.section import quiet
 from apd_viewer.ui.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import State
 
 _MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _TIP = "What the total area should be, in percent of the area at rest"
@@ -150,7 +154,7 @@ class AreaSection(QWidget):
 def verdict(state: State) -> str:
     """The change of the total area, and how it stands to what is asked."""
     document, change = state.document, signed(100 * state.frame.area_error, 3)
-    asked = document.asked.area
+    asked = document.kept[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0

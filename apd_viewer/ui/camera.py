@@ -119,15 +119,27 @@ class Camera:
 
         ``room``, (k,) or one for all, is how many pixels must be free around each of the (k, 3) points.
         """
-        centre = (points.min(axis=0) + points.max(axis=0)) / 2
-        local = (points - centre) @ self.axes.T
+        rooms = np.broadcast_to(room, len(points))
+        least = float(rooms.min())
+        # One look at all the points: how far they reach along the axes, and past each side of the picture.
+        reach = np.vstack([np.eye(3), self._sides(least)]) @ points.T
+        lowest, most = reach[:3].min(axis=1), reach.max(axis=1)
+        centre = (lowest + most[:3]) / 2
+        away = float((most[3:] - self._sides(least) @ centre).max())
+        for k in np.flatnonzero(rooms > least):
+            away = max(away, float((self._sides(float(rooms[k])) @ (points[k] - centre)).max()))
+        if np.array_equal(lowest, most[:3]):
+            away = 1.0  # a single point can be seen from anywhere
+        return replace(self, position=centre - away * self.axes[2], focal=centre)
+
+    def _sides(self, room: float) -> np.ndarray:
+        """From how far a point fits in at the right, left, top and bottom, (4, 3): linear in the point."""
         half = np.tan(self.angle / 2)
         # A tiny view cannot hold the room; there the points must do with a tenth of it.
-        across, along = (np.maximum(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
-        wide = np.abs(local[:, 0]) / (half * self.width / self.height * across)
-        tall = np.abs(local[:, 1]) / (half * along)
-        away = float((np.maximum(wide, tall) * MARGIN - local[:, 2]).max())
-        return replace(self, position=centre - (away or 1.0) * self.axes[2], focal=centre)
+        across, along = (max(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
+        wide = MARGIN / (half * self.width / self.height * across) * self.axes[0]
+        tall = MARGIN / (half * along) * self.axes[1]
+        return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
 
     def placed(self, axis: str) -> Camera:
         """Look at the focal point from 'front', 'side' or 'top', or from the opposite with a '-' before."""

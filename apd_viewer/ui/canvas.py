@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.document import Document, State
+from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.painter import Painter
@@ -18,6 +20,10 @@ from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.viewport import Viewport
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.session.document import Document, State
 
 
 class Canvas(QObject):
@@ -63,7 +69,7 @@ class Canvas(QObject):
         self._handle = self._region = 0
         self._erasing = False
         self._document: Document | None = None
-        self._pivots: tuple[Pivot, ...] = ()
+        self._sketched: np.ndarray | None = None
         self._connect()
 
     def _connect(self) -> None:
@@ -76,7 +82,7 @@ class Canvas(QObject):
         self.gizmo.began.connect(self.drag_began)
         self.gizmo.moved.connect(self.handle_moved)
         self.gizmo.ended.connect(self.drag_ended)
-        self.gizmo.ended.connect(self._place)
+        self.gizmo.ended.connect(self._show_tool)
         self.gizmo.cancelled.connect(self.gesture_cancelled)
         self.pivots.chosen.connect(self.handle_chosen)
 
@@ -117,60 +123,75 @@ class Canvas(QObject):
         if handle != self._handle:
             self.gizmo.cancel()
         self._handle, self._region = handle, region
-        self._place()
+        self._show_tool()
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the background."""
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
+    def sketch(self, mesh: Mesh, labels: np.ndarray) -> None:
+        """Draw a mesh that is about to be opened; nothing of it can be touched yet."""
+        self._sketched = mesh.V
+        self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
+        handle = mesh.V[labels == HANDLE]
+        self.viewport.look_home()
+        self._frame(handle.mean(axis=0) if len(handle) else None)
+
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Show what differs between two states, with the active handle and region."""
         document, self._document = new.document, new.document
         self._handle, self._region = handle, region
-        opened = old is None or old.document.mesh is not document.mesh
-        if opened:
-            mesh, colors = document.mesh, label_colors(document.labels, document.member)
-            self.surface.set_mesh(mesh.F, new.frame.U, colors, mesh.joined_F)
-            self.painter.set_topology(mesh.joined_F, len(mesh.V))
-        elif old is not None:
+        if old is None or old.document.mesh is not document.mesh:
+            self._show_mesh(new)
+        else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
             if not old.document.painted_like(document):
-                self.surface.set_colors(label_colors(document.labels, document.member))
+                self._recolor(old.document, document)
         if old is not None and old.document.grip is not document.grip:
             self.gizmo.cancel()  # what it held is no longer what is there
         if old is None or old.document is not document:
-            self._pivots = _pivots(document)
-            self._place()
-        if opened:
-            self.viewport.look_home()
+            self._show_tool()
+
+    def _show_mesh(self, state: State) -> None:
+        self.painter.cancel()
+        document = state.document
+        self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
+        sketched, self._sketched = self._sketched, None
+        if sketched is None or not np.array_equal(sketched, document.mesh.V):
+            self.viewport.look_home()  # otherwise it has, and may have been turned since
             self.frame_mesh()
+
+    def _recolor(self, old: Document, new: Document) -> None:
+        ids = np.flatnonzero((old.labels != new.labels) | (old.member != new.member))
+        self.surface.set_colors(label_colors(new.labels[ids], new.member[ids]), ids)
 
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""
+        active = _active(self._pivots, self._handle)
+        self._frame(None if active is None else active.centre)
+
+    def _frame(self, gizmo: np.ndarray | None) -> None:
+        """Show the mesh, and all of a gizmo that stands at a point."""
         points, room = self.surface.U, np.zeros(len(self.surface.U))
-        if self._active is not None:
-            points = np.vstack([points, self._active.centre])
+        if gizmo is not None:
+            points = np.vstack([points, gizmo])
             room = np.append(room, SIZE)
         self.viewport.frame(points, room)
 
     @property
-    def _active(self) -> Pivot | None:
-        """The pivot of the active handle, if it can be moved."""
-        return next((pivot for pivot in self._pivots if pivot.number == self._handle), None)
-
-    def _place(self) -> None:
-        active = self._active
-        if active is not None:
-            self.gizmo.place(active.pose, active.gripped)
-        self._show_tool()
+    def _pivots(self) -> tuple[Pivot, ...]:
+        return () if self._document is None else _pivots(self._document)
 
     def _show_tool(self) -> None:
-        moving = self.tool is Tool.MOVE
-        visible = moving and self._active is not None
-        if visible != self.gizmo.visible:
-            self.gizmo.visible = visible
-        self.pivots.place([pivot for pivot in self._pivots if moving and pivot.number != self._handle])
+        # While it paints nobody sees where the handles are, and every event moves their centres.
+        pivots = self._pivots if self.tool is Tool.MOVE else ()
+        active = _active(pivots, self._handle)
+        if active is not None:
+            self.gizmo.place(active.pose, active.gripped)
+        if (active is not None) != self.gizmo.visible:
+            self.gizmo.visible = active is not None
+        self.pivots.place([pivot for pivot in pivots if pivot is not active])
         colors = {
             Tool.BASE: BASE_COLOR,
             Tool.HANDLE: handle_color(self._handle),
@@ -183,9 +204,9 @@ class Canvas(QObject):
     def _handle_at(self, position: QPointF) -> int | None:
         """Number of the handle that is painted at a position in the viewport."""
         hit = self.surface.hit(position)
-        if hit is None or self._document is None:
+        if hit is None or self._document is None or self.surface.skin is None:
             return None
-        label = int(self._document.labels[self.surface.F[hit.face]].max())
+        label = int(self._document.labels[self.surface.skin.F[hit.face]].max())
         return label - HANDLE if label >= HANDLE else None
 
 
@@ -195,8 +216,12 @@ def _pivots(document: Document) -> tuple[Pivot, ...]:
         return ()
     found = []
     for k, handle in enumerate(document.handles):
-        held = document.labels == HANDLE + k
-        if held.any():
-            gripped = document.grip[held].mean(axis=0)
+        gripped = document.centre(k)
+        if gripped is not None:
             found.append(Pivot(k, handle.name, handle_color(k), handle.pose, gripped))
     return tuple(found)
+
+
+def _active(pivots: tuple[Pivot, ...], handle: int) -> Pivot | None:
+    """The pivot of the handle with a number, if it can be moved."""
+    return next((pivot for pivot in pivots if pivot.number == handle), None)

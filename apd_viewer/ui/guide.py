@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.session.document import Document
 from apd_viewer.ui.notice import Invitation
 from apd_viewer.ui.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document
 
 _TWIST = "Drag a ring around the handle to twist, an arrow to bend"
 
@@ -27,18 +31,18 @@ class Guide:
         self._moved = True
         self._invitation.say("")
 
-    def say_next(self, document: Document | None, tool: Tool, handle: int) -> None:
+    def say_next(self, document: Document, tool: Tool, handle: int) -> None:
         """Say what to do next with ``tool`` in the hand and ``handle`` active, by its number."""
-        self._invitation.say("" if document is None else self._next_step(document, tool, handle))
+        self._invitation.say(self._next_step(document, tool, handle))
 
     def _next_step(self, document: Document, tool: Tool, handle: int) -> str:
-        if not (document.labels == BASE).any():
+        if not document.counts[BASE]:
             return "Paint the part that stays in place: the base (B)"
-        if not (document.labels >= HANDLE).any():
+        if not document.counts[HANDLE:].any():
             return "Now paint the part to be moved: the handle (H)"
         if document.problem:
             return document.problem
-        if not (document.labels == HANDLE + handle).any():
+        if not document.counts[HANDLE + handle]:
             return f"Paint the part that “{document.handles[handle].name}” moves (H)"
         if tool is Tool.REGION and not document.member.any():
             return "Paint a part whose area you want to see, or to keep"

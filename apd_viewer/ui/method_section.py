@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from apd_viewer.geometry.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, DEFAULT_TOLERANCE
-from apd_viewer.session.document import Document
 from apd_viewer.ui.dial import DECADES, Dial
 from apd_viewer.ui.fields import Choice, Number
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document
 
 METHOD_NAMES = {"exact": "Exact", "local": "Local", "paper": "Paper (Li & Hui)", "arap": "ARAP"}
 METHOD_WORDS = {
@@ -58,6 +61,7 @@ class MethodSection(Section):
         self._gives_up = quiet("What the method gives up")
         self.column.addWidget(self._keeps)
         self.column.addWidget(self._gives_up)
+        self._describe("exact")
         self.column.addSpacing(4)
         self._add_settings()
 
@@ -69,17 +73,14 @@ class MethodSection(Section):
             maximum=10.0,
             decimals=3,
             suffix=" %",
-            value=100.0 * DEFAULT_TOLERANCE,
         )
         self.area_stiffness = _modulus(
             "Area stiffness",
             "How firmly a triangle keeps its area: the area modulus, against that of the whole",
-            DEFAULT_AREA_STIFFNESS,
         )
         self.shear_stiffness = _modulus(
             "Shear stiffness",
             "How firmly a triangle keeps its angles: the shear modulus, against that of the whole",
-            DEFAULT_SHEAR_STIFFNESS,
         )
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
@@ -90,6 +91,7 @@ class MethodSection(Section):
             ("local", _row("Shear stiffness", self.shear_stiffness)),
         )
         for _, row in self._rows:
+            row.hide()  # until there is a method that it matters for
             self.column.addWidget(row)
         tip = "How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness"
         field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
@@ -100,10 +102,7 @@ class MethodSection(Section):
     def show_settings(self, document: Document) -> None:
         """Show the method and the settings that matter for it."""
         self.method.setCurrentIndex(self.method.findData(document.method))
-        self.heading.say(METHOD_NAMES[document.method], only_folded=True)
-        keeps, gives_up = METHOD_WORDS[document.method]
-        self._keeps.setText(keeps)
-        self._gives_up.setText(gives_up)
+        self._describe(document.method)
         for method, row in self._rows:
             row.setVisible(method == document.method)
         self.tolerance.show_value(100.0 * document.tolerance)
@@ -111,13 +110,19 @@ class MethodSection(Section):
         self.shear_stiffness.show_value(document.shear_stiffness)
         self.stiffness.show_value(document.stiffness)
 
+    def _describe(self, method: str) -> None:
+        self.heading.say(METHOD_NAMES[method], only_folded=True)
+        keeps, gives_up = METHOD_WORDS[method]
+        self._keeps.setText(keeps)
+        self._gives_up.setText(gives_up)
+
     def set_theme(self, theme: Theme) -> None:
         """Recolour what the style sheet does not reach."""
         super().set_theme(theme)
         self.stiffness.set_theme(theme)
 
 
-def _modulus(name: str, tip: str, value: float) -> Number:
+def _modulus(name: str, tip: str) -> Number:
     field = Number(
         brief=True,
         accessibleName=name,
@@ -125,7 +130,6 @@ def _modulus(name: str, tip: str, value: float) -> Number:
         minimum=0.0,
         maximum=10_000.0,
         decimals=4,
-        value=value,
     )
     field.setStepType(Number.StepType.AdaptiveDecimalStepType)
     return field

@@ -8,8 +8,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.geometry.operators import vertex_neighbours
-from apd_viewer.geometry.picking import brush
+from apd_viewer.geometry.sketch import Sketch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,8 +55,6 @@ class Painter(QObject):
         super().__init__(viewport)
         self._viewport = viewport
         self._surface = surface
-        self._F: np.ndarray = np.empty((0, 3), dtype=np.int32)
-        self._graph: tuple[np.ndarray, np.ndarray] = np.zeros(1, dtype=np.int32), np.empty(0, dtype=np.int32)
         self._enabled = False
         self._radius = 24.0
         self._color = QColor("#ffffff")
@@ -102,28 +99,13 @@ class Painter(QObject):
         self._color = QColor(color)
         self._viewport.overlay.update()
 
-    def set_topology(self, F: np.ndarray, n: int) -> None:
-        """Prepare for another mesh.
-
-        Parameters
-        ----------
-        F : (m, 3) int array
-            The triangles of the surface, in its order. They may name the vertices at a seam by one of
-            them, so that a stroke crosses it; then only that one is painted.
-        n : int
-            Number of vertices.
-        """
-        self.cancel()
-        self._F = np.ascontiguousarray(F, dtype=np.int32)
-        self._graph = vertex_neighbours(F, n)
-
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
         modifiers = event.modifiers()
         if event.button() != Qt.MouseButton.LeftButton or modifiers & Qt.KeyboardModifier.ShiftModifier:
             return False
         self._look(event)
-        if self._hit is None or not self._matches():
+        if self._hit is None:
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
         self.stroke_began.emit(self._erasing)
@@ -228,10 +210,6 @@ class Painter(QObject):
         reach = STEEPEST * max(spacing, 1.0) * self._viewport.world_per_pixel(b.point)
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
-    def _matches(self) -> bool:
-        """Whether the graph is that of the surface; right after a mesh is opened it may not be."""
-        return len(self._F) == len(self._surface.F) and len(self._graph[0]) == len(self._surface.U) + 1
-
     def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
         """Emit the vertices under the steps that the stroke has not covered before."""
         if self._covered is None:
@@ -248,8 +226,10 @@ class Painter(QObject):
 
     def _under(self, last: Hit, hit: Hit) -> np.ndarray:
         radius = self._radius * self._viewport.world_per_pixel(hit.point)
-        seeds = np.concatenate([self._F[hit.face], self._F[last.face]])
-        return brush(*self._graph, self._surface.U, seeds, last.point, hit.point, radius)
+        skin = self._surface.skin
+        assert skin is not None
+        assert not isinstance(skin, Sketch)  # it is never hit
+        return skin.under_brush(self._surface.U, (hit.face, last.face), last.point, hit.point, radius)
 
     def _ring(self, hit: Hit) -> np.ndarray:
         """Circle around the hit, in the plane that touches the surface there, (65, 3)."""

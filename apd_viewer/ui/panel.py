@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.document import Document, State
 from apd_viewer.ui.area_section import AreaSection
 from apd_viewer.ui.dial import Dial
 from apd_viewer.ui.method_section import MethodSection
@@ -16,6 +17,9 @@ from apd_viewer.ui.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.section import Section
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.volume_section import VolumeSection
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document, State
 
 _WIDTH = 296
 
@@ -41,10 +45,11 @@ class PaintSection(Section):
 
     def show_settings(self, document: Document) -> None:
         """Count the labels."""
-        labels = document.labels
-        chosen = (labels == BASE, labels >= HANDLE, labels == FREE)
-        for field, those in zip(self._counts, chosen, strict=True):
-            field.setText(f"{int(those.sum()):,}")
+        counts = document.counts
+        for field, count in zip(
+            self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
+        ):
+            field.setText(f"{count:,}")
 
 
 class Panel(QScrollArea):

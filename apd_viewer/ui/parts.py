@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import QObject, Signal
 
-from apd_viewer.session.document import Document
-from apd_viewer.session.session import Session
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document
+    from apd_viewer.session.session import Session
 
 
 class Parts(QObject):

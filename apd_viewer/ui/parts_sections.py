@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.session.document import Document, State
 from apd_viewer.ui.fields import Check, Number, percent_field
 from apd_viewer.ui.figures import length
 from apd_viewer.ui.icons import icon
@@ -17,6 +17,9 @@ from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.part_list import PartList, PartRow
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document, State
 
 _DRIFT = "How far a handle is from where it was put; the farthest of several"
 
@@ -68,7 +71,7 @@ class HandleSection(Section):
         document = state.document
         self.list.show_parts([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
-            count = int((document.labels == HANDLE + k).sum())
+            count = document.counts[HANDLE + k]
             row.reading.setText(f"{count:,}" if count else "not painted")
             row.reading.setToolTip("Vertices of the handle")
             row.remove.setVisible(len(document.handles) > 1)
@@ -79,7 +82,7 @@ class HandleSection(Section):
 
     def show_readings(self, state: State) -> None:
         """Show how far the handles are from where they were put."""
-        held = bool((state.document.labels >= HANDLE).any())
+        held = state.document.counts[HANDLE:].any()
         self.drift.setText(length(state.frame.handle_drift, max(state.inspection.size)) if held else "–")
 
     def set_theme(self, theme: Theme) -> None:
@@ -110,13 +113,13 @@ class RegionSection(Section):
         self.list = PartList(REGION_COLORS, self._row)
         self.note = quiet("Why regions are not kept")
         self.note.setText("The method Paper only measures regions.")
+        self.note.hide()
         self.add = QPushButton("Add region", toolTip="One more part whose area is measured (Shift+R)")
         self.add.clicked.connect(self.added)
         for part in (self.empty, self.list, self.note):
             self.column.addWidget(part)
         self.column.addSpacing(4)
         self.column.addWidget(self.add)
-        self._rest: tuple[object, tuple[float, ...]] = (None, ())
 
     def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
         row = PartRow("region", name, color, Keep())
@@ -139,7 +142,7 @@ class RegionSection(Section):
 
     def show_readings(self, state: State) -> None:
         """Show the area of each region."""
-        rest = self._rest_areas(state.document)
+        rest = state.document.rest_areas
         targets = [region.area for region in state.document.regions]
         for row, at_rest, now, target in zip(
             self.list.rows, rest, state.frame.regions, targets, strict=False
@@ -148,11 +151,6 @@ class RegionSection(Section):
             kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
             row.reading.setText(f"{area}, kept" if kept and state.document.method != "paper" else area)
             row.reading.setToolTip("Area in percent of its area at rest")
-
-    def _rest_areas(self, document: Document) -> tuple[float, ...]:
-        if self._rest[0] is not document.member or len(self._rest[1]) != len(document.regions):
-            self._rest = document.member, document.region_areas(document.mesh.V)
-        return self._rest[1]
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -199,11 +197,10 @@ class Keep(QWidget):
 
 def _motion(document: Document, k: int, size: float) -> str:
     """How far a handle was moved and turned since it was gripped."""
-    held = document.labels == HANDLE + k
-    if not held.any():
+    centre = document.centre(k)
+    if centre is None:
         return "Paint it with the tool Paint handle (H)"
     pose = document.handles[k].pose
-    centre = document.grip[held].mean(axis=0)
     moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
     cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
     turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QProgressBar, QStatusBar, QToolButton
+from typing import TYPE_CHECKING
 
-from apd_viewer.session.session import Session
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
 
 
 class StatusBar(QStatusBar):
@@ -22,14 +25,15 @@ class StatusBar(QStatusBar):
         super().__init__()
         self.setSizeGripEnabled(False)
         self._hint = QLabel()
-        self._progress = QProgressBar(maximumWidth=120, textVisible=False)
-        self._progress.setRange(0, 0)
         self._cancel = QToolButton(text="Cancel")
         self._cancel.clicked.connect(self.cancel_asked)
         self._errand, self._pace, self._size = QLabel(), QLabel(), QLabel()
         self.addWidget(self._hint, 1)
-        for widget in (self._errand, self._progress, self._cancel, self._pace, self._size):
+        for widget in (self._errand, self._cancel, self._pace, self._size):
             self.addPermanentWidget(widget)
+        # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
+        self._errand.setText("Starting…")
+        self._cancel.hide()
 
     def hint(self, text: str) -> None:
         """Say what the tool in hand does."""
@@ -39,9 +43,8 @@ class StatusBar(QStatusBar):
     def show_session(self, session: Session) -> None:
         """Show what is under way."""
         errand, state = session.errand, session.state
-        self._errand.setText(errand.title if errand else "")
+        self._errand.setText(f"{errand.title}…" if errand else "")
         self._errand.setVisible(errand is not None)
-        self._progress.setVisible(errand is not None)
         self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
         self._size.setText(f"{state.inspection.vertices:,} vertices" if state else "")
         iteration = state.frame.iteration if state else 0

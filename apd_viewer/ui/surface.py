@@ -8,13 +8,13 @@ import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.geometry.operators import vertex_normals
-from apd_viewer.geometry.picking import ray_hit
+from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.shading import headlight, match_background, shade
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
+    from apd_viewer.geometry.skin import Skin
     from apd_viewer.ui.viewport import Viewport
 
 
@@ -35,21 +35,22 @@ class Surface:
 
     Attributes
     ----------
-    F : (m, 3) int32 array
+    skin : Skin, Sketch or None
+        Of the mesh that is shown.
     U : (n, 3) float64 array
-        Positions as shown; what picking uses.
+        Positions as shown, read-only; what picking uses.
     revision : int
-        Counts changes of ``F`` and ``U``.
+        Counts changes of ``skin`` and ``U``.
     """
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
-        self.F: np.ndarray = np.empty((0, 3), dtype=np.int32)
+        self.skin: Skin | Sketch | None = None
         self.U: np.ndarray = np.empty((0, 3))
         self.revision = 0
         self._origin = np.zeros(3)
-        self._joined_F: np.ndarray = self.F
-        self._source: np.ndarray | None = None  # for each vertex the one whose normal it shares
+        self._box: tuple[float, ...] = ()
+        self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
         self._mesh = pv.PolyData()
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
@@ -67,28 +68,22 @@ class Surface:
         viewport.renderer.AddActor(self._actor)
         viewport.renderer.AddLight(headlight())
         viewport.pick = self.point_under
+        viewport.box = lambda: self._box
 
-    def set_mesh(
-        self, F: np.ndarray, U: np.ndarray, rgba: np.ndarray, joined_F: np.ndarray | None = None
-    ) -> None:
+    def set_mesh(self, skin: Skin | Sketch, U: np.ndarray, rgba: np.ndarray) -> None:
         """Show another mesh.
 
         Parameters
         ----------
-        F : (m, 3) int array
+        skin : Skin or Sketch
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
-        joined_F : (m, 3) int array, optional
-            The same triangles with the vertices at a seam named by one of them: the shading is then
-            smooth across seams. An STL file is nothing but seams.
         """
-        self.F = np.array(F, dtype=np.int32, order="C")
-        self._join(joined_F, len(U))
-        self.U = np.array(U, dtype=np.float64)
+        self.skin = skin
         # Far from the origin single precision is coarser than the mesh.
-        self._origin = self.U.mean(axis=0)
+        self._origin = np.array([x.mean() for x in U.T])
         self._actor.SetPosition(*self._origin)
-        self._mesh = pv.PolyData.from_regular_faces((self.U - self._origin).astype(np.float32), self.F)
+        self._mesh = pv.PolyData.from_regular_faces(np.zeros(U.shape, dtype=np.float32), skin.F)
         self._mesh.point_data["Normals"] = np.zeros_like(self._mesh.points)
         self._mesh.point_data["rgba"] = np.array(rgba, dtype=np.uint8)
         self._mesh.GetPointData().SetActiveNormals("Normals")
@@ -96,29 +91,27 @@ class Surface:
         self._actor.SetVisibility(True)
         self.set_points(U)
 
-    def _join(self, joined_F: np.ndarray | None, n: int) -> None:
-        self._joined_F, self._source = self.F, None
-        if joined_F is not None and not np.array_equal(joined_F, self.F):
-            self._joined_F = np.array(joined_F, dtype=np.int32, order="C")
-            self._source = np.arange(n)
-            self._source[self.F] = self._joined_F
-
     def set_points(self, U: np.ndarray) -> None:
-        """Move the vertices to ``U``, an (n, 3) float array, and turn the normals with them."""
-        self.U[:] = U
-        self._mesh.points[:] = self.U - self._origin
-        normals = self._mesh.point_data["Normals"]
-        N = np.asarray(normals).view(np.ndarray)
-        vertex_normals(self.U, self._joined_F, N)
-        if self._source is not None:
-            N[:] = N[self._source]
+        """Move the vertices to ``U``, an (n, 3) float array, and turn the normals with them.
+
+        The array is kept, not copied: nobody must write to it any more.
+        """
+        assert self.skin is not None
+        self.U = np.ascontiguousarray(U, dtype=np.float64).view()
+        self.U.flags.writeable = False
+        points, normals = self._mesh.points, self._mesh.point_data["Normals"]
+        low, high = self.skin.drape(self.U, self._origin, np.asarray(points), np.asarray(normals))
+        # Asked for its bounds, VTK would look at all triangles once more, on one core.
+        self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
+        self._boxes = None
+        points.VTKObject.Modified()
         normals.VTKObject.Modified()
         self.revision += 1
         self._viewport.update()
 
-    def set_colors(self, rgba: np.ndarray) -> None:
-        """Colour the vertices; ``rgba`` is an (n, 4) uint8 array."""
-        self._mesh.point_data["rgba"][:] = rgba
+    def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
+        """Colour the vertices ``ids``, or all; ``rgba`` is a (k, 4) uint8 array, a row for each of them."""
+        self._mesh.point_data["rgba"][slice(None) if ids is None else ids] = rgba
         self._viewport.update()
 
     @property
@@ -153,12 +146,16 @@ class Surface:
 
     def hit(self, position: QPointF) -> Hit | None:
         """What is seen of the surface at a position in the viewport."""
+        if self.skin is None or isinstance(self.skin, Sketch):
+            return None
         origin, direction = self._viewport.ray(position)
-        face, distance, b1, b2 = ray_hit(origin, direction, self.U, self.F)
+        if self._boxes is None:
+            self._boxes = self.skin.boxes(self.U)
+        face, distance, b1, b2 = self.skin.hit(origin, direction, self.U, self._boxes)
         if face < 0:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
-        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[self.F[face]]
+        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[self.skin.F[face]]
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)

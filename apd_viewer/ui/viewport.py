@@ -48,6 +48,8 @@ class Viewport(QtInteractor):
     overlay : QWidget
     pick : callable or None
         From a position in the widget to the point of the surface seen there, or None.
+    box : callable or None
+        The box around all that is drawn: least and largest x, then y, then z.
     dark : bool
         Whether the background is dark.
     resized : Signal()
@@ -63,6 +65,7 @@ class Viewport(QtInteractor):
         self.pre_draw: list[Callable[[], None]] = []
         self.draws = 0
         self.pick: Callable[[QPointF], np.ndarray | None] | None = None
+        self.box: Callable[[], tuple[float, ...]] | None = None
         self.dark = False
         self._stale = True  # the scene has changed since the last VTK draw
         self._software = False
@@ -73,6 +76,8 @@ class Viewport(QtInteractor):
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
+        # They would ask everything for its bounds, to leave out what the camera does not see.
+        self.renderer.GetCullers().RemoveAllItems()
         self._dispatcher = Dispatcher(self, self.tools, Navigation(self))
         self._still = QTimer(self, singleShot=True, interval=STILL)
         self._still.timeout.connect(self._draw_smooth)
@@ -216,7 +221,8 @@ class Viewport(QtInteractor):
     def _draw(self) -> None:
         for prepare in self.pre_draw:
             prepare()
-        self.renderer.ResetCameraClippingRange()
+        if self.box is not None and (box := self.box()):
+            self.renderer.ResetCameraClippingRange(box)
         self.renderer.SetUseFXAA(self._refine)
         self._in_paint = True
         try:
@@ -308,7 +314,7 @@ class Viewport(QtInteractor):
             self._still.stop()
             self.pre_draw.clear()
             self.tools.clear()
-            self.pick = self._framed = None
+            self.pick = self.box = self._framed = None
         super().close()
         # Qt frees context and surface itself and may put others at their addresses, where Python
         # would still find these wrappers: of the wrong class, or of an object that is gone.

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from PySide6.QtCore import Signal
 
-from apd_viewer.session.document import State
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, signed
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import State
 
 _TIP = "What the enclosed volume should be, in percent of the volume at rest"
 
@@ -36,6 +40,8 @@ class VolumeSection(Section):
         self.why_not = quiet("Why the volume cannot be kept")
         for part in (self.volume, self.target, self.why_not):
             self.column.addWidget(part)
+        for later in (self.target.field, self.target.slider, self.why_not):
+            later.hide()  # until there is something to keep
         self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
 
     def set_theme(self, theme: Theme) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
@@ -17,9 +18,6 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.files.samples import SAMPLES, resource
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import State
-from apd_viewer.session.session import Activity, Listener, Session
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
@@ -31,23 +29,36 @@ from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.wiring import connect_settings
 
-_WORDS = {
-    Activity.IDLE: "ready",
-    Activity.REFINING: "refining",
-    Activity.SETTLED: "settled",
-    Activity.UNREACHED: "not settled",
-}
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.session.document import State
+    from apd_viewer.session.session import Session
+
+# For the values of Activity.
+_WORDS = {"idle": "ready", "refining": "refining", "settled": "settled", "not reached": "not settled"}
 
 
 class Window(QMainWindow):
     """A canvas in the middle, tools at the left, readings at the right.
 
+    It can be seen before all that it works with is loaded: :meth:`start` makes it work.
+
     Parameters
     ----------
     settings : QSettings
         Where recent files and the layout are remembered.
+
+    Attributes
+    ----------
+    session : Session
+    parts : Parts
+        Both from the start on.
     """
+
+    session: Session
+    parts: Parts
 
     _woken = Signal()
 
@@ -60,36 +71,47 @@ class Window(QMainWindow):
         self.setMinimumSize(800, 640)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
         self.resize(1280, 800)
-        self.session = Session(
-            Listener(
-                wake=self._woken.emit,
-                changed=self._changed,
-                status_changed=self._status_changed,
-                told=lambda sentence: self.notice.tell(sentence),
-                failed=lambda sentence: self.notice.fail(sentence),
-            )
-        )
-        self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self._closed = False
-        self.parts = Parts(self.session, self)
-        self.parts.changed.connect(self._parts_changed)
+        self._started = self._closed = False
+        self._wish: Callable[[], None] | None = None  # what to open as soon as there is a session
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
         self._make_panel()
         self.status = StatusBar()
         self.setStatusBar(self.status)
-        self.status.cancel_asked.connect(self.session.cancel_errand)
         self.actions_ = Actions(self, self._verbs())
         self.actions_.add_panels([self._dock.toggleViewAction()])
-        self._connect_canvas()
-        self._connect_panel()
+        self.actions_.show_history(None, None)
         self.actions_.fill_recent(self._memory.recent)
         self._memory.restore_layout(self)
         self._set_scheme(self._memory.scheme)
         self.take(Tool.MOVE)
+        self._show_state(None)
+
+    def start(self) -> None:
+        """Begin to work, and open what was asked for in the meantime."""
+        # Here, because it takes longer to import than all that a first picture of the window needs.
+        from apd_viewer.session.session import Listener, Session
+
+        self.session = Session(
+            Listener(
+                wake=self._woken.emit,
+                changed=self._changed,
+                status_changed=self._status_changed,
+                told=self.notice.tell,
+                failed=self.notice.fail,
+            )
+        )
+        self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self.parts = Parts(self.session, self)
+        self.parts.changed.connect(self._parts_changed)
+        self.status.cancel_asked.connect(self.session.cancel_errand)
+        self._connect_canvas()
+        self._connect_panel()
+        self._started = True
+        if self._wish is not None:
+            self._wish()
         self._status_changed()
-        self._invite()
 
     # Building
 
@@ -100,7 +122,7 @@ class Window(QMainWindow):
         self._guide = Guide(self.invitation)
         buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self._ask_for_file)]
         for name, title in SAMPLES.items():
-            buttons.append(QPushButton(title, clicked=partial(self.session.open_sample, name)))
+            buttons.append(QPushButton(title, clicked=partial(self.open_sample, name)))
         self._empty = Empty(view, buttons)
 
     def _make_panel(self) -> None:
@@ -116,7 +138,7 @@ class Window(QMainWindow):
         return {
             "open": self._ask_for_file,
             "open_path": self.open_path,
-            "open_sample": self.session.open_sample,
+            "open_sample": self.open_sample,
             "export": self._ask_for_target,
             "quit": self.close,
             "undo": self._undo,
@@ -127,7 +149,7 @@ class Window(QMainWindow):
             "smaller": partial(self._scale_brush, 0.8),
             "add_handle": self._add_handle,
             "add_region": self._add_region,
-            "next_handle": self.parts.next_handle,
+            "next_handle": self._next_handle,
             "frame": self.canvas.frame_mesh,
             "look": view.look_along,
             "edges": partial(setattr, self.canvas.surface, "edges"),
@@ -155,21 +177,7 @@ class Window(QMainWindow):
 
     def _connect_panel(self) -> None:
         panel, session, parts = self.panel, self.session, self.parts
-        panel.area.target.chosen.connect(session.set_area)
-        panel.area.held.connect(session.hold_area)
-        panel.volume.kept.connect(session.set_volume)
-        panel.volume.target.chosen.connect(session.set_volume)
-        panel.method.method_chosen.connect(session.set_method)
-        panel.method.tolerance_chosen.connect(session.set_tolerance)
-        panel.method.stiffness.chosen.connect(session.set_stiffness)
-        panel.method.area_stiffness_chosen.connect(lambda x: session.set_material(area_stiffness=x))
-        panel.method.shear_stiffness_chosen.connect(lambda x: session.set_material(shear_stiffness=x))
-        for dial, gesture in zip(
-            panel.dials, ("Change area", "Change volume", "Change stiffness"), strict=True
-        ):
-            dial.sweep_began.connect(session.begin_gesture)
-            dial.sweep_ended.connect(partial(session.end_gesture, gesture))
-            dial.sweep_given_up.connect(session.cancel_gesture)
+        connect_settings(panel, session)
         panel.handles.list.chosen.connect(parts.choose_handle)
         panel.handles.list.renamed.connect(session.rename_handle)
         panel.handles.list.removed.connect(parts.remove_handle)
@@ -185,11 +193,25 @@ class Window(QMainWindow):
 
     def open_path(self, path: str | Path) -> None:
         """Open a mesh file, in the background."""
-        self.session.open(path)
+        self._open(lambda: self.session.open(path))
+
+    def open_sample(self, name: str) -> None:
+        """Open a sample, in the background."""
+        self._open(lambda: self.session.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
         """Show a mesh that is in memory."""
-        self.session.show(mesh)
+        self._open(lambda: self.session.show(mesh))
+
+    def _open(self, wish: Callable[[], None]) -> None:
+        if self._started:
+            wish()
+        else:
+            self._wish = wish  # the latest wins
+
+    @property
+    def _state(self) -> State | None:
+        return self.session.state if self._started else None
 
     def take(self, tool: Tool) -> None:
         """Put a tool into the hand."""
@@ -204,7 +226,7 @@ class Window(QMainWindow):
             self.open_path(path)
 
     def _ask_for_target(self) -> None:
-        state = self.session.state
+        state = self._state
         if state is None:
             return
         path = dialogs.ask_for_target(self, self._memory.folder, state.document.mesh)
@@ -212,7 +234,7 @@ class Window(QMainWindow):
             self.session.export(path)
 
     def _begin_stroke(self) -> None:
-        if self.session.state is not None:
+        if self._state is not None:
             self.session.begin_gesture()
             self.invitation.say("")
 
@@ -221,21 +243,25 @@ class Window(QMainWindow):
         self._invite()
 
     def _add_handle(self) -> None:
-        if self.session.state is not None:
+        if self._state is not None:
             self.parts.add_handle()
             self.take(Tool.HANDLE)
 
+    def _next_handle(self) -> None:
+        if self._state is not None:
+            self.parts.next_handle()
+
     def _add_region(self) -> None:
-        if self.session.state is not None:
+        if self._state is not None:
             self.parts.add_region()
             self.take(Tool.REGION)
 
     def _undo(self) -> None:
-        if self.session.state is not None and not self._give_up():
+        if self._state is not None and not self._give_up():
             self.session.undo()
 
     def _redo(self) -> None:
-        if self.session.state is not None and not self._give_up():
+        if self._state is not None and not self._give_up():
             self.session.redo()
 
     def _give_up(self) -> bool:
@@ -243,7 +269,7 @@ class Window(QMainWindow):
         return self.canvas.viewport.cancel() or self.panel.give_up_sweep()
 
     def _reset(self) -> None:
-        if self.session.state is not None:
+        if self._state is not None:
             self._give_up()
             self.session.reset_handle()
 
@@ -287,27 +313,27 @@ class Window(QMainWindow):
     def _status_changed(self) -> None:
         session = self.session
         self.actions_.show_history(session.history.next_undo, session.history.next_redo)
-        opened = session.state is not None
-        self.actions_.export.setEnabled(opened)
-        moved = session.state is not None and session.moved
-        self.actions_.reset.setEnabled(moved)
-        self.panel.handles.reset.setEnabled(moved)
-        self.panel.setEnabled(opened)
-        self._empty.setVisible(not opened and session.errand is None)
-        self.panel.area.activity.setText(self._activity)
+        self._show_state(session.state)
+        self._empty.setVisible(session.state is None and session.errand is None)
         self.status.show_session(session)
 
-    @property
-    def _activity(self) -> str:
-        state = self.session.state
-        if state is None:
-            return ""
-        ended = self.session.activity is Activity.UNREACHED
-        return "out of reach" if ended and state.frame.unreached else _WORDS[self.session.activity]
+    def _show_state(self, state: State | None) -> None:
+        """Offer what can be done with what is open, and say what the worker does about it."""
+        moved = state is not None and self.session.moved
+        self.actions_.export.setEnabled(state is not None)
+        self.actions_.reset.setEnabled(moved)
+        self.panel.handles.reset.setEnabled(moved)
+        self.panel.setEnabled(state is not None)
+        self.panel.area.activity.setText("" if state is None else self._activity(state))
+
+    def _activity(self, state: State) -> str:
+        activity = self.session.activity.value
+        return "out of reach" if activity == "not reached" and state.frame.unreached else _WORDS[activity]
 
     def _invite(self) -> None:
-        state = self.session.state
-        self._guide.say_next(None if state is None else state.document, self.canvas.tool, self.parts.handle)
+        state = self._state
+        if state is not None:
+            self._guide.say_next(state.document, self.canvas.tool, self.parts.handle)
 
     def _set_scheme(self, scheme: Qt.ColorScheme) -> None:
         self._memory.scheme = scheme
@@ -352,13 +378,14 @@ class Window(QMainWindow):
         self._memory.keep_layout(self)
         self._memory.folded = self.panel.folded
         self._closed = True
-        self.session.close()
+        if self._started:
+            self.session.close()
         self.canvas.viewport.close()
         super().closeEvent(event)
 
     def _worth_asking(self) -> bool:
         """Whether a shape would be lost; the samples are there to be played with."""
-        return any(
+        return self._started and any(
             mesh.path is None or resource("") not in mesh.path.parents for mesh in self.session.unsaved
         )
 

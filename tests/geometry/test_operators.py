@@ -16,7 +16,6 @@ from apd_viewer.geometry.operators import (
     laplacian,
     vertex_areas,
     vertex_neighbours,
-    vertex_normals,
     volume,
     why_no_volume,
 )
@@ -242,23 +241,3 @@ def test_neighbours_are_the_other_ends_of_the_edges(mesh):
     start, neighbour = vertex_neighbours(F, len(V) + 1)
     rings = [neighbour[start[i] : start[i + 1]].tolist() for i in range(len(V) + 1)]
     assert rings == [sorted(ring) for ring in expected] + [[]]
-
-
-def test_normals_of_a_ball_point_outwards_and_have_length_one():
-    V, F = sphere(2)
-    V, N = np.vstack([V, [[9.0, 9.0, 9.0]]]), np.full((len(V) + 1, 3), np.nan)
-    vertex_normals(V, F, N)
-    assert np.abs(N[:-1] - V[:-1]).max() <= 0.05
-    assert np.abs(np.linalg.norm(N[:-1], axis=1) - 1).max() <= 1e-14
-    assert (N[-1] == 0.0).all()
-    flipped = np.empty_like(N)
-    vertex_normals(V, F[:, ::-1].copy(), flipped)
-    assert np.abs(N + flipped).max() <= 1e-13
-
-
-def test_normals_are_weighted_by_area():
-    V = np.array([[0.0, 0, 0], [3, 0, 0], [0, 1, 0], [0, 0, 1]])
-    N = np.empty_like(V)
-    vertex_normals(V, np.array([[0, 1, 2], [0, 2, 3]]), N)
-    # 3/2 facing z and 1/2 facing x.
-    assert pytest.approx([1 / 10**0.5, 0, 3 / 10**0.5]) == N[0]

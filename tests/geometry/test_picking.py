@@ -4,7 +4,7 @@ import scipy.sparse as sp
 import trimesh
 
 from apd_viewer.geometry.operators import vertex_neighbours
-from apd_viewer.geometry.picking import brush, ray_hit, warm_up
+from apd_viewer.geometry.picking import BLOCK, boxes, brush, ray_hit
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_ray_meets_what_linear_algebra_says_it_meets():
     U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)
     met = 0
     for origin, direction in rays(200):
-        face, distance, b1, b2 = ray_hit(origin, direction, U, F)
+        face, distance, b1, b2 = ray_hit(origin, direction, U, F, boxes(U, F))
         assert distance == pytest.approx(nearest_by_linear_algebra(origin, direction, U, F), abs=1e-9)
         if face >= 0:
             met += 1
@@ -46,21 +46,43 @@ def test_ray_meets_what_linear_algebra_says_it_meets():
     assert 50 < met < 200
 
 
+def test_no_box_hides_what_one_look_at_all_triangles_finds():
+    """Flat triangles along the axes and rays along them, on their very edges, far from the origin or not."""
+    rng = np.random.default_rng(7)
+    U = rng.integers(0, 6, size=(900, 3)).astype(float)
+    F = rng.integers(0, len(U), size=(5 * BLOCK + 1, 3)).astype(np.int32)
+    everything = np.tile(np.array([[-np.inf] * 3, [np.inf] * 3]), (6, 1, 1))
+    ways = rng.integers(-1, 2, size=(300, 3)).astype(float)
+    met = 0
+    for shift in (0.0, 1e5):
+        around = boxes(U + shift, F)
+        assert around.shape == everything.shape
+        for direction in ways[ways.any(axis=1)]:
+            origin = rng.integers(0, 6, size=3) + shift - 9.0 * direction
+            hit = ray_hit(origin, direction, U + shift, F, around)
+            assert hit == ray_hit(origin, direction, U + shift, F, everything)
+            met += hit[0] >= 0
+    assert met > 100
+
+
 def test_ray_that_meets_nothing_says_so(slab):
     F, U = slab
-    assert ray_hit(np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]), U, F)[:2] == (-1, np.inf)
+    assert ray_hit(np.array([0.0, 0.0, 5.0]), np.array([0.0, 0.0, 1.0]), U, F, boxes(U, F))[:2] == (
+        -1,
+        np.inf,
+    )
 
 
 def test_ray_meets_a_face_from_behind():
     U, F = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
     towards = np.ones(3) / np.sqrt(3)
-    assert ray_hit(np.zeros(3), towards, U, F)[0] == 0
-    assert ray_hit(2 * towards, -towards, U, F)[0] == 0
+    assert ray_hit(np.zeros(3), towards, U, F, boxes(U, F))[0] == 0
+    assert ray_hit(2 * towards, -towards, U, F, boxes(U, F))[0] == 0
 
 
 def test_degenerate_triangles_are_never_met():
     U, F = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2], [1, 1, 1]], dtype=np.int32)
-    assert ray_hit(np.array([0.5, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), U, F)[0] == -1
+    assert ray_hit(np.array([0.5, 0.0, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, boxes(U, F))[0] == -1
 
 
 def capsule_component(F, U, seeds, a, b, radius):
@@ -95,7 +117,7 @@ def test_brush_covers_the_connected_part_of_the_capsule(slab, radius):
 def test_brush_does_not_bleed_through_a_thin_wall(slab):
     F, U = slab
     graph = vertex_neighbours(F, len(U))
-    face, distance, _, _ = ray_hit(np.array([0.05, 0.02, 1.0]), np.array([0.0, 0.0, -1.0]), U, F)
+    face, distance, _, _ = ray_hit(np.array([0.05, 0.02, 1.0]), np.array([0.0, 0.0, -1.0]), U, F, boxes(U, F))
     hit = np.array([0.05, 0.02, 1.0 - distance])
     covered = brush(*graph, U, F[face], hit, hit, 0.6)
     ball = np.flatnonzero(np.linalg.norm(U - hit, axis=1) <= 0.6)
@@ -109,9 +131,3 @@ def test_a_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
     graph = vertex_neighbours(F, len(U))
     hit = 0.6 * U[F[7, 1]] + 0.2 * U[F[7, 0]] + 0.2 * U[F[7, 2]]
     assert brush(*graph, U, F[7], hit, hit, 1e-6).tolist() == [F[7, 1]]
-
-
-def test_warm_up_compiles_what_the_first_pick_needs():
-    warm_up()
-    assert ray_hit.signatures
-    assert brush.signatures

@@ -10,6 +10,7 @@ from driving import Mouse, grey, idle, settle, show
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow, QMessageBox
 
+from apd_viewer.geometry.skin import Skin
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.surface import Surface
@@ -63,7 +64,7 @@ def surface(qtbot, view, ball):
     """The ball in the viewport, seen from the front."""
     F, U = ball
     surface = Surface(view)
-    surface.set_mesh(F, U, grey(len(U)))
+    surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
     view.look_along("front")
     view.frame(U)
     settle(qtbot, view)
@@ -80,6 +81,7 @@ def window(qtbot, settings, monkeypatch):
     """A window without a mesh, that does not ask before it is closed."""
     monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
     window = Window(settings)
+    window.start()
     show(qtbot, window, window.canvas.viewport)
     yield window
     window.close()

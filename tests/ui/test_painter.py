@@ -5,6 +5,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from apd_viewer.geometry.skin import Skin
 from apd_viewer.ui.painter import Painter
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -30,7 +31,6 @@ class Heard:
 @pytest.fixture
 def painter(view, surface):
     painter = Painter(view, surface)
-    painter.set_topology(surface.F, len(surface.U))
     painter.enabled = True
     view.tools.append(painter)
     return painter
@@ -94,8 +94,7 @@ def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surfac
     F = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     U = np.vstack([plate * [0.5, 1, 1] + [-0.5, 0, 0.0], plate * [2, 1.5, 1] + [0, 0, -4.0]])
     F = np.vstack([F, F + len(plate)])
-    surface.set_mesh(F, U, grey(len(U)))
-    painter.set_topology(F, len(U))
+    surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
     view.eye = view.eye.framed(U)
     settle(qtbot, view)
     start, end = view.project(np.array([[-0.5, 0.0, 0.0], [1.5, 0.0, -4.0]]))
@@ -207,12 +206,6 @@ def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painte
     assert view.draws == draws
 
 
-def test_a_graph_of_another_mesh_is_not_painted_with(view, surface, painter, heard, mouse):
-    painter.set_topology(np.array([[0, 1, 2]]), 3)
-    mouse(view).drag(centre(view), centre(view))
-    assert heard.words == []
-
-
 def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter, heard, mouse):
     surface.set_points(surface.U * [1, 1, 0.2])
     mouse(view).drag(centre(view), centre(view))
@@ -223,13 +216,13 @@ def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter,
 
 
 def test_a_stroke_crosses_seams(view, surface, painter, mouse):
-    F, U = surface.F.copy(), surface.U.copy()
+    F, U = surface.skin.F.copy(), surface.U.copy()
     whole = Heard(painter)
     mouse(view).drag(centre(view), centre(view))
     whole = whole.ids
     first = np.unique(F, return_index=True)[1]
-    surface.set_mesh(np.arange(F.size).reshape(F.shape), U[F.ravel()], grey(F.size))
-    painter.set_topology(first[F], F.size)
+    loose = np.arange(F.size).reshape(F.shape)
+    surface.set_mesh(Skin.of(loose, F.size, first[F]), U[F.ravel()], grey(F.size))
     loose = Heard(painter)
     mouse(view).drag(centre(view), centre(view))
     np.testing.assert_array_equal(np.sort(loose.ids), np.sort(first[whole]))

@@ -9,6 +9,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
+from apd_viewer.geometry.skin import Skin
 from apd_viewer.ui.camera import MARGIN
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.painter import Painter
@@ -91,7 +92,7 @@ def test_what_is_picked_is_what_is_seen(view, surface):
     """Colour one face, and find it on the screen where the ray finds it."""
     rgba = grey(len(surface.U))
     at = QPointF(260, 200)
-    rgba[surface.F[surface.hit(at).face], :3] = 255, 0, 0
+    rgba[surface.skin.F[surface.hit(at).face], :3] = 255, 0, 0
     surface.set_colors(rgba)
     picture = view.screenshot()
     ratio = view.devicePixelRatioF()
@@ -138,26 +139,27 @@ def test_normals_follow_the_points(view, surface):
     assert (inward < -0.99).all()  # mirrored: the faces turn inside out, and the normals with them
 
 
-def test_surface_keeps_positions_of_its_own(view, surface):
-    U = np.array(surface.U)
-    U.setflags(write=False)
+def test_positions_are_kept_as_they_are_given_and_written_by_nobody(view, surface):
+    U = 2.0 * surface.U
     surface.set_points(U)
-    assert surface.U.flags.writeable
+    assert np.shares_memory(surface.U, U)
+    assert not surface.U.flags.writeable
+    surface.set_points(U.astype(np.float32))
     assert surface.U.dtype == np.float64
 
 
 def test_shading_is_smooth_across_seams(view, surface):
-    F, U = surface.F.copy(), surface.U.copy()
+    F, U = surface.skin.F.copy(), surface.U.copy()
     expected = np.array(surface._mesh.point_data["Normals"])[F.ravel()]
     loose = np.arange(F.size).reshape(F.shape)  # as an STL file has it
     first = np.unique(F, return_index=True)[1][F]
-    surface.set_mesh(loose, U[F.ravel()], grey(F.size), joined_F=first)
+    surface.set_mesh(Skin.of(loose, F.size, first), U[F.ravel()], grey(F.size))
     np.testing.assert_allclose(surface._mesh.point_data["Normals"], expected, atol=1e-6)
 
 
 def test_another_mesh_replaces_the_first(view, surface):
     F, U = np.array([[0, 1, 2]]), np.eye(3)
-    surface.set_mesh(F, U, grey(3))
+    surface.set_mesh(Skin.of(F, 3), U, grey(3))
     assert len(surface.U) == 3
     assert view.renderer.GetActors().GetNumberOfItems() == 1
     view.screenshot()
@@ -324,9 +326,8 @@ def test_closing_leaves_nothing_alive(qtbot, ball):
         view = Viewport(window)
         window.setCentralWidget(view)
         surface = Surface(view)
-        surface.set_mesh(F, U, grey(len(U)))
+        surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
         gizmo, painter = Gizmo(view), Painter(view, surface)
-        painter.set_topology(F, len(U))
         view.tools[:] = [gizmo, painter]
         gizmo.visible = painter.enabled = True
         show(qtbot, window, view)
@@ -346,7 +347,7 @@ def test_a_closed_view_takes_late_calls(qtbot, ball):
     view = Viewport(window)
     window.setCentralWidget(view)
     surface = Surface(view)
-    surface.set_mesh(F, U, grey(len(U)))
+    surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
     show(qtbot, window, view)
     view.frame(U)
     view.close()

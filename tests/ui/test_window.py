@@ -501,6 +501,7 @@ def test_twenty_windows_leave_nothing_behind(qtbot, settings):
     alive = []
     for k in range(20):
         window = Window(settings)
+        window.start()
         show(qtbot, window, window.canvas.viewport)
         if k % 4 == 0:
             window.session.open_sample("bottle")

@@ -1,0 +1,57 @@
+"""What follows from arrays that nobody writes to: found out once, and forgotten with them."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from functools import wraps
+from typing import TypeVar
+
+import numpy as np
+
+from apd_viewer.geometry.constraints import what_is_missing
+from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.regions import region_areas
+
+T = TypeVar("T")
+
+
+def once(find: Callable[..., T]) -> Callable[..., T]:
+    """Call ``find`` once for the very same arrays; documents share theirs, and come and go with every event.
+
+    What it finds is kept until one of the arrays is gone. What else is given counts by its value.
+    """
+    known: dict[tuple[object, ...], tuple[list[weakref.ref[np.ndarray]], T]] = {}
+
+    @wraps(find)
+    def found(*given: object) -> T:
+        key = tuple(id(each) if isinstance(each, np.ndarray) else each for each in given)
+        if key not in known:
+            arrays = [each for each in given if isinstance(each, np.ndarray)]
+            result = find(*given)
+            known[key] = [weakref.ref(each, lambda _: known.pop(key, None)) for each in arrays], result
+        return known[key][1]
+
+    return found
+
+
+problem = once(what_is_missing)
+
+
+@once
+def counts(labels: np.ndarray) -> np.ndarray:
+    """Number of the vertices with each label, (256,) int array."""
+    return frozen(np.bincount(labels, minlength=256))
+
+
+@once
+def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
+    """Mean of those points of ``X`` (n, 3) that have a label, (3,); there must be one."""
+    # One axis at a time: ten times as fast as all at once.
+    return frozen(np.array([x.mean() for x in X[labels == label].T]))
+
+
+@once
+def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
+    """Area of each region at rest: see :func:`apd_viewer.geometry.regions.region_areas`."""
+    return tuple(region_areas(V, F, member, count).tolist())

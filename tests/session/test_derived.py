@@ -1,0 +1,75 @@
+"""What is found out once for the very same arrays."""
+
+import gc
+
+import numpy as np
+import pytest
+from meshes import box, ends
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session import derived
+from apd_viewer.session.document import NamedRegion, opened
+
+
+@pytest.fixture
+def counted():
+    """A function that is remembered, and the arguments of its calls."""
+    calls = []
+
+    @derived.once
+    def total(X, Y, factor):
+        calls.append((len(X), len(Y), factor))
+        return factor * (X.sum() + Y.sum())
+
+    return total, calls
+
+
+def test_the_very_same_arrays_are_looked_at_once(counted):
+    total, calls = counted
+    X, Y = np.ones(3), np.ones(4)
+    assert [total(X, Y, 2), total(X, Y, 2), total(X, Y, 3), total(X, Y, 2)] == [14, 14, 21, 14]
+    assert calls == [(3, 4, 2), (3, 4, 3)]
+    assert total(X.copy(), Y, 2) == 14
+    assert len(calls) == 3
+
+
+def test_what_was_found_goes_with_the_first_array_that_goes(counted):
+    total, calls = counted
+    Y = np.ones(1)
+    for n in range(50):  # some of them at the place in memory of one that is gone
+        assert total(np.full(1, float(n)), Y, 1) == n + 1
+    gc.collect()
+    assert len(calls) == 50
+    assert total.__closure__ is not None
+    known = next(cell.cell_contents for cell in total.__closure__ if isinstance(cell.cell_contents, dict))
+    assert known == {}
+
+
+@pytest.fixture
+def said():
+    """A bar with base, handle and a region."""
+    document = opened(Mesh(*box(2, 2, 6))).document
+    base, top = ends(document.mesh.V)
+    document = document.with_region(0, NamedRegion("low", 100.0)).painted_region(base, 1)
+    return document.painted(base, BASE).painted(top, HANDLE)
+
+
+def test_a_drag_counts_nothing_again(said):
+    moved = said.moved(0, 2.0 * np.eye(4)).moved(0, 3.0 * np.eye(4))
+    assert moved.counts is said.counts
+    assert moved.centre(0) is said.centre(0)
+    assert moved.rest_areas is said.rest_areas
+
+
+def test_a_stroke_changes_what_follows_from_it_alone(said):
+    painted = said.painted(np.flatnonzero(said.labels == FREE)[:1], HANDLE)
+    assert painted.counts[HANDLE] == said.counts[HANDLE] + 1
+    assert painted.rest_areas is said.rest_areas
+    held = painted.labels == HANDLE
+    np.testing.assert_allclose(painted.centre(0), painted.grip[held].mean(axis=0))
+    np.testing.assert_array_equal(painted.counts, np.bincount(painted.labels, minlength=256))
+
+
+def test_a_handle_without_vertices_has_no_centre(said):
+    assert said.centre(1) is None

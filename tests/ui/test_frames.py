@@ -1,0 +1,120 @@
+"""What a frame, a move of the mouse and a picture cost, counted and not timed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from driving import Mouse, arrow_grip, document, idle, on_screen, settle, stroke
+
+from apd_viewer.geometry import skin as skins
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.mesh import frozen
+from apd_viewer.ui.toolbox import Tool
+
+
+@pytest.fixture
+def work(bottle, monkeypatch):
+    """What the surface of the bottle is made to do, by name; a colouring by its number of vertices."""
+    done, surface = [], bottle.canvas.surface
+    set_points, set_colors = surface.set_points, surface.set_colors
+    monkeypatch.setattr(surface, "set_points", lambda U: done.append("points") or set_points(U))
+    monkeypatch.setattr(
+        surface, "set_colors", lambda rgba, ids=None: done.append(len(rgba)) or set_colors(rgba, ids)
+    )
+    monkeypatch.setattr(skins, "boxes", lambda U, F, make=skins.boxes: done.append("boxes") or make(U, F))
+    return done
+
+
+def answer(window, U):
+    """Show a shape as a frame of the worker is shown."""
+    stage = window.session._stage
+    stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
+
+
+def test_a_move_of_the_handle_draws_nothing_until_there_is_a_frame(qtbot, bottle, work):
+    view, session = bottle.canvas.viewport, bottle.session
+    settle(qtbot, view)
+    session._worker.ask = lambda _: None
+    mouse, at = Mouse(view), arrow_grip(bottle, 0)
+    mouse.move(at)
+    mouse.press(at)
+    draws = view.draws
+    for k in range(1, 6):
+        mouse.move(at + [10.0 * k, 0.0])
+        qtbot.wait(5)
+    assert document(bottle).posed
+    assert (work, view.draws) == ([], draws)
+    answer(bottle, document(bottle).mesh.V * [1.1, 1.0, 1.0])
+    settle(qtbot, view)
+    assert (work, view.draws) == (["points"], draws + 1)
+    mouse.release(at + [50.0, 0.0])
+
+
+def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch):
+    before = document(bottle)
+    held = before.counts, before.centre(0), before.problem
+    monkeypatch.setattr(np, "bincount", None)
+    for k in range(3):
+        bottle.session.begin_gesture()
+        bottle.session._worker.ask = lambda _: None
+        bottle.session.move_handle((1.0 + 0.01 * k) * np.eye(4))
+        answer(bottle, before.mesh.V * (1.0 + 0.01 * k))
+    now = document(bottle)
+    assert now is not before
+    assert all(a is b for a, b in zip((now.counts, now.centre(0), now.problem), held, strict=True))
+
+
+def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, work):
+    bottle.take(Tool.BASE)
+    V, before = document(bottle).mesh.V, document(bottle).labels
+    front = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3) & (before == FREE))
+    middle = front[np.argmin(abs(V[front, 1] - np.median(V[front, 1])))]
+    stroke(qtbot, bottle, on_screen(bottle, middle))
+    painted = np.flatnonzero(document(bottle).labels != before)
+    colored = [count for count in work if count not in ("boxes", "points")]
+    assert len(painted) > 20
+    assert sum(colored) == len(painted)
+    assert "points" not in work
+    rgba = np.asarray(bottle.canvas.surface._mesh.point_data["rgba"])
+    assert len(np.unique(rgba[document(bottle).labels == BASE], axis=0)) == 1
+    assert len(np.unique(rgba[document(bottle).labels == HANDLE], axis=0)) == 1
+
+
+def test_rays_share_the_boxes_of_a_shape(bottle, work):
+    bottle.take(Tool.BASE)
+    mouse, view = Mouse(bottle.canvas.viewport), bottle.canvas.viewport
+    middle = np.array([view.width() / 2, view.height() / 2])
+    for k in range(5):
+        mouse.move(middle + [k, 0])
+    assert work.count("boxes") <= 1
+    answer(bottle, document(bottle).mesh.V * 1.01)
+    for k in range(5):
+        mouse.move(middle + [k, 0])
+    assert work.count("boxes") <= 2
+    hit = bottle.canvas.surface.hit(view.rect().center())
+    assert (
+        np.linalg.norm(hit.point[[0, 2]])
+        > 1.005 * np.linalg.norm(document(bottle).mesh.V[:, [0, 2]], axis=1).min()
+    )
+
+
+def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
+    """VTK is not asked for it: that costs a look at all triangles for each frame."""
+    view = bottle.canvas.viewport
+    answer(bottle, document(bottle).mesh.V * [3.0, 1.0, 5.0])
+    settle(qtbot, view)
+    np.testing.assert_allclose(view.box(), bottle.canvas.surface._actor.GetBounds(), atol=1e-5)
+    near, far = view.renderer.GetActiveCamera().GetClippingRange()
+    depth = view.eye.depth(bottle.session.state.frame.U)
+    assert near <= depth.min()
+    assert depth.max() <= far
+
+
+def test_a_mesh_is_made_ready_before_the_window_has_it(qtbot, bottle, monkeypatch):
+    """Nothing that only depends on the triangles is found out on the thread of the window."""
+    monkeypatch.setattr(skins.Skin, "of", None)
+    state = bottle.session.state
+    for _ in range(2):
+        bottle.canvas.show_state(None, state, 0, 0)
+    assert bottle.canvas.surface.skin is state.skin
+    idle(qtbot, bottle)
