@@ -4,6 +4,7 @@ import pytest
 from hypothesis import settings
 from in_thread import InThread
 
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session import child
 
 START = child.start_process
@@ -19,7 +20,13 @@ def solver_in_a_thread(monkeypatch):
     monkeypatch.setattr(child, "start_process", InThread)
 
 
+@pytest.fixture(scope="session")
+def compiled():
+    """The kernels are in the cache: what tests time is no compiler."""
+    warm_up()
+
+
 @pytest.fixture
-def process(solver_in_a_thread, monkeypatch):
+def process(compiled, solver_in_a_thread, monkeypatch):
     """The solver is a process, as it is for the user."""
     monkeypatch.setattr(child, "start_process", START)

@@ -136,7 +136,7 @@ class Stage:
         latest = reply.document is self._asked
         if reply.frame is not None:
             self.seconds_per_iteration = reply.seconds
-            state = self.required().at(frame=reply.frame)
+            state = self._showing(reply)
             self.show(state if latest else state.unsettled())
         if reply.finished and latest:
             settled = reply.frame is not None and reply.frame.converged
@@ -144,6 +144,14 @@ class Stage:
         if reply.failure:
             self._listener.failed(reply.failure)
         self._listener.status_changed()
+
+    def _showing(self, reply: Reply) -> State:
+        """The state with the frame of a reply, whose regions were measured unless they were others."""
+        state, asked = self.required(), reply.document
+        if state.document.member is asked.member and state.document.regions is asked.regions:
+            assert reply.frame is not None
+            return replace(state, frame=reply.frame)
+        return state.at(frame=reply.frame)
 
     def _ask(self, iterate: bool) -> None:
         state = self.required()

@@ -3,11 +3,13 @@
     python tests/benchmarks/event_loop_gaps.py [length of the edges]
 
 A timer of 5 ms runs in an application that draws nothing; the gaps between its ticks are what a user would
-feel. With edges of 0.141, the default, the sample bottle has 655,000 vertices. Prints the largest memory of
-both processes too (where the system tells).
+feel. Beside them stand those of a process that does nothing but sleep for 5 ms at a time: what the machine
+itself did to everybody meanwhile. With edges of 0.141, the default, the sample bottle has 655,000 vertices.
+Prints the largest memory of both processes too, where the system tells.
 """
 
 import gc
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -20,10 +22,25 @@ from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.session import Activity, Listener, Session
+from apd_viewer.session.session import Listener, Session
 from apd_viewer.ui.application import SWITCH_INTERVAL
 from apd_viewer.ui.garbage import GuiThreadGC
 
+SLEEPER = """
+import select, sys, time
+gaps, last = [], time.perf_counter()
+while True:
+    time.sleep(0.005)
+    now = time.perf_counter()
+    gaps.append(now - last)
+    last = now
+    if select.select([sys.stdin], [], [], 0)[0]:
+        if not sys.stdin.readline():
+            break
+        gaps.sort()
+        print(gaps[int(0.99 * len(gaps))], gaps[-1], flush=True)
+        gaps.clear()
+"""
 EVENTS = 120  # of the mouse, in each measurement
 EVERY = 1 / 60  # s
 
@@ -44,12 +61,22 @@ class Loop(QObject):
         self.timer.setTimerType(Qt.TimerType.PreciseTimer)
         self.timer.timeout.connect(lambda: self.ticks.append(time.perf_counter()))
         self.timer.start(5)
+        self.sleeper = subprocess.Popen(
+            [sys.executable, "-c", SLEEPER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+
+    def compared(self) -> tuple[float, float]:
+        """The 99th percentile and the largest of the sleeper's gaps since this was asked last."""
+        self.sleeper.stdin.write("\n")
+        self.sleeper.stdin.flush()
+        return tuple(map(float, self.sleeper.stdout.readline().split()))
 
     def say(self, sentence: str) -> None:
         print(" ", sentence)
 
-    def run(self, done=lambda: True, event=lambda _: None, seconds: float = 120.0, events: int = EVENTS):
+    def run(self, title, done=lambda: True, event=lambda _: None, seconds=120.0, events=EVENTS) -> None:
         """Send mouse events until ``events`` are sent and it is done; prints the gaps."""
+        self.compared()
         self.ticks.clear()
         begun, sent = time.perf_counter(), 0
         while time.perf_counter() - begun < seconds:
@@ -60,12 +87,14 @@ class Loop(QObject):
                 break
             QCoreApplication.processEvents()
             time.sleep(0.0002)
-        return np.diff(self.ticks)
-
-
-def report(title: str, gaps: np.ndarray) -> None:
-    p50, p99, most = 1e3 * np.quantile(gaps, [0.5, 0.99, 1.0])
-    print(f"{title:42} {len(gaps):6} ticks  p50 {p50:5.1f}  p99 {p99:5.1f}  max {most:6.1f} ms", flush=True)
+        gaps = np.diff(self.ticks)
+        p50, p99, most = 1e3 * np.quantile(gaps, [0.5, 0.99, 1.0])
+        asleep = "p99 {:5.1f}  max {:6.1f}".format(*(1e3 * gap for gap in self.compared()))
+        print(
+            f"{title:32} {len(gaps):6} ticks  p50 {p50:4.1f}  p99 {p99:5.1f}  max {most:6.1f} ms"
+            f"   (asleep {asleep})",
+            flush=True,
+        )
 
 
 def peak(pid: int | str) -> str:
@@ -87,9 +116,9 @@ def main() -> None:
     loop = Loop()
     session = loop.session
     mesh = Mesh(V, F)
-    report("nothing", loop.run())
+    loop.run("nothing")
     session.show(mesh)
-    report("open", loop.run(lambda: session.errand is None, events=0))
+    loop.run("open", lambda: session.errand is None, events=0)
 
     def stroke(ids, label):
         session.begin_gesture()
@@ -104,13 +133,14 @@ def main() -> None:
     stroke(np.flatnonzero(labels == BASE), BASE)
     stroke(np.flatnonzero(labels == HANDLE), HANDLE)
     session.begin_gesture()
-    report(
+    loop.run(
         "drag: start, factor, first frame",
-        loop.run(lambda: session.state.frame.iteration, lambda k: session.move_handle(twisted(0.002 * k))),
+        lambda: session.state.frame.iteration,
+        lambda k: session.move_handle(twisted(0.002 * k)),
     )
-    report("drag: iterate", loop.run(event=lambda k: session.move_handle(twisted(0.2 + 0.002 * k))))
+    loop.run("drag: iterate", event=lambda k: session.move_handle(twisted(0.2 + 0.002 * k)))
     session.end_gesture("Move handle")
-    report("iterate", loop.run(events=4 * EVENTS))
+    loop.run("iterate", events=4 * EVENTS)
     order = np.argsort(V[:, 1])
     free = order[labels[order] == FREE]
     brush = (
@@ -121,10 +151,10 @@ def main() -> None:
         session.paint(brush[k % len(brush)], BASE)
 
     session.begin_gesture()
-    report("paint while it is iterated", loop.run(event=paint))
+    loop.run("paint while it is iterated", event=paint)
     session.end_stroke("Paint")
     session.begin_gesture()
-    report("paint while it is factored", loop.run(event=paint))
+    loop.run("paint while it is factored", event=paint)
     session.cancel_gesture()
     session.set_method("local")
     session.set_method("exact")
@@ -132,11 +162,11 @@ def main() -> None:
     session.move_handle(twisted(0.5))
     session.end_gesture("Move handle")
     first = session.state.frame
-    report("factor again, iterate", loop.run(lambda: session.state.frame is not first))
+    loop.run("factor again, iterate", lambda: session.state.frame is not first)
     child = session._worker._child
     print(f"peak memory: {peak('self')} here, {peak(child._process.pid)} in the solver's process")
-    print(session.activity is not Activity.IDLE)
     session.close()
+    loop.sleeper.communicate()
     collector.close()
 
 

@@ -48,9 +48,13 @@ class User(Driven):
         self.allowed = {self.handle_x(self.U), float(target)}
 
     def act(self, verb) -> None:
+        before, generation = self.allowed, self._stage._generation
         self.allowed = set()
         verb()
-        self.jumped()
+        if self._stage._generation == generation:
+            self.allowed = before  # there was nothing to go back to
+        else:
+            self.jumped()
 
     # Verbs
 
@@ -108,6 +112,7 @@ class User(Driven):
             held = state.document.constraints()
             assert np.allclose(self.U[held.fixed], held.targets, rtol=0, atol=1e-9)
         assert self.failed == []
+        self.changes.clear()
 
 
 def play(times: int, seed: int = 1) -> int:
