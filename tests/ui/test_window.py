@@ -234,7 +234,7 @@ def big(process, qtbot, window):
     window.take(Tool.MOVE)
     session.begin_gesture()
     session.move_handle(np.eye(4) + np.eye(4, k=3) * 1e-6)
-    qtbot.waitUntil(lambda: session.state.frame.iteration, timeout=20_000)
+    qtbot.waitUntil(lambda: session.state.frame.iteration > 0, timeout=20_000)
     session.cancel_gesture()
     qtbot.wait(400)
     return window
@@ -279,7 +279,7 @@ def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big):
 
 
 def test_replies_never_pile_up(qtbot, bottle):
-    """While the window is busy elsewhere the worker overwrites its own reply and wakes nobody twice."""
+    """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
     woken = []
     bottle._woken.connect(lambda: woken.append(1))
     drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
@@ -289,7 +289,7 @@ def test_replies_never_pile_up(qtbot, bottle):
     time.sleep(0.3)
     QApplication.processEvents()
     assert len(woken) <= 2
-    assert bottle.session.state.frame.iteration > iteration + 2
+    qtbot.waitUntil(lambda: bottle.session.state.frame.iteration > iteration + 2, timeout=2_000)
 
 
 # Bad input and files
