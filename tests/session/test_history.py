@@ -94,6 +94,7 @@ def test_the_regions_that_entries_keep_are_counted():
     members = [frozen(np.full(n, k, dtype=np.uint8)) for k in range(20)]
     states = [replace(REST, document=replace(REST.document, member=member)) for member in members]
     shared = mesh.V.nbytes + mesh.F.nbytes + REST.document.labels.nbytes
+    shared += sum({id(array): array.nbytes for array in REST.skin.arrays}.values())
     history = History(most_bytes=shared + 5 * n)
     for k, state in enumerate(states):
         history.record(str(k), state)
