@@ -121,7 +121,7 @@ def run(mesh: object = None) -> None:
     gc.unfreeze()
     loading.join()
     if loading.error is not None:
-        raise loading.error
+        raise ImportError(str(loading.error)) from loading.error
 
 
 def _start(window: Window) -> None:

@@ -14,15 +14,15 @@ class Loading(QObject):
     ----------
     loaded : Signal()
         The window can start, unless there is an ``error``.
-    error : ImportError or None
-        What is missing.
+    error : Exception or None
+        What is missing or broken.
     """
 
     loaded = Signal()
 
     def __init__(self) -> None:
         super().__init__()
-        self.error: ImportError | None = None
+        self.error: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="loading", daemon=True)
 
     def begin(self) -> None:
@@ -36,13 +36,13 @@ class Loading(QObject):
             self._thread.join()
 
     def _run(self) -> None:
-        # All that takes long to import is imported here, and nowhere else in this room while it runs.
+        # All that takes long to import is imported here; a library that is there may still be broken.
         try:
             import apd_viewer.session.session  # noqa: F401
             from apd_viewer.geometry import skin
-        except ImportError as error:
+
+            skin.warm_up()
+        except (ImportError, OSError) as error:
             self.error = error
+        finally:
             self.loaded.emit()
-            return
-        skin.warm_up()
-        self.loaded.emit()

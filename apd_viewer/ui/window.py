@@ -90,6 +90,8 @@ class Window(QMainWindow):
 
     def start(self) -> None:
         """Begin to work, and open what was asked for in the meantime."""
+        if self._closed:
+            return
         # Here, because it takes longer to import than all that a first picture of the window needs.
         from apd_viewer.session.session import Listener, Session
 

@@ -39,7 +39,8 @@ def main() -> None:
         held, rest = constraints(labels, V, [twist]), RestMesh(V, F)
         solvers = {}
         for name, options in METHODS.items():
-            solvers[name] = Deformation(V, F, held.fixed, handle=held.handles, rest=rest, plain=True, **options)
+            given = {"handle": held.handles, "rest": rest, "plain": True, **options}
+            solvers[name] = Deformation(V, F, held.fixed, **given)
             solvers[name].aim(held.targets)
         times = {name: [] for name in METHODS}
         for _ in range(iterations):

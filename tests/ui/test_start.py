@@ -49,8 +49,11 @@ def test_nothing_breaks_before_the_start(qtbot, early):
     assert early._empty.isVisible(), "there is nothing to show, and that is said"
 
 
-def test_a_window_can_be_closed_before_the_start(early):
+def test_a_window_that_is_closed_before_the_start_starts_nothing(early):
+    early.open_sample("bottle")
     assert early.close()
+    early.start()
+    assert not hasattr(early, "session")
 
 
 def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
