@@ -3,7 +3,8 @@
     E(U) = sum_i sum_{j in N(i)} w_ij |(u_i - u_j) - R_i (v_i - v_j)|^2                  (Eq. 1)
 
 Every undirected edge counts twice, once in the cell of either end. The kernels divide the vertices among
-the cores; the edges and their weights are in compressed sparse rows, ``start, neighbour, w``.
+the cores; edges and their weights are in compressed sparse rows, ``start, neighbour, w``. Rotations are unit
+quaternions ``q`` (n, 4): to turn by one costs less than to fetch a matrix.
 """
 
 from __future__ import annotations
@@ -11,7 +12,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.rotations import LANES, ROWS, fit_lanes, load_rotation, store_rotation
+from apd_viewer.geometry.rotations import (
+    LANES,
+    ROWS,
+    fit_lanes,
+    load_rotation,
+    quaternion_to_matrix,
+    store_rotation,
+    turned,
+)
 
 FLAT = np.empty((0, 3, 3))
 # Vertices that a core takes on at once.
@@ -65,9 +74,8 @@ def local_step(
     U: np.ndarray,
     S0: np.ndarray,
     q: np.ndarray,
-    R: np.ndarray,
 ) -> None:
-    """Set ``q`` (n, 4) and ``R`` (n, 3, 3) to the rotations that are optimal for ``U``, warm-started.
+    """Set ``q`` (n, 4) to the rotations that are optimal for ``U``, warm-started.
 
     Parameters
     ----------
@@ -86,7 +94,7 @@ def local_step(
                 load_rotation(X, lane, q[first + lane])
             fit_lanes(X, scratch)
             for lane in range(count):
-                store_rotation(X, lane, q[first + lane], R[first + lane])
+                store_rotation(X, lane, q[first + lane])
 
 
 @njit(cache=True, nogil=True)
@@ -99,24 +107,24 @@ def local_step_in_turn(
     S0: np.ndarray,
     coupling: float,
     q: np.ndarray,
-    R: np.ndarray,
 ) -> None:
     """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, the rotations improved one after another.
 
     Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
     Animation].
     """
-    X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+    X, scratch, R = np.zeros(ROWS * LANES), np.empty((3, 4, 4)), np.empty((3, 3))
     for i in range(len(V)):
         _load_cell(X, 0, i, start, neighbour, w, V, U, S0)
         share = coupling / max(start[i + 1] - start[i], 1)
         for e in range(start[i], start[i + 1]):
+            quaternion_to_matrix(q[neighbour[e]], R)
             for a in range(3):
                 for b in range(3):
-                    X[(3 * a + b) * LANES] += share * R[neighbour[e], a, b]
+                    X[(3 * a + b) * LANES] += share * R[a, b]
         load_rotation(X, 0, q[i])
         fit_lanes(X, scratch)
-        store_rotation(X, 0, q[i], R[i])
+        store_rotation(X, 0, q[i])
 
 
 @njit(cache=True, nogil=True, parallel=True)
@@ -126,7 +134,7 @@ def pull(
     w: np.ndarray,
     V: np.ndarray,
     LV: np.ndarray,
-    R: np.ndarray,
+    q: np.ndarray,
     weight: float,
     b: np.ndarray,
 ) -> None:
@@ -136,34 +144,29 @@ def pull(
     """
     half = 0.5 * weight
     for i in prange(len(V)):
-        x, y, z = LV[i, 0], LV[i, 1], LV[i, 2]
-        b0 = R[i, 0, 0] * x + R[i, 0, 1] * y + R[i, 0, 2] * z
-        b1 = R[i, 1, 0] * x + R[i, 1, 1] * y + R[i, 1, 2] * z
-        b2 = R[i, 2, 0] * x + R[i, 2, 1] * y + R[i, 2, 2] * z
+        bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
         vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
-            x, y, z = w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2])
-            b0 += R[j, 0, 0] * x + R[j, 0, 1] * y + R[j, 0, 2] * z
-            b1 += R[j, 1, 0] * x + R[j, 1, 1] * y + R[j, 1, 2] * z
-            b2 += R[j, 2, 0] * x + R[j, 2, 1] * y + R[j, 2, 2] * z
-        b[i, 0], b[i, 1], b[i, 2] = half * b0, half * b1, half * b2
+            x, y, z = turned(q, j, w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2]))
+            bx += x
+            by += y
+            bz += z
+        b[i, 0], b[i, 1], b[i, 2] = half * bx, half * by, half * bz
 
 
 @njit(cache=True, nogil=True, parallel=True)
 def energy(
-    start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, R: np.ndarray
+    start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:
-    """Eq. 1 at ``U`` (n, 3) with the rotations ``R`` (n, 3, 3)."""
+    """Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
     total = 0.0
     for i in prange(len(V)):
         cells = 0.0
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
-            x, y, z = V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2]
-            a = U[i, 0] - U[j, 0] - (R[i, 0, 0] * x + R[i, 0, 1] * y + R[i, 0, 2] * z)
-            b = U[i, 1] - U[j, 1] - (R[i, 1, 0] * x + R[i, 1, 1] * y + R[i, 1, 2] * z)
-            c = U[i, 2] - U[j, 2] - (R[i, 2, 0] * x + R[i, 2, 1] * y + R[i, 2, 2] * z)
+            x, y, z = turned(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
+            a, b, c = U[i, 0] - U[j, 0] - x, U[i, 1] - U[j, 1] - y, U[i, 2] - U[j, 2] - z
             cells += w[e] * (a * a + b * b + c * c)
         total += cells
     return total

@@ -144,7 +144,8 @@ class Constrained:
         self._age += 1
         held_before = self.met
         b = elastic.pull()
-        vectors.add(b, self._mult, projection.g)
+        if len(self.goals):
+            vectors.add(b, self._mult, projection.g)
         start, end = self.U, elastic.global_step(b, self.held)
         steady = 1.0 / max(1.0, _STEADY + self._pressure(self._mult))
         for shorter in _SHORTER if held_before else _SHORTER[:1]:

@@ -93,7 +93,7 @@ class Elastic:
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self.q, self.R = self.rest.identity()
+        self.q = self.rest.identity()
         self.U = U
         if U is not self.rest.V:
             self.local_step(U)
@@ -103,20 +103,18 @@ class Elastic:
     def pull(self) -> np.ndarray:
         """What the terms ask for: ``b`` of the gradient, (n, 3) float array, overwritten by the next call."""
         b, material, rest = self._b, self.material, self.rest
-        cells.pull(*rest.graph, rest.V, rest.LV, self.R, material.rigidity, b)
+        cells.pull(*rest.graph, rest.V, rest.LV, self.q, material.rigidity, b)
         if self._membrane is not None:
             self._membrane.pull(b)
         if self._bending is not None:
-            vectors.add(b, np.array([material.bending]), self._bending.pull(self.R)[None])
+            vectors.add(b, np.array([material.bending]), self._bending.pull(self.q)[None])
         return b
 
     def free_rows(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array."""
         if targets is not self._targets:
             self._targets, self._from_held = targets, vectors.product(self._K_fc, targets)
-        rows = vectors.taken(b, self.free)
-        vectors.add(rows, _MINUS, self._from_held[None])
-        return rows
+        return vectors.taken_less(b, self.free, self._from_held)
 
     def residual(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
@@ -145,13 +143,13 @@ class Elastic:
         if self._bending is not None:
             S0 = self._bending.moments(U, material.bending / material.rigidity)
         if self._coupling > 0.0:
-            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, self.q, self.R)
+            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, self.q)
         else:
-            cells.local_step(*rest.graph, rest.V, U, S0, self.q, self.R)
+            cells.local_step(*rest.graph, rest.V, U, S0, self.q)
 
     def turn(self, turns: np.ndarray) -> None:
         """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""
-        turn_rotations(turns, self.q, self.R)
+        turn_rotations(turns, self.q)
         if self._membrane is not None:
             self._membrane.turn(turns)
 
@@ -163,9 +161,9 @@ class Elastic:
     def energy(self) -> float:
         """The energy of the current positions, without the coupling of the rotations."""
         material = self.material
-        E = material.rigidity * cells.energy(*self.rest.graph, self.rest.V, self.U, self.R)
+        E = material.rigidity * cells.energy(*self.rest.graph, self.rest.V, self.U, self.q)
         if self._membrane is not None:
             E += self._membrane.energy
         if self._bending is not None:
-            E += material.bending * self._bending.energy(self.U, self.R)
+            E += material.bending * self._bending.energy(self.U, self.q)
         return float(E)

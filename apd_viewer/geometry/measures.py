@@ -23,16 +23,16 @@ class Patch:
 
     Attributes
     ----------
-    F : (m, 3) int32 array
-    start : (n + 1,) int32 array
-    corner : (3 m,) int32 array
+    F : (m, 3) uint32 array
+    start : (n + 1,) uint32 array
+    corner : (3 m,) uint32 array
         The corners at vertex i are ``corner[start[i]:start[i + 1]]``: ``3 t + c`` for corner c of triangle t.
-    second, third : (3 m,) int32 arrays
+    second, third : (3 m,) uint32 arrays
         The vertices that follow the one at each of ``corner`` in its triangle.
     """
 
     def __init__(self, F: np.ndarray, n: int) -> None:
-        self.F = np.ascontiguousarray(F, dtype=np.int32)
+        self.F = np.ascontiguousarray(F, dtype=np.uint32)
         self.start, self.corner = _corners(self.F, n)
         t, c = np.divmod(self.corner, 3)
         self.second, self.third = self.F[t, (c + 1) % 3], self.F[t, (c + 2) % 3]
@@ -56,14 +56,14 @@ class Patch:
 
 @njit(cache=True, nogil=True)
 def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    start = np.zeros(n + 1, dtype=np.int32)
+    start = np.zeros(n + 1, dtype=np.uint32)
     for t in range(len(F)):
         for c in range(3):
             start[F[t, c] + 1] += 1
     for i in range(n):
         start[i + 1] += start[i]
     following = start[:-1].copy()
-    corner = np.empty(3 * len(F), dtype=np.int32)
+    corner = np.empty(3 * len(F), dtype=np.uint32)
     for t in range(len(F)):
         for c in range(3):
             corner[following[F[t, c]]] = 3 * t + c

@@ -120,6 +120,11 @@ _STEEPEST = 1e8
 _NEEDLE = 1e4
 
 
+def _opposite(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The ends of the edge opposite to every corner; scipy's matrices keep the type of these numbers."""
+    return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)
+
+
 def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     """Symmetric matrix of the weights ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``.
 
@@ -134,7 +139,7 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     """
     n = len(V)
     cot = np.clip(cotangents(V, F), 0.0, _STEEPEST)
-    i, j = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
+    i, j = _opposite(F)
     w = 0.5 * cot.ravel()
     edge = i != j
     i, j, w = i[edge], j[edge], w[edge]
@@ -159,7 +164,7 @@ def laplacian(W: sp.csr_array) -> sp.csr_array:
 def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
     """Laplacian (n, n) assembled from the ``cot`` (m, 3) of every corner of the triangles ``F`` (m, 3)."""
     w = 0.5 * cot.ravel()
-    i, j = F[:, [1, 2, 0]].ravel(), F[:, [2, 0, 1]].ravel()
+    i, j = _opposite(F)
     W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
     return laplacian(W.tocsr())
 

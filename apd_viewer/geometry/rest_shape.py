@@ -19,6 +19,7 @@ from apd_viewer.geometry.operators import (
     vertex_areas,
 )
 from apd_viewer.geometry.pieces import pieces
+from apd_viewer.geometry.rotations import turned
 from apd_viewer.geometry.thinning import edge_length, neighbourhoods, thinned
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
@@ -89,21 +90,21 @@ class RestShape:
         near, weight = neighbourhoods(self.V, normals, self.piece, vertices, edge)
         return Thinner(vertices, RestShape(self.V[vertices], F), near, weight, edge)
 
-    @property
+    @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``start, neighbour, weight`` of the edges, for the kernels."""
-        return self.W.indptr, self.W.indices, self.W.data
+        # Without a sign numba need not ask of every one whether it counts from the end.
+        return self.W.indptr.astype(np.uint32), self.W.indices.astype(np.uint32), self.W.data
 
     def energy(self, U: np.ndarray) -> float:
         """Eq. 1 at ``U`` (n, 3) with the rotations that are optimal for it."""
-        q, R = self.identity()
-        cells.local_step(*self.graph, self.V, U, cells.FLAT, q, R)
-        return float(cells.energy(*self.graph, self.V, U, R))
+        q = self.identity()
+        cells.local_step(*self.graph, self.V, U, cells.FLAT, q)
+        return float(cells.energy(*self.graph, self.V, U, q))
 
-    def identity(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rotations of the rest pose: quaternions (n, 4) and matrices (n, 3, 3)."""
-        n = len(self.V)
-        return np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)), np.tile(np.eye(3), (n, 1, 1))
+    def identity(self) -> np.ndarray:
+        """Rotations of the rest pose, (n, 4) unit quaternions."""
+        return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))
 
 
 class Thinner(NamedTuple):
@@ -155,13 +156,13 @@ class Bending:
         """``C X`` for ``X`` (n, 3)."""
         return vectors.product(self.C, X)
 
-    def pull(self, R: np.ndarray) -> np.ndarray:
-        """What curvature that is turned by ``R`` (n, 3, 3) asks for: ``grad E = 4 (K U - pull)``."""
-        return self.apply(_turned(R, self.CV, 0.5 * self.weight))
+    def pull(self, q: np.ndarray) -> np.ndarray:
+        """What curvature that is turned by ``q`` (n, 4) asks for: ``grad E = 4 (K U - pull)``."""
+        return self.apply(_turned(q, self.CV, 0.5 * self.weight))
 
-    def energy(self, U: np.ndarray, R: np.ndarray) -> float:
-        """The energy at ``U`` (n, 3) with the rotations ``R`` (n, 3, 3)."""
-        change = self.apply(U) - _turned(R, self.CV, np.ones(len(U)))
+    def energy(self, U: np.ndarray, q: np.ndarray) -> float:
+        """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
+        change = self.apply(U) - _turned(q, self.CV, np.ones(len(U)))
         return float(self.weight @ (change * change).sum(axis=1))
 
     def moments(self, U: np.ndarray, weight: float) -> np.ndarray:
@@ -170,13 +171,12 @@ class Bending:
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def _turned(R: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def _turned(q: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """``weight_i R_i x_i``, (n, 3)."""
     out = np.empty_like(X)
     for i in prange(len(X)):
-        x, y, z = weight[i] * X[i, 0], weight[i] * X[i, 1], weight[i] * X[i, 2]
-        for a in range(3):
-            out[i, a] = R[i, a, 0] * x + R[i, a, 1] * y + R[i, a, 2] * z
+        x, y, z = turned(q, i, X[i, 0], X[i, 1], X[i, 2])
+        out[i, 0], out[i, 1], out[i, 2] = weight[i] * x, weight[i] * y, weight[i] * z
     return out
 
 

@@ -4,7 +4,8 @@ For every matrix S we want ``R = argmax tr(R^T S)`` over the rotations, the *glo
 det R = +1 whatever S is (reflected, of rank 2, 1 or 0). Rotations are kept as unit quaternions
 (w, x, y, z): products of millions of small steps then stay orthonormal to rounding.
 
-Newton's method on the rotation is fast from a good start, and its Hessian
+Newton's method on the rotation is fast from a good start (steps by the Cayley map shrink to their cubes,
+measured), and its Hessian
 ``H = tr(M) I - sym(M)``, ``M = R^T S``, certifies the answer: the eigenvalues of H at a stationary
 point are the pairwise sums of M's, and only the global maximum makes them all positive. Where H is
 not positive definite the largest eigenvector of Horn's symmetric 4x4 matrix is the answer
@@ -21,8 +22,8 @@ LANES = 8
 # Of a lane: S, quaternion, square of half the last step.
 ROWS = 14
 _NEWTON_STEPS = 8
-# Half a step, squared. Newton converges quadratically: after a step of 1e-7 the error is at rounding level.
-_SHORT_STEP = 0.25e-14
+# Half a step, squared. Steps shrink to their cubes: after one of 1e-5 the error is at rounding level.
+_SHORT_STEP = 0.25e-10
 _UNCERTIFIED = -1.0
 # Below this the maximum is nearly ambiguous and Newton's linear systems lose their digits.
 _POSITIVE = 1e-6
@@ -201,11 +202,18 @@ def load_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True)
-def store_rotation(X: np.ndarray, i: int, q: np.ndarray, R: np.ndarray) -> None:
-    """Write the answer of lane ``i`` into ``q`` (4,), and its matrix into ``R`` (3, 3)."""
+def store_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
+    """Write the answer of lane ``i`` into ``q`` (4,)."""
     for a in range(4):
         q[a] = X[(9 + a) * LANES + i]
-    quaternion_to_matrix(q, R)
+
+
+@njit(cache=True, nogil=True)
+def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The vector (x, y, z) turned by the unit quaternion ``q[i]``."""
+    w, a, b, c = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
+    tx, ty, tz = 2 * (b * z - c * y), 2 * (c * x - a * z), 2 * (a * y - b * x)
+    return x + w * tx + b * tz - c * ty, y + w * ty + c * tx - a * tz, z + w * tz + a * ty - b * tx
 
 
 @njit(cache=True, nogil=True)
@@ -221,12 +229,13 @@ def fit_rotations(S: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
             load_rotation(X, i, q[first + i])
         fit_lanes(X, scratch)
         for i in range(count):
-            store_rotation(X, i, q[first + i], R[first + i])
+            store_rotation(X, i, q[first + i])
+            quaternion_to_matrix(q[first + i], R[first + i])
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def turn_rotations(turns: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
-    """Turn every rotation, ``q`` (n, 4) and its matrix ``R`` (n, 3, 3), by that of ``turns`` (n, 4)."""
+def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
+    """Turn every rotation of ``q`` (n, 4) by that of ``turns`` (n, 4), in place."""
     for i in prange(len(q)):
         w, x, y, z = turns[i, 0], turns[i, 1], turns[i, 2], turns[i, 3]
         a, b, c, d = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
@@ -234,4 +243,3 @@ def turn_rotations(turns: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
         q[i, 1] = w * b + x * a + y * d - z * c
         q[i, 2] = w * c - x * d + y * a + z * b
         q[i, 3] = w * d + x * c - y * b + z * a
-        quaternion_to_matrix(q[i], R[i])

@@ -74,6 +74,16 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, parallel=True)
+def taken_less(X: np.ndarray, rows: np.ndarray, A: np.ndarray) -> np.ndarray:
+    """The same, less ``A`` (len(rows), 3)."""
+    out = np.empty((len(rows), 3))
+    for k in prange(len(rows)):
+        i = rows[k]
+        out[k, 0], out[k, 1], out[k, 2] = X[i, 0] - A[k, 0], X[i, 1] - A[k, 1], X[i, 2] - A[k, 2]
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def placed(U: np.ndarray, first: np.ndarray, A: np.ndarray, second: np.ndarray, B: np.ndarray) -> np.ndarray:
     """A copy of ``U`` (n, 3) with ``A`` in the rows ``first`` and ``B`` in the rows ``second``."""
     out = np.empty_like(U)

@@ -16,7 +16,7 @@ def bent(rest, U):
     """The bending energy of ``U`` with the rotations that are optimal for its cells."""
     elastic = Elastic(rest, np.array([0]), Material(bending=1.0))
     elastic.restart(U)
-    return rest.bending.energy(U, elastic.R)
+    return rest.bending.energy(U, elastic.q)
 
 
 def test_a_sheet_rolled_to_a_cylinder_costs_the_square_of_its_curvature():
