@@ -6,6 +6,7 @@ Whoever asks for work makes the blocks and removes them; the solver only looks i
 from __future__ import annotations
 
 import os
+import secrets
 import sys
 import weakref
 from collections.abc import Sequence
@@ -126,7 +127,8 @@ def leave_blocks_to_their_owner() -> None:
 
 
 def _made(size: int) -> SharedMemory:
-    block = SharedMemory(create=True, size=size)
+    # By its owner's number a block can be told from those of other programs.
+    block = SharedMemory(f"apd-{os.getpid()}-{secrets.token_hex(4)}", create=True, size=size)
     try:
         # Linux promises more than it has, and ends the process that believes it: ask for it all now.
         if hasattr(os, "posix_fallocate") and (descriptor := getattr(block, "_fd", -1)) >= 0:

@@ -302,19 +302,23 @@ def test_a_script_without_a_guard_runs_once(tmp_path):
     assert done.stderr == ""
 
 
+def blocks_of(pid: int) -> set[str]:
+    """The blocks of shared memory of a process."""
+    return {block.name for block in Path("/dev/shm").glob(f"apd-{pid}-*")}
+
+
 @linux
 def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
-    blocks = set(os.listdir("/dev/shm"))  # noqa: PTH208
     owner = subprocess.Popen(
         script(tmp_path, True), cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
     with owner:
         assert owner.stdout.readline() == "begun\n"
         pid = int(owner.stdout.readline())
-        assert set(os.listdir("/dev/shm")) - blocks, "the test is blind"  # noqa: PTH208
+        assert blocks_of(owner.pid), "the test is blind"
         owner.kill()
     end = time.monotonic() + 10.0
-    while not gone(pid) or set(os.listdir("/dev/shm")) - blocks:  # noqa: PTH208
+    while not gone(pid) or blocks_of(owner.pid):
         assert time.monotonic() < end
         time.sleep(0.02)
 
@@ -322,7 +326,7 @@ def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
 @linux
 def test_sessions_leave_no_process_no_memory_and_no_open_file():
     def left():
-        return len(os.listdir("/proc/self/fd")), set(os.listdir("/dev/shm"))  # noqa: PTH208
+        return len(os.listdir("/proc/self/fd")), blocks_of(os.getpid())
 
     for k in range(3):
         session = Driven()
