@@ -326,7 +326,7 @@ def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
 @linux
 def test_sessions_leave_no_process_no_memory_and_no_open_file():
     def left():
-        return len(os.listdir("/proc/self/fd")), blocks_of(os.getpid())
+        return len(os.listdir("/proc/self/fd")), blocks_of(os.getpid())  # noqa: PTH208
 
     for k in range(3):
         session = Driven()

@@ -145,7 +145,9 @@ def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
         pytest.skip("this system does not promise what it has not")
     made = []
     real = sharing.SharedMemory
-    monkeypatch.setattr(sharing, "SharedMemory", lambda **how: made.append(real(**how)) or made[-1])
+    monkeypatch.setattr(
+        sharing, "SharedMemory", lambda *given, **how: made.append(real(*given, **how)) or made[-1]
+    )
     monkeypatch.setattr(sharing.os, "posix_fallocate", full)
     with pytest.raises(OSError, match="No space"):
         sharing.Tray(4)
