@@ -23,7 +23,7 @@ from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.projection import MET, Projection
 
 # The directions y age as the shape turns: made anew after so many iterations.
-_REFRESH = 10
+_REFRESH = 40
 # The gradients lag one iteration behind: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5
 # What it takes to meet the goals far from rest says little about the end; and goals that nearly contradict

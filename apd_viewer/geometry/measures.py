@@ -36,6 +36,7 @@ class Patch:
         self.start, self.corner = _corners(self.F, n)
         t, c = np.divmod(self.corner, 3)
         self.second, self.third = self.F[t, (c + 1) % 3], self.F[t, (c + 2) % 3]
+        self._halves = np.empty((0, 3))
 
     def area(self, U: np.ndarray) -> float:
         """Area at ``U`` (n, 3)."""
@@ -43,7 +44,11 @@ class Patch:
 
     def area_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """Area at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
-        return float(_area_and_gradient(U, self.F, self.start, self.corner, self.second, self.third, g))
+        if len(self._halves) != len(self.F):
+            self._halves = np.empty((len(self.F), 3))
+        return float(
+            _area_and_gradient(U, self.F, self.start, self.corner, self.second, self.third, self._halves, g)
+        )
 
     def vertex_normals(self, U: np.ndarray) -> np.ndarray:
         """Unit normals at ``U`` (n, 3), weighted by area, (n, 3); zero at a vertex without area."""
@@ -146,11 +151,11 @@ def _area_and_gradient(
     corner: np.ndarray,
     second: np.ndarray,
     third: np.ndarray,
+    halves: np.ndarray,
     g: np.ndarray,
 ) -> float:
     # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
     # a triangle without area is taken as zero.
-    halves = np.empty((len(F), 3))
     total = 0.0
     for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
