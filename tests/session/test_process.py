@@ -356,11 +356,12 @@ def resident(pid: int | str) -> int:
 @linux
 def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
     """What the process loads at leisure is not what is meant."""
-    altered("from apd_viewer.session import solver_process; solver_process._compile = lambda: None")
+    altered("import apd_viewer.session.solver_process as process; process._compile = lambda: None\n")
     session = request.getfixturevalue("session")
     session.set_method("arap")
     session.drag(pose(0.1))
     session.settle()
+    assert session.activity is Activity.SETTLED
     session.begin_gesture()
     sizes = []
     for k in range(3000):
