@@ -40,6 +40,8 @@ class Projection:
     def __init__(self, elastic: Elastic, goals: tuple[Goal, ...]) -> None:
         self._elastic = elastic
         self.goals = goals
+        self._target = np.array([goal.target for goal in goals])
+        self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *elastic.U.shape))
         self._y = np.zeros_like(self.g)
         self.evaluate(elastic.U)
@@ -90,8 +92,7 @@ class Projection:
             if worst <= MET:
                 break
             step = share * self._newton_step(values)
-            there = U.copy()
-            vectors.add(there, step, self._y)
+            there = vectors.moved(U, step, self._y)
             tried = self._measured(there)
             if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:
                 surprise = tried - values - self._slopes @ step
@@ -112,7 +113,7 @@ class Projection:
         return np.array([goal.value(U) for goal in self.goals])
 
     def _misses(self, values: np.ndarray) -> np.ndarray:
-        return np.array([goal.miss(value) for goal, value in zip(self.goals, values, strict=True)])
+        return (values - self._target) / self._unit
 
     def _worst_that_can_move(self, values: np.ndarray) -> float:
         return float(np.abs(self._misses(values)[self._power > 0.0]).max(initial=0.0))
@@ -124,7 +125,7 @@ class Projection:
 
     def _newton_step(self, values: np.ndarray) -> np.ndarray:
         """How far to go along each direction; goals that ask for the same are met as well as they can be."""
-        missing = np.array([goal.target - value for goal, value in zip(self.goals, values, strict=True)])
+        missing = self._target - values
         step = np.zeros(len(self.goals))
         movable = np.flatnonzero(self._power > 0.0)
         scale = np.sqrt(self._power[movable])

@@ -64,6 +64,20 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, parallel=True)
+def moved(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
+    """``X + sum_k c_k A_k`` of ``A`` (k, n, 3) and ``X`` (n, 3)."""
+    out = np.empty_like(X)
+    for i in prange(len(X)):
+        x, y, z = X[i, 0], X[i, 1], X[i, 2]
+        for k in range(len(A)):
+            x += c[k] * A[k, i, 0]
+            y += c[k] * A[k, i, 1]
+            z += c[k] * A[k, i, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
 def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Rows of ``X`` (n, 3), (len(rows), 3) float array."""
     out = np.empty((len(rows), 3))
