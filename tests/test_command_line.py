@@ -651,7 +651,7 @@ def test_the_module_runs_like_the_command(bar):
     )
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a device that is always full")
 def test_a_standard_output_that_is_full(bar):
     with open("/dev/full", "w") as full:  # noqa: PTH123
         done = subprocess.run(
@@ -661,7 +661,7 @@ def test_a_standard_output_that_is_full(bar):
     assert b"Traceback" not in done.stderr
 
 
-@pytest.mark.skipif(os.name != "posix", reason="closed pipes")
+@pytest.mark.skipif(os.name != "posix", reason="Windows reports a closed pipe as an invalid argument")
 def test_a_reader_that_goes_away_is_no_error_of_the_program(bar):
     reading, writing = os.pipe()
     os.close(reading)

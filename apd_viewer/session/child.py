@@ -132,7 +132,7 @@ class Child:
         self._orders[number] = request, tray
         order = Order(number, self._from_its_start(request), tray.name if tray else None)
         message = self._packer.packed(order)
-        with contextlib.suppress(OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
             if self.alive:
                 wire.write(self._process.stdin, message)
         if not self.alive:
@@ -183,7 +183,7 @@ class Child:
             self.alive = False
             process.kill()
             process.wait()
-            with contextlib.suppress(OSError):
+            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
                 process.stdin.close()
             process.stdout.close()
             self._discard_envelope()

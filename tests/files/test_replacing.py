@@ -122,7 +122,7 @@ def test_two_writers_at_once_do_not_mix(path):
     assert list(path.parent.iterdir()) == [path]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="symbolic links")
+@pytest.mark.skipif(os.name != "posix", reason="Windows lets only administrators make symbolic links")
 def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path):
     (tmp_path / "folder").mkdir()
     real, link = tmp_path / "folder" / "real.txt", tmp_path / "link.txt"

@@ -142,7 +142,7 @@ def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
         raise OSError(28, "No space left on device")
 
     if not hasattr(sharing.os, "posix_fallocate"):
-        pytest.skip("this system does not promise what it has not")
+        pytest.skip("there is no posix_fallocate here, whose failure this is about")
     made = []
     real = sharing.SharedMemory
     monkeypatch.setattr(

@@ -79,7 +79,7 @@ def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
 
 def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
     if QGuiApplication.platformName() == "offscreen":
-        pytest.skip("there is no OpenGL")
+        pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
     early.canvas.sketch(*open_sample("bottle"))
     early.open_sample("bottle")

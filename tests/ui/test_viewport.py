@@ -310,7 +310,7 @@ def test_the_theme_sets_the_background(view):
 
 def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surface):
     if not view._software:
-        pytest.skip("a GPU draws smooth edges in every frame")
+        pytest.skip("only a software renderer draws once more at rest; a GPU smooths every frame")
     before = view.draws
     view.update()
     qtbot.waitUntil(lambda: view.draws == before + 2, timeout=2000)
