@@ -211,7 +211,7 @@ class Dial(QWidget):
         column.addWidget(self.slider)
         if ends is not None:
             column.addLayout(_between(*ends))
-        self.back.hide()
+        self.show_value(self._neutral)
         self._connect()
 
     def _connect(self) -> None:
