@@ -27,7 +27,8 @@ FLAT = np.empty((0, 3, 3))
 _PORTION = 64 * LANES
 
 
-@njit(cache=True, nogil=True)
+# Called, it would count references to every array for every vertex, which costs three times its work.
+@njit(inline="always")
 def _load_cell(
     X: np.ndarray,
     lane: int,
@@ -65,7 +66,7 @@ def _load_cell(
     X[6 * LANES + lane], X[7 * LANES + lane], X[8 * LANES + lane] = s20, s21, s22
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
 def local_step(
     start: np.ndarray,
     neighbour: np.ndarray,
@@ -127,7 +128,7 @@ def local_step_in_turn(
         store_rotation(X, 0, q[i])
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
 def pull(
     start: np.ndarray,
     neighbour: np.ndarray,
@@ -155,7 +156,7 @@ def pull(
         b[i, 0], b[i, 1], b[i, 2] = half * bx, half * by, half * bz
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
 def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:

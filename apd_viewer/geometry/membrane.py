@@ -26,7 +26,7 @@ _NEWTON_STEPS = 20
 _PORTION = 512
 
 
-@njit(cache=True, nogil=True)
+@njit(inline="always")
 def _larger_stretch(s1: float, s2: float) -> float:
     """``p >= 1`` that minimises ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
     # From here Newton goes straight to the root: the slope's own slope is positive on the way.
@@ -36,34 +36,34 @@ def _larger_stretch(s1: float, s2: float) -> float:
         slope = p - s1 - (q - s2) * q * q
         step = slope / (1.0 + (3.0 * q - 2.0 * s2) * q * q * q)
         p -= step
-        if abs(step) < 1e-14 * p:
+        # Convergence is quadratic: what is left of such a step is rounding.
+        if abs(step) < 1e-8 * p:
             break
     return p
 
 
-@njit(cache=True, nogil=True)
+@njit(inline="always")
 def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     """Write ``shear R + area P`` into ``T`` (3, 2); return ``shear |D - R|^2 + area |D - P|^2``."""
-    a = D[0, 0] * D[0, 0] + D[1, 0] * D[1, 0] + D[2, 0] * D[2, 0]
-    b = D[0, 0] * D[0, 1] + D[1, 0] * D[1, 1] + D[2, 0] * D[2, 1]
-    d = D[0, 1] * D[0, 1] + D[1, 1] * D[1, 1] + D[2, 1] * D[2, 1]
-    # D^T D = V diag(s1^2, s2^2) V^T, V a rotation by theta.
-    theta = 0.5 * np.arctan2(2.0 * b, a - d)
-    c, s = np.cos(theta), np.sin(theta)
-    s1 = np.sqrt(max(a * c * c + 2.0 * b * c * s + d * s * s, 0.0))
-    s2 = np.sqrt(max(a * s * s - 2.0 * b * c * s + d * c * c, 0.0))
-    tiny = 1e-12 * s1
-    if s2 <= tiny:
+    x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
+    a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
+    # D^T D = m I + r [[c, s], [s, -c]], where (c, s) is the direction of the larger stretch, turned twice.
+    m, h = 0.5 * (a + d), 0.5 * (a - d)
+    r = np.sqrt(h * h + b * b)
+    s1 = np.sqrt(m + r)
+    z0, z1, z2 = x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
+    s2 = np.sqrt(z0 * z0 + z1 * z1 + z2 * z2) / s1 if s1 > 0.0 else 0.0
+    if s2 <= 1e-12 * s1:
         # Collapsed: there is no plane to open it into. Keeping it is a subgradient.
         for i in range(3):
-            for j in range(2):
-                T[i, j] = (shear + area) * D[i, j]
+            T[i, 0], T[i, 1] = (shear + area) * D[i, 0], (shear + area) * D[i, 1]
         return 0.0
     p1 = _larger_stretch(s1, s2)
     p2 = 1.0 / p1
     f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
-    # T = D V diag(f) V^T
-    m00, m01, m11 = f1 * c * c + f2 * s * s, (f1 - f2) * c * s, f1 * s * s + f2 * c * c
+    # T = D (f1 v1 v1^T + f2 v2 v2^T), v the directions of the stretches.
+    half, over = 0.5 * (f1 + f2), 0.5 * (f1 - f2) / r if r > 0.0 else 0.0
+    m00, m01, m11 = half + over * h, over * b, half - over * h
     for i in range(3):
         x, y = D[i, 0], D[i, 1]
         T[i, 0] = x * m00 + y * m01
@@ -71,7 +71,7 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@njit(cache=True, nogil=True, parallel=True, error_model="numpy", fastmath={"contract"})
 def _forces(
     F: np.ndarray,
     rest: np.ndarray,

@@ -208,7 +208,7 @@ def store_rotation(X: np.ndarray, i: int, q: np.ndarray) -> None:
         q[a] = X[(9 + a) * LANES + i]
 
 
-@njit(cache=True, nogil=True)
+@njit(inline="always")
 def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """The vector (x, y, z) turned by the unit quaternion ``q[i]``."""
     w, a, b, c = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
