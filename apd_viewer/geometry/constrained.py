@@ -16,7 +16,6 @@ from collections import deque
 
 import numpy as np
 
-from apd_viewer.geometry import vectors
 from apd_viewer.geometry.descent import Descent
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
@@ -24,7 +23,10 @@ from apd_viewer.geometry.projection import MET, Projection
 
 # The directions y age as the shape turns: made anew after so many iterations.
 _REFRESH = 40
-# The gradients lag one iteration behind: beyond this multiplier a whole step would overshoot.
+# The gradients lag up to so many iterations behind, unless multipliers press harder than that.
+_LAG = 4
+_CALM = 0.1
+# They lag one behind in any case: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5
 # What it takes to meet the goals far from rest says little about the end; and goals that nearly contradict
 # each other would press against each other without end.
@@ -92,6 +94,8 @@ class Constrained:
         if [goal.measured for goal in goals] != [goal.measured for goal in self.goals]:
             self._mult = np.zeros(len(goals))
         self.goals = goals
+        edge = np.sqrt(self._elastic.rest.vertex_areas.mean())
+        self._grip = np.array([edge if goal.is_volume else 1.0 for goal in goals])
         self._projection = Projection(self._elastic, goals)
         self._start_over()
 
@@ -118,6 +122,7 @@ class Constrained:
         self._descent: Descent | None = None
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
         self._bottom = False
+        self._lag = 0
 
     def descend(self) -> None:
         """Go downhill in energy while the goals stay met; until they are, a plain iteration.
@@ -138,16 +143,19 @@ class Constrained:
         if self.stuck:
             return
         elastic, projection = self._elastic, self._projection
+        if not self.goals:
+            elastic.iterate(self.held)
+            return
+        held_before, pressure = self.met, self._pressure(self._mult)
         if self._age % _REFRESH == 0 or projection.worn:
-            projection.refresh()
+            projection.refresh(self.U)
             self._age = 0
+        elif self._lag % _LAG == 0 or pressure > _CALM:
+            projection.evaluate(self.U)
         self._age += 1
-        held_before = self.met
-        b = elastic.pull()
-        if len(self.goals):
-            vectors.add(b, self._mult, projection.g)
-        start, end = self.U, elastic.global_step(b, self.held)
-        steady = 1.0 / max(1.0, _STEADY + self._pressure(self._mult))
+        self._lag += 1
+        start, end = self.U, elastic.global_step(elastic.pull(), self.held, self._mult, projection.g)
+        steady = 1.0 / max(1.0, _STEADY + pressure)
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady
             U, mu = projection.onto(end if share == 1.0 else self._part_of_the_way(start, end, share))
@@ -165,9 +173,7 @@ class Constrained:
 
     def _pressure(self, multipliers: np.ndarray) -> float:
         """How hard multipliers press: how fast their forces change with the shape, against K."""
-        edge = np.sqrt(self._elastic.rest.vertex_areas.mean())
-        each = [edge if goal.is_volume else 1.0 for goal in self.goals]
-        return float(np.abs(multipliers) @ np.array(each)) if each else 0.0
+        return float(np.abs(multipliers) @ self._grip)
 
     def _judge(self) -> None:
         """Give the goals up once they have not come nearer for long."""

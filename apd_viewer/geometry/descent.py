@@ -41,8 +41,9 @@ class Descent:
     def step(self, held: np.ndarray) -> bool:
         """One step with the held vertices at ``held`` (k, 3), where they are; False if nothing is lower."""
         elastic, projection = self._elastic, self._projection
+        projection.evaluate(elastic.U)
         if projection.worn:
-            projection.refresh()
+            projection.refresh(elastic.U)
         G = elastic.residual(elastic.pull(), held)
         g = np.array([vectors.taken(gradient, elastic.free) for gradient in projection.g])
         self.multipliers = projection.multipliers(G)

@@ -21,6 +21,7 @@ from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.rotations import turn_rotations
 
 _MINUS = np.array([-1.0])
+_NONE = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,9 @@ class Elastic:
         self._solver = LinearSolver(self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._b = np.empty_like(rest.V)
+        self._place = np.full(len(rest.V), len(rest.V))
+        self._place[self.free] = np.arange(len(self.free))
+        self._place[fixed] = -1 - np.arange(len(fixed))
         self._targets = np.empty((0, 3))
         self.restart(rest.V)
 
@@ -110,11 +114,16 @@ class Elastic:
             vectors.add(b, np.array([material.bending]), self._bending.pull(self.q)[None])
         return b
 
-    def free_rows(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array."""
+    def free_rows(
+        self, b: np.ndarray, targets: np.ndarray, mult: np.ndarray = _NONE, g: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Right-hand side of the global step, ``(b + mult g)_f - K_fc targets``, (f, 3) float array.
+
+        ``mult`` (k,) and ``g`` (k, n, 3) are forces besides those of the terms.
+        """
         if targets is not self._targets:
             self._targets, self._from_held = targets, vectors.product(self._K_fc, targets)
-        return vectors.taken_less(b, self.free, self._from_held)
+        return vectors.taken_less(b, mult, b[None][:0] if g is None else g, self.free, self._from_held)
 
     def residual(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
@@ -126,13 +135,15 @@ class Elastic:
         """``K_ff^-1 b_f``, both (f, 3) float arrays."""
         return self._solver.solve(b_f)
 
-    def global_step(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
+    def global_step(
+        self, b: np.ndarray, targets: np.ndarray, mult: np.ndarray = _NONE, g: np.ndarray | None = None
+    ) -> np.ndarray:
         """Positions (n, 3) that minimise the energy while ``b`` (n, 3) is held; they are not yet current."""
-        return self.assembled(self.solve(self.free_rows(b, targets)), targets)
+        return self.assembled(self.solve(self.free_rows(b, targets, mult, g)), targets)
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return vectors.placed(self.U, self.free, X, self.fixed, targets)
+        return vectors.placed(self.U, self._place, X, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""

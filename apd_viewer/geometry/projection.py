@@ -15,8 +15,12 @@ from apd_viewer.geometry.goals import Goal
 # Relative to the value at rest; one order better than is promised.
 MET = 1e-10
 _NEWTON_STEPS = 8
-# Directions are made anew once a goal moves only half as much along its own as it did.
-_FADED = 0.5
+# What is left of a miss is taken for none without looking where it should be so much smaller still.
+_BEYOND_DOUBT = 0.1
+# A step that brought less than this part of what it should have, or the contrary, teaches nothing.
+_PLAUSIBLE = 0.1
+# Directions are made anew once a goal has to go so much farther along its own as at first.
+_FADED = 2.0
 
 
 class Projection:
@@ -30,11 +34,9 @@ class Projection:
     Attributes
     ----------
     values : (g,) float array
-        What the goals measure at the positions evaluated last.
+        What the goals measure at the positions found or looked at last.
     g : (g, n, 3) float array
-        Their gradients there.
-    worn : bool
-        Whether the directions are no longer good ones.
+        Their gradients at the positions looked at last.
     """
 
     def __init__(self, elastic: Elastic, goals: tuple[Goal, ...]) -> None:
@@ -44,91 +46,105 @@ class Projection:
         self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *elastic.U.shape))
         self._y = np.zeros_like(self.g)
+        self._inverse = np.zeros((len(goals), len(goals)))
+        self._inverse_at_first = self._inverse
+        self._reach = np.full(len(goals), np.inf)
         self.evaluate(elastic.U)
-        self.worn = True
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at the positions evaluated last."""
+        """Whether all goals are met at the positions found or looked at last."""
         return self.worst <= MET
 
     @property
     def worst(self) -> float:
         """The largest miss there, relative to the value at rest."""
-        return float(np.abs(self._misses(self.values)).max(initial=0.0))
+        return float(np.abs((self.values - self._target) / self._unit).max(initial=0.0))
+
+    @property
+    def worn(self) -> bool:
+        """Whether the directions are no longer good ones."""
+        return bool((np.diag(self._inverse) > _FADED * np.diag(self._inverse_at_first)).any())
 
     def evaluate(self, U: np.ndarray) -> None:
         """Find values and gradients at ``U`` (n, 3)."""
         both = zip(self.goals, self.g, strict=True)
         self.values = np.array([goal.value_and_gradient(U, g) for goal, g in both])
 
-    def refresh(self) -> None:
-        """Make the directions those of the gradients of today."""
+    def refresh(self, U: np.ndarray) -> None:
+        """The same, with the directions that are best there."""
+        self.evaluate(U)
         free = self._elastic.free
         for y, g in zip(self._y, self.g, strict=True):
             y[free] = self._elastic.solve(g[free])
-        self._slopes = self._measured_slopes()
-        self._power = np.diag(self._slopes).copy()
-        self.worn = False
+        slopes = self._slopes()
+        movable = np.flatnonzero(np.diag(slopes) > 0.0)
+        # A goal that depends on nothing that is free cannot be moved, and is not waited for.
+        self._reach = np.full(len(self.goals), np.inf)
+        self._reach[movable] = self._unit[movable]
+        scale = np.sqrt(np.diag(slopes)[movable])
+        scales, block = np.outer(scale, scale), np.ix_(movable, movable)
+        self._inverse = self._inverse_at_first = np.zeros_like(slopes)
+        # Goals that ask for the same are met as well as they can be.
+        self._inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
+
+    def _slopes(self) -> np.ndarray:
+        """How fast each goal (rows) changes along each direction (columns)."""
+        slopes = [vectors.dots(self._y, g) for g in self.g]
+        return np.array(slopes).reshape(2 * (len(self.goals),))
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """How much of each goal's gradient to take from ``G`` (f, 3) so that no direction is uphill, (g,)."""
         free = self._elastic.free
         along = [vectors.dots(vectors.taken(y, free)[None], G)[0] for y in self._y]
-        return np.linalg.lstsq(self._slopes.T, np.array(along), rcond=1e-10)[0] if along else np.zeros(0)
+        if not along:
+            return np.zeros(0)
+        return np.linalg.lstsq(self._slopes().T, np.array(along), rcond=1e-10)[0]
 
     def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The positions near ``U`` (n, 3) that meet the goals, if there are any, and how far along each way.
 
-        Leaves values and gradients of the positions that it returns. On the way the slopes are corrected
-        by what each step has brought [Broyden 1965]: values cost less than gradients.
+        Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
+        step has brought [Broyden 1965]: values cost less than gradients. A last step is not measured where
+        the one before leaves no doubt [Deuflhard 2011, Newton Methods for Nonlinear Problems, 2.1.2]: each
+        brings at least as much as the one before it.
         """
         mu = np.zeros(len(self.goals))
-        values = self._measured(U)
+        self.values = self._measured(U)
+        worst, doubt = self._worst_that_can_move(self.values), 1.0
         share = 1.0
         fresh = False  # whether gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
-            worst = self._worst_that_can_move(values)
             if worst <= MET:
                 break
-            step = share * self._newton_step(values)
+            missing = self._target - self.values
+            step = share * (self._inverse @ missing)
             there = vectors.moved(U, step, self._y)
+            if worst * doubt <= _BEYOND_DOUBT * MET:
+                self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
+                return there, mu + step
             tried = self._measured(there)
-            if self._worst_that_can_move(tried) < (1.0 - 0.1 * share) * worst:
-                surprise = tried - values - self._slopes @ step
-                self._slopes = self._slopes + np.outer(surprise, step) / (step @ step)
-                U, values, mu, share, fresh = there, tried, mu + step, 1.0, False
+            left = self._worst_that_can_move(tried)
+            if left < (1.0 - 0.1 * share) * worst:
+                self._learn(step, tried - self.values)
+                U, mu, worst, doubt = there, mu + step, left, left / worst
+                self.values, share, fresh = tried, 1.0, False
             elif fresh:
                 share *= 0.5
             else:
-                self.evaluate(U)
-                self.refresh()
-                fresh = True
-        self.evaluate(U)
-        self._slopes = self._measured_slopes()
-        self.worn = bool((np.diag(self._slopes) < _FADED * self._power).any())
+                self.refresh(U)
+                fresh, doubt = True, 1.0
         return U, mu
 
     def _measured(self, U: np.ndarray) -> np.ndarray:
         return np.array([goal.value(U) for goal in self.goals])
 
-    def _misses(self, values: np.ndarray) -> np.ndarray:
-        return (values - self._target) / self._unit
-
     def _worst_that_can_move(self, values: np.ndarray) -> float:
-        return float(np.abs(self._misses(values)[self._power > 0.0]).max(initial=0.0))
+        return float(np.abs((values - self._target) / self._reach).max(initial=0.0))
 
-    def _measured_slopes(self) -> np.ndarray:
-        """How fast each goal (rows) changes along each direction (columns)."""
-        slopes = [vectors.dots(self._y, g) for g in self.g]
-        return np.array(slopes).reshape(2 * (len(self.goals),))
-
-    def _newton_step(self, values: np.ndarray) -> np.ndarray:
-        """How far to go along each direction; goals that ask for the same are met as well as they can be."""
-        missing = self._target - values
-        step = np.zeros(len(self.goals))
-        movable = np.flatnonzero(self._power > 0.0)
-        scale = np.sqrt(self._power[movable])
-        slopes = self._slopes[np.ix_(movable, movable)] / np.outer(scale, scale)
-        step[movable] = np.linalg.lstsq(slopes, missing[movable] / scale, rcond=1e-4)[0] / scale
-        return step
+    def _learn(self, step: np.ndarray, change: np.ndarray) -> None:
+        """Correct what undoes a miss, so that such a ``change`` would have asked for this ``step``."""
+        expected = self._inverse @ change
+        along = float(step @ expected)
+        if along > _PLAUSIBLE * float(step @ step):
+            self._inverse = self._inverse + np.outer((step - expected) / along, step @ self._inverse)

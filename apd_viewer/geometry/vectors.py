@@ -88,27 +88,35 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def taken_less(X: np.ndarray, rows: np.ndarray, A: np.ndarray) -> np.ndarray:
-    """The same, less ``A`` (len(rows), 3)."""
+def taken_less(X: np.ndarray, c: np.ndarray, A: np.ndarray, rows: np.ndarray, less: np.ndarray) -> np.ndarray:
+    """Rows of ``X + sum_k c_k A_k`` as of :func:`moved`, minus ``less`` (len(rows), 3)."""
     out = np.empty((len(rows), 3))
-    for k in prange(len(rows)):
-        i = rows[k]
-        out[k, 0], out[k, 1], out[k, 2] = X[i, 0] - A[k, 0], X[i, 1] - A[k, 1], X[i, 2] - A[k, 2]
+    for r in prange(len(rows)):
+        i = rows[r]
+        x, y, z = X[i, 0] - less[r, 0], X[i, 1] - less[r, 1], X[i, 2] - less[r, 2]
+        for k in range(len(A)):
+            x += c[k] * A[k, i, 0]
+            y += c[k] * A[k, i, 1]
+            z += c[k] * A[k, i, 2]
+        out[r, 0], out[r, 1], out[r, 2] = x, y, z
     return out
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def placed(U: np.ndarray, first: np.ndarray, A: np.ndarray, second: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """A copy of ``U`` (n, 3) with ``A`` in the rows ``first`` and ``B`` in the rows ``second``."""
+def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """``U`` (n, 3) with rows of ``A`` where ``place`` (n,) is 0, 1, ..., and of ``B`` where it is -1, -2, ...
+
+    Where ``place`` is beyond the rows of ``A``, the row of ``U`` stays.
+    """
     out = np.empty_like(U)
     for i in prange(len(U)):
-        out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
-    for k in prange(len(first)):
-        i = first[k]
-        out[i, 0], out[i, 1], out[i, 2] = A[k, 0], A[k, 1], A[k, 2]
-    for k in prange(len(second)):
-        i = second[k]
-        out[i, 0], out[i, 1], out[i, 2] = B[k, 0], B[k, 1], B[k, 2]
+        k = place[i]
+        if k < 0:
+            out[i, 0], out[i, 1], out[i, 2] = B[-1 - k, 0], B[-1 - k, 1], B[-1 - k, 2]
+        elif k < len(A):
+            out[i, 0], out[i, 1], out[i, 2] = A[k, 0], A[k, 1], A[k, 2]
+        else:
+            out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
     return out
 
 
