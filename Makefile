@@ -61,6 +61,8 @@ clean: ## remove the set-up and all caches; out/ stays
 .venv/.installed: .venv/bin/python pyproject.toml
 	@echo "Installing apd-viewer and its libraries into .venv (360 MB to fetch the first time)"
 	@.venv/bin/python -m pip install --quiet --editable .
+	@echo "Compiling what the first drag would otherwise wait for (20 s)"
+	@.venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 
 # pip 25.1 is the first to know dependency groups.

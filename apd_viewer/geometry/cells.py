@@ -24,7 +24,7 @@ from apd_viewer.geometry.rotations import (
 
 FLAT = np.empty((0, 3, 3))
 # Vertices that a core takes on at once.
-_PORTION = 64 * LANES
+_PORTION = 32 * LANES
 
 
 # Called, it would count references to every array for every vertex, which costs three times its work.

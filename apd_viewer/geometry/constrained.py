@@ -24,7 +24,7 @@ from apd_viewer.geometry.projection import MET, Projection
 # The directions y age as the shape turns: made anew after so many iterations.
 _REFRESH = 40
 # The gradients lag up to so many iterations behind, unless multipliers press harder than that.
-_LAG = 4
+_LAG = 8
 _CALM = 0.1
 # They lag one behind in any case: beyond this multiplier a whole step would overshoot.
 _STEADY = 0.5

@@ -7,6 +7,7 @@ the goals measure. They need not be those of today's gradients, only to lead the
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from apd_viewer.geometry import vectors
 from apd_viewer.geometry.elastic import Elastic
@@ -15,8 +16,6 @@ from apd_viewer.geometry.goals import Goal
 # Relative to the value at rest; one order better than is promised.
 MET = 1e-10
 _NEWTON_STEPS = 8
-# What is left of a miss is taken for none without looking where it should be so much smaller still.
-_BEYOND_DOUBT = 0.1
 # A step that brought less than this part of what it should have, or the contrary, teaches nothing.
 _PLAUSIBLE = 0.1
 # Directions are made anew once a goal has to go so much farther along its own as at first.
@@ -59,7 +58,7 @@ class Projection:
     @property
     def worst(self) -> float:
         """The largest miss there, relative to the value at rest."""
-        return float(np.abs((self.values - self._target) / self._unit).max(initial=0.0))
+        return _worst(self.values, self._target, self._unit)
 
     @property
     def worn(self) -> bool:
@@ -105,13 +104,13 @@ class Projection:
         """The positions near ``U`` (n, 3) that meet the goals, if there are any, and how far along each way.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
-        step has brought [Broyden 1965]: values cost less than gradients. A last step is not measured where
-        the one before leaves no doubt [Deuflhard 2011, Newton Methods for Nonlinear Problems, 2.1.2]: each
-        brings at least as much as the one before it.
+        step has brought [Broyden 1965]: values cost less than gradients. A step makes misses smaller at
+        least as many times as the one before it, so the last one need not be measured [as in Deuflhard 2011,
+        Newton Methods for Nonlinear Problems, section 2.1].
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measured(U)
-        worst, doubt = self._worst_that_can_move(self.values), 1.0
+        worst, shrinkage = self._worst_that_can_move(self.values), 1.0
         share = 1.0
         fresh = False  # whether gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
@@ -120,31 +119,43 @@ class Projection:
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
             there = vectors.moved(U, step, self._y)
-            if worst * doubt <= _BEYOND_DOUBT * MET:
+            if worst * shrinkage <= MET:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measured(there)
             left = self._worst_that_can_move(tried)
             if left < (1.0 - 0.1 * share) * worst:
                 self._learn(step, tried - self.values)
-                U, mu, worst, doubt = there, mu + step, left, left / worst
+                U, mu, worst, shrinkage = there, mu + step, left, left / worst
                 self.values, share, fresh = tried, 1.0, False
             elif fresh:
                 share *= 0.5
             else:
                 self.refresh(U)
-                fresh, doubt = True, 1.0
+                fresh, shrinkage = True, 1.0
         return U, mu
 
     def _measured(self, U: np.ndarray) -> np.ndarray:
         return np.array([goal.value(U) for goal in self.goals])
 
     def _worst_that_can_move(self, values: np.ndarray) -> float:
-        return float(np.abs((values - self._target) / self._reach).max(initial=0.0))
+        return _worst(values, self._target, self._reach)
 
     def _learn(self, step: np.ndarray, change: np.ndarray) -> None:
         """Correct what undoes a miss, so that such a ``change`` would have asked for this ``step``."""
         expected = self._inverse @ change
         along = float(step @ expected)
         if along > _PLAUSIBLE * float(step @ step):
-            self._inverse = self._inverse + np.outer((step - expected) / along, step @ self._inverse)
+            surprise = (step - expected) / along
+            self._inverse = self._inverse + surprise[:, None] * (step @ self._inverse)
+
+
+@njit(cache=True, nogil=True)
+def _worst(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
+    """The largest of ``|values - targets| / units``; a kernel, for every iteration asks five times for it."""
+    worst = 0.0
+    for i in range(len(values)):
+        miss = abs(values[i] - targets[i]) / units[i]
+        if not miss <= worst:
+            worst = miss if miss == miss else np.inf
+    return worst

@@ -17,8 +17,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-# Matrices that are worked on at once: as many doubles as the widest registers hold.
-LANES = 8
+# Matrices that are worked on at once: twice as many doubles as the widest registers hold, so that the one
+# half goes on while the other waits for a division.
+LANES = 16
 # Of a lane: S, quaternion, square of half the last step.
 ROWS = 14
 _NEWTON_STEPS = 8
