@@ -137,14 +137,22 @@ def pull(
     LV: np.ndarray,
     q: np.ndarray,
     weight: float,
-    b: np.ndarray,
-) -> None:
-    """Write ``weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)`` into ``b`` (n, 3): grad E = 4 (L U - b).
+    more: np.ndarray,
+    mult: np.ndarray,
+    forces: np.ndarray,
+    rows: np.ndarray,
+    less: np.ndarray,
+) -> np.ndarray:
+    """Rows of ``b + more + sum_k mult_k forces_k``, minus ``less``, where grad E = 4 (L U - b).
 
-    ``LV`` (n, 3) is the Laplacian of ``V``, what R_i is applied to.
+    ``b_i = weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what
+    R_i is applied to. ``more`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);
+    ``less`` and what is returned (f, 3).
     """
     half = 0.5 * weight
-    for i in prange(len(V)):
+    out = np.empty((len(rows), 3))
+    for r in prange(len(rows)):
+        i = rows[r]
         bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
         vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
         for e in range(start[i], start[i + 1]):
@@ -153,7 +161,15 @@ def pull(
             bx += x
             by += y
             bz += z
-        b[i, 0], b[i, 1], b[i, 2] = half * bx, half * by, half * bz
+        bx, by, bz = half * bx - less[r, 0], half * by - less[r, 1], half * bz - less[r, 2]
+        if len(more):
+            bx, by, bz = bx + more[i, 0], by + more[i, 1], bz + more[i, 2]
+        for k in range(len(mult)):
+            bx += mult[k] * forces[k, i, 0]
+            by += mult[k] * forces[k, i, 1]
+            bz += mult[k] * forces[k, i, 2]
+        out[r, 0], out[r, 1], out[r, 2] = bx, by, bz
+    return out
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})

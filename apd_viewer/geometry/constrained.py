@@ -22,7 +22,7 @@ from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.projection import MET, Projection
 
 # The directions y age as the shape turns: made anew after so many iterations.
-_REFRESH = 40
+_REFRESH = 100
 # The gradients lag up to so many iterations behind, unless multipliers press harder than that.
 _LAG = 8
 _CALM = 0.1
@@ -154,7 +154,7 @@ class Constrained:
             projection.evaluate(self.U)
         self._age += 1
         self._lag += 1
-        start, end = self.U, elastic.global_step(elastic.pull(), self.held, self._mult, projection.g)
+        start, end = self.U, elastic.global_step(self.held, self._mult, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady

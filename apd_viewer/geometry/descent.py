@@ -44,7 +44,7 @@ class Descent:
         projection.evaluate(elastic.U)
         if projection.worn:
             projection.refresh(elastic.U)
-        G = elastic.residual(elastic.pull(), held)
+        G = elastic.residual(held)
         g = np.array([vectors.taken(gradient, elastic.free) for gradient in projection.g])
         self.multipliers = projection.multipliers(G)
         slope = G.copy()

@@ -21,7 +21,8 @@ from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.rotations import turn_rotations
 
 _MINUS = np.array([-1.0])
-_NONE = np.empty(0)
+_NOTHING = np.empty((0, 3))
+_NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,6 @@ class Elastic:
         self._K_fc = rows[:, fixed].tocsr()
         self._solver = LinearSolver(self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
-        self._b = np.empty_like(rest.V)
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
@@ -104,31 +104,37 @@ class Elastic:
         elif self._membrane is not None:
             self._membrane.local_step(U)
 
-    def pull(self) -> np.ndarray:
-        """What the terms ask for: ``b`` of the gradient, (n, 3) float array, overwritten by the next call."""
-        b, material, rest = self._b, self.material, self.rest
-        cells.pull(*rest.graph, rest.V, rest.LV, self.q, material.rigidity, b)
-        if self._membrane is not None:
-            self._membrane.pull(b)
-        if self._bending is not None:
-            vectors.add(b, np.array([material.bending]), self._bending.pull(self.q)[None])
-        return b
-
-    def free_rows(
-        self, b: np.ndarray, targets: np.ndarray, mult: np.ndarray = _NONE, g: np.ndarray | None = None
+    def pull(
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
-        """Right-hand side of the global step, ``(b + mult g)_f - K_fc targets``, (f, 3) float array.
+        """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array.
 
-        ``mult`` (k,) and ``g`` (k, n, 3) are forces besides those of the terms.
+        Parameters
+        ----------
+        targets : (k, 3) float array
+            Where the held vertices are.
+        mult, forces : (g,) and (g, n, 3) float arrays
+            ``mult_i forces_i`` are added to ``b``.
         """
+        rest, material, more = self.rest, self.material, _NOTHING
+        if self._membrane is not None:
+            more = self._membrane.pull()
+        if self._bending is not None:
+            pull = self._bending.pull(self.q, material.bending)
+            more = pull if more is _NOTHING else more + pull
+        terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
+        return cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
+
+    def from_held(self, targets: np.ndarray) -> np.ndarray:
+        """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
         if targets is not self._targets:
             self._targets, self._from_held = targets, vectors.product(self._K_fc, targets)
-        return vectors.taken_less(b, mult, b[None][:0] if g is None else g, self.free, self._from_held)
+        return self._from_held
 
-    def residual(self, b: np.ndarray, targets: np.ndarray) -> np.ndarray:
+    def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
         residual = vectors.product(self.K_ff, vectors.taken(self.U, self.free))
-        vectors.add(residual, _MINUS, self.free_rows(b, targets)[None])
+        vectors.add(residual, _MINUS, self.pull(targets)[None])
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
@@ -136,10 +142,10 @@ class Elastic:
         return self._solver.solve(b_f)
 
     def global_step(
-        self, b: np.ndarray, targets: np.ndarray, mult: np.ndarray = _NONE, g: np.ndarray | None = None
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
-        """Positions (n, 3) that minimise the energy while ``b`` (n, 3) is held; they are not yet current."""
-        return self.assembled(self.solve(self.free_rows(b, targets, mult, g)), targets)
+        """Positions (n, 3) that minimise the energy while ``b`` is held; they are not yet current."""
+        return self.assembled(self.solve(self.pull(targets, mult, forces)), targets)
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
@@ -166,7 +172,7 @@ class Elastic:
 
     def iterate(self, targets: np.ndarray) -> None:
         """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
-        self.local_step(self.global_step(self.pull(), targets))
+        self.local_step(self.global_step(targets))
 
     @property
     def energy(self) -> float:

@@ -96,6 +96,6 @@ class LiHui:
             self.held[handle] += (s - 1.0) * (self._h[handle].mean(axis=0) - base_centroid)
 
         c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
-        pull = elastic.free_rows(elastic.pull(), self.held)
+        pull = elastic.pull(self.held)
         self.U = elastic.assembled(self._blend.solve(self._m * c + self.KAPPA * pull), self.held)
         self.values = np.array([self._area.value(self.U)])

@@ -110,12 +110,18 @@ def _forces(
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def _gather(start: np.ndarray, corner: np.ndarray, forces: np.ndarray, b: np.ndarray) -> None:
-    """Add the ``forces`` (3 m, 3) on the corners at every vertex to ``b`` (n, 3)."""
-    for i in prange(len(b)):
+def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """The sum of the ``forces`` (3 m, 3) on the corners at every vertex, (n, 3)."""
+    out = np.empty((len(start) - 1, 3))
+    for i in prange(len(out)):
+        x = y = z = 0.0
         for e in range(start[i], start[i + 1]):
-            for a in range(3):
-                b[i, a] += forces[corner[e], a]
+            c = corner[e]
+            x += forces[c, 0]
+            y += forces[c, 1]
+            z += forces[c, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+    return out
 
 
 @njit(cache=True, nogil=True, parallel=True)
@@ -175,6 +181,6 @@ class Membrane:
         """Turn the projections by ``turns`` (n, 4), unit quaternions at the vertices."""
         _turn(self._patch.F, turns, self._forces)
 
-    def pull(self, b: np.ndarray) -> None:
-        """Add what the projections ask for to ``b`` (n, 3): ``grad E = 4 (K U - b)``."""
-        _gather(self._patch.start, self._patch.corner, self._forces, b)
+    def pull(self) -> np.ndarray:
+        """What the projections ask for, (n, 3): ``grad E = 4 (K U - pull)``."""
+        return _gathered(self._patch.start, self._patch.corner, self._forces)

@@ -16,6 +16,8 @@ from apd_viewer.geometry.goals import Goal
 # Relative to the value at rest; one order better than is promised.
 MET = 1e-10
 _NEWTON_STEPS = 8
+# By how much of itself a miss, relative to the value at rest, changes the slopes: about 1, measured.
+_CURVED = 4.0
 # A step that brought less than this part of what it should have, or the contrary, teaches nothing.
 _PLAUSIBLE = 0.1
 # Directions are made anew once a goal has to go so much farther along its own as at first.
@@ -104,13 +106,13 @@ class Projection:
         """The positions near ``U`` (n, 3) that meet the goals, if there are any, and how far along each way.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
-        step has brought [Broyden 1965]: values cost less than gradients. A step makes misses smaller at
-        least as many times as the one before it, so the last one need not be measured [as in Deuflhard 2011,
-        Newton Methods for Nonlinear Problems, section 2.1].
+        step has brought [Broyden 1965]: values cost less than gradients. Such a step leaves of a miss about
+        as much as the product of the last two, and no less than slopes that are off in other directions can
+        spoil; where that is nothing, the last step is not measured.
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measured(U)
-        worst, shrinkage = self._worst_that_can_move(self.values), 1.0
+        worst = foreseen = self._worst_that_can_move(self.values)
         share = 1.0
         fresh = False  # whether gradients and directions are those of U
         for _ in range(_NEWTON_STEPS):
@@ -119,20 +121,20 @@ class Projection:
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
             there = vectors.moved(U, step, self._y)
-            if worst * shrinkage <= MET:
+            if foreseen <= MET:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
             tried = self._measured(there)
             left = self._worst_that_can_move(tried)
             if left < (1.0 - 0.1 * share) * worst:
-                self._learn(step, tried - self.values)
-                U, mu, worst, shrinkage = there, mu + step, left, left / worst
-                self.values, share, fresh = tried, 1.0, False
+                self._inverse = _learned(self._inverse, step, tried - self.values)
+                foreseen = left * max(left / worst, _CURVED * worst)
+                U, self.values, worst, mu, share, fresh = there, tried, left, mu + step, 1.0, False
             elif fresh:
                 share *= 0.5
             else:
                 self.refresh(U)
-                fresh, shrinkage = True, 1.0
+                fresh, foreseen = True, worst
         return U, mu
 
     def _measured(self, U: np.ndarray) -> np.ndarray:
@@ -141,18 +143,32 @@ class Projection:
     def _worst_that_can_move(self, values: np.ndarray) -> float:
         return _worst(values, self._target, self._reach)
 
-    def _learn(self, step: np.ndarray, change: np.ndarray) -> None:
-        """Correct what undoes a miss, so that such a ``change`` would have asked for this ``step``."""
-        expected = self._inverse @ change
-        along = float(step @ expected)
-        if along > _PLAUSIBLE * float(step @ step):
-            surprise = (step - expected) / along
-            self._inverse = self._inverse + surprise[:, None] * (step @ self._inverse)
+
+# Kernels, small as they are: every iteration asks for them several times.
+
+
+@njit(cache=True, nogil=True)
+def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """The inverse slopes that would have asked for this ``step`` to make such a ``change``."""
+    g = len(step)
+    expected, pulled = np.zeros(g), np.zeros(g)
+    for i in range(g):
+        for j in range(g):
+            expected[i] += inverse[i, j] * change[j]
+            pulled[j] += step[i] * inverse[i, j]
+    along = (step * expected).sum()
+    if along <= _PLAUSIBLE * (step * step).sum():
+        return inverse
+    learned = np.empty_like(inverse)
+    for i in range(g):
+        for j in range(g):
+            learned[i, j] = inverse[i, j] + (step[i] - expected[i]) / along * pulled[j]
+    return learned
 
 
 @njit(cache=True, nogil=True)
 def _worst(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
-    """The largest of ``|values - targets| / units``; a kernel, for every iteration asks five times for it."""
+    """The largest of ``|values - targets| / units``; infinite if one is no number."""
     worst = 0.0
     for i in range(len(values)):
         miss = abs(values[i] - targets[i]) / units[i]

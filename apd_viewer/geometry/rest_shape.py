@@ -156,9 +156,9 @@ class Bending:
         """``C X`` for ``X`` (n, 3)."""
         return vectors.product(self.C, X)
 
-    def pull(self, q: np.ndarray) -> np.ndarray:
-        """What curvature that is turned by ``q`` (n, 4) asks for: ``grad E = 4 (K U - pull)``."""
-        return self.apply(_turned(q, self.CV, 0.5 * self.weight))
+    def pull(self, q: np.ndarray, weight: float) -> np.ndarray:
+        """``weight`` times what curvature turned by ``q`` (n, 4) asks for: ``grad E = 4 (K U - pull)``."""
+        return self.apply(_turned(q, self.CV, 0.5 * weight * self.weight))
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""

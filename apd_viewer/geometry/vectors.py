@@ -88,21 +88,6 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def taken_less(X: np.ndarray, c: np.ndarray, A: np.ndarray, rows: np.ndarray, less: np.ndarray) -> np.ndarray:
-    """Rows of ``X + sum_k c_k A_k`` as of :func:`moved`, minus ``less`` (len(rows), 3)."""
-    out = np.empty((len(rows), 3))
-    for r in prange(len(rows)):
-        i = rows[r]
-        x, y, z = X[i, 0] - less[r, 0], X[i, 1] - less[r, 1], X[i, 2] - less[r, 2]
-        for k in range(len(A)):
-            x += c[k] * A[k, i, 0]
-            y += c[k] * A[k, i, 1]
-            z += c[k] * A[k, i, 2]
-        out[r, 0], out[r, 1], out[r, 2] = x, y, z
-    return out
-
-
-@njit(cache=True, nogil=True, parallel=True)
 def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """``U`` (n, 3) with rows of ``A`` where ``place`` (n,) is 0, 1, ..., and of ``B`` where it is -1, -2, ...
 

@@ -55,9 +55,9 @@ def moved(X, move, axis, height):
 def rest_scaled(rest, fixed, targets, iterations):
     """Positions of rest-scaled ARAP."""
     elastic = Elastic(rest.shape, fixed)
-    still = elastic.global_step(np.zeros_like(rest.shape.V), targets)
+    still = elastic.assembled(-elastic.solve(elastic.from_held(targets)), targets)
     for _ in range(iterations):
-        grown = elastic.global_step(elastic.pull(), targets) - still
+        grown = elastic.global_step(targets) - still
         excess = lambda s, grown=grown: area(still + s * grown, rest.shape.F) - rest.area  # noqa: E731
         elastic.local_step(still + brentq(excess, 0.05, 3.0, xtol=1e-12) * grown)
     return elastic.U

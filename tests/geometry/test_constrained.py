@@ -69,7 +69,7 @@ def kkt_residual(rest, method):
     """The part of the energy's gradient that the goals' gradients do not balance, relative to it."""
     elastic = method._elastic
     free = elastic.free
-    slope = 4 * (elastic.rest.L @ elastic.U - elastic.pull())[free].ravel()
+    slope = 4 * elastic.residual(method.held).ravel()
     gradients = np.empty((len(method.goals), *elastic.U.shape))
     for goal, g in zip(method.goals, gradients, strict=True):
         goal.value_and_gradient(elastic.U, g)
@@ -102,9 +102,9 @@ def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, a
 def rest_scaled(rest, fixed, targets, iterations):
     """ARAP with its rest edges scaled by that s which gives the area at rest: the rival."""
     elastic = Elastic(rest.shape, fixed)
-    still, s = elastic.global_step(np.zeros_like(rest.V), targets), 1.0
+    still, s = elastic.assembled(-elastic.solve(elastic.from_held(targets)), targets), 1.0
     for _ in range(iterations):
-        grown = elastic.global_step(elastic.pull(), targets) - still
+        grown = elastic.global_step(targets) - still
         excess = lambda s, grown=grown: area(still + s * grown, rest.F) - rest.area  # noqa: E731
         s = brentq(excess, 0.1, 2.0, xtol=1e-13)
         elastic.local_step(still + s * grown)

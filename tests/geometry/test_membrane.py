@@ -74,10 +74,8 @@ def test_the_forces_are_the_slope_of_the_energy(mesh):
     membrane = membrane_of(V, F, 0.3, 5.0)
     rng = np.random.default_rng(0)
     U, direction = V + 0.05 * rng.normal(size=V.shape), rng.normal(size=V.shape)
-    b = np.zeros_like(V)
     membrane.local_step(U)
-    membrane.pull(b)
-    slope = (4 * (membrane.K @ U - b) * direction).sum()
+    slope = (4 * (membrane.K @ U - membrane.pull()) * direction).sum()
     h = 1e-6
     quotient = (energy(membrane, U + h * direction) - energy(membrane, U - h * direction)) / (2 * h)
     assert quotient == pytest.approx(slope, rel=1e-6)
@@ -150,9 +148,7 @@ def test_needles_leave_the_membrane_finite():
     V[12] = V[7] + [1e-9, 1e-12, 0]
     membrane = membrane_of(V, F, 0.1, 20.0)
     U = V @ rotation([1, 0, 0], 1.0).T
-    b = np.zeros_like(V)
     membrane.local_step(U)
-    membrane.pull(b)
-    assert np.isfinite(b).all()
+    assert np.isfinite(membrane.pull()).all()
     assert np.isfinite(membrane.K.toarray()).all()
     assert energy(membrane, U) <= 1e-8
