@@ -6,9 +6,11 @@ import numpy as np
 
 from apd_viewer.geometry.coarse import Coarse
 from apd_viewer.geometry.constrained import WORTH_WHILE, Constrained
+from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
-from apd_viewer.geometry.rest_shape import FEWEST
+from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.rest_shape import FEWEST, RestShape
 
 # Below so many free vertices a surface finds its way as soon alone.
 _ALONE = 4 * FEWEST
@@ -26,12 +28,25 @@ def guided(elastic: Elastic, goals: tuple[Goal, ...], worth_while: float = WORTH
         return Constrained(elastic, goals, worth_while)
     # Thousands of loose triangles cannot be thinned, and what is held may leave the thin mesh no freedom.
     vertices = elastic.rest.thinner.vertices
-    helps = len(vertices) < len(elastic.rest.V) / 2 and np.isin(vertices, elastic.free).sum() > FEWEST / 2
+    helps = _thin(elastic.rest) and np.isin(vertices, elastic.free).sum() > FEWEST / 2
     return (Guided if helps else Constrained)(elastic, goals, worth_while)
 
 
 def _roughly(elastic: Elastic, goals: tuple[Goal, ...]) -> Constrained:
     return guided(elastic, goals, _ROUGHLY)
+
+
+def make_ready(rest: RestMesh) -> None:
+    """Find what every deformation of a mesh will need, whatever is held; it is kept."""
+    shape = rest.shape
+    with cores_for(len(shape.V)):
+        while len(shape.V) >= _ALONE and _thin(shape):
+            shape = shape.thinner.shape
+
+
+def _thin(rest: RestShape) -> bool:
+    """Whether the thinner mesh is thin enough to be of use."""
+    return len(rest.thinner.vertices) < len(rest.V) / 2
 
 
 class Guided(Constrained):

@@ -23,6 +23,9 @@ def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.nd
         By the places of their corners among ``vertices``.
     """
     proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
+    if len(proper) <= 2 * count:  # loose triangles: nothing to gain
+        vertices, T = np.unique(proper, return_inverse=True)
+        return vertices, T.reshape(-1, 3)
     origin = V[proper[:, 0]].mean(axis=0)
     points, triangles = fast_simplification.simplify(
         (V - origin).astype(np.float32), proper.astype(np.int32), target_count=2 * count

@@ -6,6 +6,7 @@ and none of them is measured; the one with which a request is finished always is
 
 from __future__ import annotations
 
+import contextlib
 import time
 import traceback
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import Constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS
 from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.guided import make_ready
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.session.document import Document
@@ -79,6 +81,9 @@ class Solver:
             self._solver = self._rest = self._tray = None
             self._key = ()
         if request.document.problem:
+            # While it is painted. A mesh that cannot be deformed is refused once it should be.
+            with contextlib.suppress(InputError):
+                make_ready(self._rest_of(request.document.mesh))
             return
         solver = self._prepared(order)
         self._tell(Progress(order.number, Step.READY))

@@ -9,7 +9,7 @@ from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.elastic import Elastic, Material
 from apd_viewer.geometry.goals import Region, make_goals
-from apd_viewer.geometry.guided import Guided, guided
+from apd_viewer.geometry.guided import Guided, guided, make_ready
 from apd_viewer.geometry.measures import area_of
 from apd_viewer.geometry.rest_mesh import RestMesh
 
@@ -176,6 +176,26 @@ def test_what_cannot_be_thinned_goes_alone():
     V, F = TUBE
     nearly_all = np.setdiff1d(np.arange(len(V)), F[::3].ravel()[:200])
     assert type(Deformation(V, F, nearly_all)._method) is Constrained
+
+
+def test_triangles_that_nothing_joins_go_alone():
+    V = np.random.default_rng(0).normal(size=(9000, 3))
+    F = np.arange(9000).reshape(-1, 3)
+    fixed = F[:, 0]
+    solver = Deformation(V, F, fixed)
+    solver.aim(V[fixed] + [1.0, 0.0, 0.0])
+    frame = solver.step()
+    assert np.abs(frame.U - V - [1.0, 0.0, 0.0]).max() <= 1e-6
+
+
+@pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
+def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
+    V, F = mesh
+    rest = RestMesh(V, F)
+    make_ready(rest)
+    monkeypatch.delattr("apd_viewer.geometry.rest_shape.thinned")
+    for method in ("arap", "exact", "local"):
+        assert type(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._method) is Guided
 
 
 def test_a_mesh_of_loose_triangles_is_followed_too():

@@ -455,6 +455,18 @@ def test_a_stroke_factors_once_before_the_first_drag(empty, factored):
     assert factored.count == 1
 
 
+def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
+    known = []
+    monkeypatch.setattr("apd_viewer.session.solver.make_ready", known.append)
+    empty.show_now(bar())
+    assert empty.state.document.problem
+    empty.until(lambda: known)
+    assert np.array_equal(known[0].V, empty.state.document.mesh.V)
+    empty.stroke(np.arange(2), BASE)
+    empty.listen(0.1)
+    assert len({id(rest) for rest in known}) == 1, "once for all strokes"
+
+
 def test_settings_undo_and_reset_do_not_factor(session, factored):
     ready(session)
     factored.count = 0
