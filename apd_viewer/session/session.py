@@ -50,6 +50,11 @@ class Session:
         return self._stage.activity
 
     @property
+    def preparing(self) -> bool:
+        """Whether the first shape has to wait until the worker is ready for it."""
+        return self._stage.preparing
+
+    @property
     def seconds_per_iteration(self) -> float:
         """Time that the last iteration took."""
         return self._stage.seconds_per_iteration

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from apd_viewer.session.document import Document, State
-from apd_viewer.session.requests import Reply, Request
+from apd_viewer.session.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.worker import Worker
 
 
@@ -73,7 +73,15 @@ class Stage:
         self._worker = worker
         self._generation = 0
         self._asked: Document | None = None
+        self._factored: tuple[object, ...] = ()
         self._warned: str | None = None
+
+    @property
+    def preparing(self) -> bool:
+        """Whether the worker has yet to make ready what it was asked for; a large mesh takes seconds."""
+        if self._asked is None or self.activity is not Activity.REFINING:
+            return False
+        return not alike(factored_for(self._asked), self._factored)
 
     def required(self) -> State:
         """The state; there must be one."""
@@ -123,6 +131,7 @@ class Stage:
         """Take in what the worker has left."""
         reply = self._worker.take()
         if reply is not None and reply.news:
+            self._factored = ()
             self._listener.told(reply.news)
         if reply is not None and reply.generation == self._generation:
             self._accept(reply)
@@ -132,6 +141,7 @@ class Stage:
             self._listener.told(reply.warning)
         if reply.frame is not None:
             self._warned = reply.warning
+            self._factored = factored_for(reply.document)
         # A slightly stale frame of this drag is worth showing, but says nothing about its end.
         latest = reply.document is self._asked
         if reply.frame is not None:

@@ -329,6 +329,8 @@ class Window(QMainWindow):
         self.panel.area.activity.setText("" if state is None else self._activity(state))
 
     def _activity(self, state: State) -> str:
+        if self.session.preparing:
+            return "preparing"
         activity = self.session.activity.value
         return "out of reach" if activity == "not reached" and state.frame.unreached else _WORDS[activity]
 

@@ -467,6 +467,25 @@ def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
     assert len({id(rest) for rest in known}) == 1, "once for all strokes"
 
 
+def test_until_the_first_shape_it_is_preparing(empty):
+    empty.show_now(bar())
+    empty.paint_ends()
+    assert not empty.preparing, "nobody waits for it yet"
+    empty.begin_gesture()
+    empty.move_handle(pose(0.1))
+    assert empty.preparing
+    empty.until(lambda: not empty.preparing)
+    assert empty.state.frame.iteration >= 1
+    empty.move_handle(pose(0.2))
+    assert not empty.preparing
+    empty.end_gesture("Move handle")
+    empty.settle()
+    empty.set_method("arap")
+    assert empty.preparing, "another method is factored for"
+    empty.settle()
+    assert not empty.preparing
+
+
 def test_settings_undo_and_reset_do_not_factor(session, factored):
     ready(session)
     factored.count = 0
