@@ -62,8 +62,9 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     p2 = 1.0 / p1
     f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
     # T = D (f1 v1 v1^T + f2 v2 v2^T), v the directions of the stretches.
-    half, over = 0.5 * (f1 + f2), 0.5 * (f1 - f2) / r if r > 0.0 else 0.0
-    m00, m01, m11 = half + over * h, over * b, half - over * h
+    c, s = (h / r, b / r) if r > 0.0 else (1.0, 0.0)
+    mean, half = 0.5 * (f1 + f2), 0.5 * (f1 - f2)
+    m00, m01, m11 = mean + half * c, half * s, mean - half * c
     for i in range(3):
         x, y = D[i, 0], D[i, 1]
         T[i, 0] = x * m00 + y * m01

@@ -217,23 +217,6 @@ def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, 
     return x + w * tx + b * tz - c * ty, y + w * ty + c * tx - a * tz, z + w * tz + a * ty - b * tx
 
 
-@njit(cache=True, nogil=True)
-def fit_rotations(S: np.ndarray, q: np.ndarray, R: np.ndarray) -> None:
-    """The same for every matrix of ``S`` (n, 3, 3), with ``q`` (n, 4) and ``R`` (n, 3, 3)."""
-    X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
-    for first in range(0, len(S), LANES):
-        count = min(LANES, len(S) - first)
-        for i in range(count):
-            for a in range(3):
-                for b in range(3):
-                    X[(3 * a + b) * LANES + i] = S[first + i, a, b]
-            load_rotation(X, i, q[first + i])
-        fit_lanes(X, scratch)
-        for i in range(count):
-            store_rotation(X, i, q[first + i])
-            quaternion_to_matrix(q[first + i], R[first + i])
-
-
 @njit(cache=True, nogil=True, parallel=True)
 def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
     """Turn every rotation of ``q`` (n, 4) by that of ``turns`` (n, 4), in place."""

@@ -8,7 +8,8 @@ iterations. Open3D factors anew at every call, so its iterations are those of on
 it is left out where it is not installed.
 
 The second table: how long it takes to an energy within 2 % of the best that any run here has found. That
-best is searched for by runs from different starts; shapes that buckle have many minima.
+best is searched for by runs that turn the handle in several steps, and from a dented bottle; shapes that
+buckle have many minima.
 """
 
 import argparse
@@ -37,9 +38,10 @@ ITERATIONS = (
     *("libigl / arap", "arap / solve", "exact / arap"),
 )
 TO_THE_END = (
-    *("vertices", "method", "best energy", "ended", "within 2 % after"),
+    *("vertices", "method", "energies found", "ended", "within 2 % after"),
     *("plain iterations ended", "within 2 % after", "times faster to their end"),
 )
+STEPS, DENTED = (2, 3, 5), 6  # the search for the best energy
 TWIST = np.eye(4)
 TWIST[:3, :3] = rotation([0, 1, 0], 2 * np.pi / 3)
 
@@ -126,6 +128,20 @@ def energies(solver, seconds, most):
     return np.array(course)
 
 
+def dented(rest, fixed, count):
+    """The rest pose with smooth dents of up to a few edges, ``count`` times; held vertices stay."""
+    V, W, rng = rest.V, rest.shape.W, np.random.default_rng(0)
+    degree = W.sum(axis=1)[:, None]
+    edge = np.sqrt(rest.area / len(V))
+    for _ in range(count):
+        dents = rng.normal(size=V.shape)
+        for _ in range(rng.integers(2, 30)):
+            dents = (W @ dents) / degree
+        U = V + rng.choice([0.5, 1.0, 2.0, 4.0]) * edge * dents / np.abs(dents).max()
+        U[fixed] = V[fixed]
+        yield U
+
+
 def way_to_the_end(edge, method, plain_seconds):
     """One line of the second table."""
     V, F, labels = sample_bottle(edge)
@@ -133,15 +149,19 @@ def way_to_the_end(edge, method, plain_seconds):
     solver = Deformation(V, F, held.fixed, method=method, handle=held.handles, rest=rest)
     solver.aim(held.targets)
     fast = energies(solver, np.inf, 3000)
-    best = fast[-1, 1]
-    for steps in (2, 3, 5):  # other ways to turn by 120 degrees, which may end in other folds
+    ends = [fast[-1, 1]]
+    for steps in STEPS:  # other ways to turn by 120 degrees, which may end in other folds
         solver.aim(V[held.fixed], U=V)
         for k in range(1, steps + 1):
             part = np.eye(4)
             part[:3, :3] = rotation([0, 1, 0], 2 * np.pi / 3 * k / steps)
             solver.aim(constraints(labels, V, [part]).targets)
             course = energies(solver, np.inf, 100 if k < steps else 3000)
-        best = min(best, course[-1, 1])
+        ends.append(course[-1, 1])
+    for start in dented(rest, held.fixed, DENTED):
+        solver.aim(held.targets, U=start)
+        ends.append(energies(solver, np.inf, 3000)[-1, 1])
+    best = min(ends)
     plain = energies(ours(rest, held, method), plain_seconds, 10**6)
 
     def when(course, energy):
@@ -150,7 +170,7 @@ def way_to_the_end(edge, method, plain_seconds):
 
     same = when(fast, plain[-1, 1])
     return (
-        *(f"{len(V):,}", method, f"{best:.4g}"),
+        *(f"{len(V):,}", method, f"{best:.4g} to {max(ends):.4g}"),
         *(f"{fast[-1, 1] / best - 1:+.1%} after {fast[-1, 0]:.1f} s", f"{when(fast, 1.02 * best):.2f} s"),
         *(f"{plain[-1, 1] / best - 1:+.0%} after {plain[-1, 0]:.0f} s", f"{when(plain, 1.02 * best):.3g} s"),
         f"{plain[-1, 0] / same:.0f}",

@@ -2,11 +2,36 @@
 
 import numpy as np
 import pytest
+from numba import njit
 
-from apd_viewer.geometry.rotations import fit_rotations
+from apd_viewer.geometry.rotations import (
+    LANES,
+    ROWS,
+    fit_lanes,
+    load_rotation,
+    quaternion_to_matrix,
+    store_rotation,
+)
 
 COUNT = 125_000
 EYE = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+@njit
+def fit_rotations(S, q, R):
+    """The rotations that maximise ``tr(R^T S)``, from ``q`` (n, 4) and into it, and as matrices."""
+    X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+    for first in range(0, len(S), LANES):
+        count = min(LANES, len(S) - first)
+        for i in range(count):
+            for a in range(3):
+                for b in range(3):
+                    X[(3 * a + b) * LANES + i] = S[first + i, a, b]
+            load_rotation(X, i, q[first + i])
+        fit_lanes(X, scratch)
+        for i in range(count):
+            store_rotation(X, i, q[first + i])
+            quaternion_to_matrix(q[first + i], R[first + i])
 
 
 def random_rotations(rng, count):
