@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
+from numba import njit
 
 from apd_viewer.geometry.descent import Descent
 from apd_viewer.geometry.elastic import Elastic
@@ -146,7 +147,7 @@ class Constrained:
         if not self.goals:
             elastic.iterate(self.held)
             return
-        held_before, pressure = self.met, self._pressure(self._mult)
+        held_before, pressure = self.met, _pressure(self._mult, self._grip)
         if self._age % _REFRESH == 0 or projection.worn:
             projection.refresh(self.U)
             self._age = 0
@@ -161,8 +162,7 @@ class Constrained:
             U, mu = projection.onto(end if share == 1.0 else self._part_of_the_way(start, end, share))
             if self.met:
                 break
-        self._mult = self._mult + share * mu / max(1.0, self._pressure(mu) / _RUSH)
-        self._mult /= max(1.0, self._pressure(self._mult) / _STRONGEST)
+        self._mult = _taken_further(self._mult, mu, share, self._grip)
         elastic.local_step(U)
         self._judge()
 
@@ -170,10 +170,6 @@ class Constrained:
         U = start + share * (end - start)
         U[self._elastic.fixed] = self.held
         return U
-
-    def _pressure(self, multipliers: np.ndarray) -> float:
-        """How hard multipliers press: how fast their forces change with the shape, against K."""
-        return float(np.abs(multipliers) @ self._grip)
 
     def _judge(self) -> None:
         """Give the goals up once they have not come nearer for long."""
@@ -186,3 +182,19 @@ class Constrained:
             self.stuck = True
             self._elastic.local_step(self._best[1])
             self._projection.evaluate(self.U)
+
+
+# Kernels, small as they are: every iteration asks for them.
+
+
+@njit(cache=True, nogil=True)
+def _pressure(mult: np.ndarray, grip: np.ndarray) -> float:
+    """How hard multipliers press: how fast their forces change with the shape, against K."""
+    return (np.abs(mult) * grip).sum()
+
+
+@njit(cache=True, nogil=True)
+def _taken_further(mult: np.ndarray, mu: np.ndarray, share: float, grip: np.ndarray) -> np.ndarray:
+    """The multipliers and a share of what the last step adds to them, neither more than is good."""
+    mult = mult + share * mu / max(1.0, _pressure(mu, grip) / _RUSH)
+    return mult / max(1.0, _pressure(mult, grip) / _STRONGEST)

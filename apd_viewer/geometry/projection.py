@@ -65,7 +65,7 @@ class Projection:
     @property
     def worn(self) -> bool:
         """Whether the directions are no longer good ones."""
-        return bool((np.diag(self._inverse) > _FADED * np.diag(self._inverse_at_first)).any())
+        return _worn(self._inverse, self._inverse_at_first)
 
     def evaluate(self, U: np.ndarray) -> None:
         """Find values and gradients at ``U`` (n, 3)."""
@@ -164,6 +164,15 @@ def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.nd
         for j in range(g):
             learned[i, j] = inverse[i, j] + (step[i] - expected[i]) / along * pulled[j]
     return learned
+
+
+@njit(cache=True, nogil=True)
+def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
+    """Whether a goal has to go much farther along its own direction than at first."""
+    faded = False
+    for i in range(len(inverse)):
+        faded |= inverse[i, i] > _FADED * at_first[i, i]
+    return faded
 
 
 @njit(cache=True, nogil=True)

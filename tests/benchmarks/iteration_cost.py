@@ -20,7 +20,7 @@ from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.rest_mesh import RestMesh
 
-EDGES = {1.13: 15, 0.565: 12, 0.282: 8}  # length of the edges: turns
+EDGES = {1.13: 60, 0.565: 20, 0.282: 10}  # length of the edges: turns
 METHODS = {
     "arap": {"method": "arap"},
     "exact": {"method": "exact"},
