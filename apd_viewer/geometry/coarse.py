@@ -81,6 +81,15 @@ class Coarse:
         self._method.restart(U[self.vertices])
         self._reference = self._elastic.q.copy()
 
+    def shapes(self) -> list[np.ndarray]:
+        """The shape of this surface, and of those that it follows."""
+        return self._method.shapes()
+
+    def put_back(self, shapes: list[np.ndarray]) -> None:
+        """Continue from where :meth:`shapes` was asked."""
+        self._method.put_back(shapes)
+        self._reference = self._elastic.q.copy()
+
     def aim(self, targets: np.ndarray) -> None:
         """Hold the held vertices at the ``targets`` (k, 3) of the fine surface."""
         self._method.aim(targets[self._which])

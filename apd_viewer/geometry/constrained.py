@@ -58,7 +58,11 @@ class Constrained:
         Positions of the held vertices.
     stuck : bool
         Whether the goals have been given up; ``U`` is then the best shape that was found, and stays.
+    hides : bool
+        Whether a shape is tried that is not ``U``.
     """
+
+    hides = False
 
     def __init__(
         self, elastic: Elastic, goals: tuple[Goal, ...] = (), worth_while: float = WORTH_WHILE
@@ -87,8 +91,12 @@ class Constrained:
     @property
     def exhausted(self) -> bool:
         """Whether descending further would gain next to nothing."""
+        return self._bottom or self._gained_at_most(self._worth_while)
+
+    def _gained_at_most(self, part: float) -> bool:
+        """Whether the last steps together have taken no more than this part of the energy away."""
         E = self._energies
-        return self._bottom or (len(E) > _WINDOW and E[0] - E[-1] <= self._worth_while * E[-1])
+        return len(E) > _WINDOW and E[0] - E[-1] <= part * E[-1]
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
@@ -104,8 +112,16 @@ class Constrained:
         """Continue from the positions ``U`` (n, 3)."""
         self._elastic.restart(U)
         self._projection.evaluate(U)
-        self._mult[:] = 0.0
+        self._mult = np.zeros(len(self.goals))
         self._start_over()
+
+    def shapes(self) -> list[np.ndarray]:
+        """The current shape, and those of coarser surfaces that it follows."""
+        return [self._elastic.U]
+
+    def put_back(self, shapes: list[np.ndarray]) -> None:
+        """Continue from where :meth:`shapes` was asked."""
+        self.restart(shapes[0])
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the fixed vertices at ``targets`` (k, 3) from now on."""
@@ -117,7 +133,7 @@ class Constrained:
         self._hope_again()
 
     def _hope_again(self) -> None:
-        self._best = (np.inf, self.U)
+        self._nearest = (np.inf, self._elastic.U)
         self._waited = 0
         self.stuck = False
         self._descent: Descent | None = None
@@ -149,13 +165,13 @@ class Constrained:
             return
         held_before, pressure = self.met, _pressure(self._mult, self._grip)
         if self._age % _REFRESH == 0 or projection.worn:
-            projection.refresh(self.U)
+            projection.refresh(elastic.U)
             self._age = 0
         elif self._lag % _LAG == 0 or pressure > _CALM:
-            projection.evaluate(self.U)
+            projection.evaluate(elastic.U)
         self._age += 1
         self._lag += 1
-        start, end = self.U, elastic.global_step(self.held, self._mult, projection.g)
+        start, end = elastic.U, elastic.global_step(self.held, self._mult, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
         for shorter in _SHORTER if held_before else _SHORTER[:1]:
             share = shorter * steady
@@ -174,14 +190,14 @@ class Constrained:
     def _judge(self) -> None:
         """Give the goals up once they have not come nearer for long."""
         worst = self._projection.worst
-        if worst <= MET or worst < _NEARER * self._best[0]:
-            self._best, self._waited = (worst, self.U), 0
+        if worst <= MET or worst < _NEARER * self._nearest[0]:
+            self._nearest, self._waited = (worst, self._elastic.U), 0
             return
         self._waited += 1
         if self._waited >= _PATIENCE:
             self.stuck = True
-            self._elastic.local_step(self._best[1])
-            self._projection.evaluate(self.U)
+            self._elastic.local_step(self._nearest[1])
+            self._projection.evaluate(self._elastic.U)
 
 
 # Kernels, small as they are: every iteration asks for them.

@@ -13,6 +13,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.cores import cores_for
+from apd_viewer.geometry.cycles import Cycled
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
@@ -182,7 +183,7 @@ class Deformation:
     def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
         if self.method == "paper":
             return LiHui(elastic, self._handle_of, goals, self._tolerance)
-        return guided(elastic, goals) if self._descends else Constrained(elastic, goals)
+        return guided(elastic, goals, kind=Cycled) if self._descends else Constrained(elastic, goals)
 
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
         if not isinstance(regions, Sequence):
@@ -319,10 +320,10 @@ class Deformation:
         if not self._steps:
             return False
         last = self._steps[-1]
+        if self._descends and isinstance(self._method, Constrained):
+            return self._method.exhausted or (last <= _ROUNDING and not self._method.hides)
         if last <= _ROUNDING:
             return True
-        if self._descends and isinstance(self._method, Constrained):
-            return self._method.exhausted
         if last > _STILL or len(self._steps) <= _MEMORY:
             return False
         rate = (last / self._steps[0]) ** (1.0 / _MEMORY)

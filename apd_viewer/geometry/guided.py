@@ -22,14 +22,19 @@ _LEAP = 16
 _FARTHEST = 8
 
 
-def guided(elastic: Elastic, goals: tuple[Goal, ...], worth_while: float = WORTH_WHILE) -> Constrained:
+def guided(
+    elastic: Elastic,
+    goals: tuple[Goal, ...],
+    worth_while: float = WORTH_WHILE,
+    kind: type[Guided] | None = None,
+) -> Constrained:
     """Iterations of a surface that follow a coarse one, if it is fine enough to gain by that."""
     if len(elastic.free) < _ALONE:
         return Constrained(elastic, goals, worth_while)
     # Thousands of loose triangles cannot be thinned, and what is held may leave the thin mesh no freedom.
     vertices = elastic.rest.thinner.vertices
     helps = _thin(elastic.rest) and np.isin(vertices, elastic.free).sum() > FEWEST / 2
-    return (Guided if helps else Constrained)(elastic, goals, worth_while)
+    return (kind or Guided if helps else Constrained)(elastic, goals, worth_while)
 
 
 def _roughly(elastic: Elastic, goals: tuple[Goal, ...]) -> Constrained:
@@ -76,6 +81,15 @@ class Guided(Constrained):
         """Continue from the positions ``U`` (n, 3)."""
         self._coarse.restart(U)
         super().restart(U)
+
+    def shapes(self) -> list[np.ndarray]:
+        """The current shape, and those of the coarser surfaces."""
+        return [*super().shapes(), *self._coarse.shapes()]
+
+    def put_back(self, shapes: list[np.ndarray]) -> None:
+        """Continue from where :meth:`shapes` was asked."""
+        Constrained.restart(self, shapes[0])
+        self._coarse.put_back(shapes[1:])
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the fixed vertices at ``targets`` (k, 3) from now on."""

@@ -195,7 +195,7 @@ def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
     make_ready(rest)
     monkeypatch.delattr("apd_viewer.geometry.rest_shape.thinned")
     for method in ("arap", "exact", "local"):
-        assert type(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._method) is Guided
+        assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._method, Guided)
 
 
 def test_a_mesh_of_loose_triangles_is_followed_too():

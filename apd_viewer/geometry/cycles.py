@@ -1,0 +1,84 @@
+"""A guided surface that, once it has come to rest, is guided again from there, as long as that leads lower.
+
+A surface that buckles has many shapes at rest, and the coarse one knows fewer of them: led by it from where
+the fine one rests, folds open that the fine one cannot open by itself. That is tried out of sight: what is
+shown is the best shape so far, until a better one is found.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.goals import Goal
+from apd_viewer.geometry.guided import Guided
+
+# Another shape is worth moving to if it takes so much of the energy away.
+_GAIN = 1e-3
+# A try is given up where so many steps bring less than that of the energy, and it is not lower yet.
+_HOPE = 1e-4
+
+
+class Cycled(Guided):
+    """Iterations as of :class:`Guided`, several times over.
+
+    Attributes
+    ----------
+    hides : bool
+        Whether a shape is being tried that is not shown.
+    """
+
+    @property
+    def U(self) -> np.ndarray:
+        """The shape to show, (n, 3) float array."""
+        return self._best[1][0] if self.hides else self._elastic.U
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether there is no lower shape to be found this way."""
+        return self._done
+
+    def keep(self, goals: tuple[Goal, ...]) -> None:
+        """Meet these goals from now on."""
+        self._leave_off()
+        super().keep(goals)
+
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold the fixed vertices at ``targets`` (k, 3) from now on."""
+        self._leave_off()
+        super().aim(targets)
+
+    def _hope_again(self) -> None:
+        self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
+        self.hides = self._done = False
+        super()._hope_again()
+
+    def descend(self) -> None:
+        """Go on as a guided surface does, and again from where that has ended."""
+        super().descend()
+        lowest = self._best[0]
+        energy = self._elastic.energy if lowest < np.inf else np.inf
+        self.hides = lowest < np.inf and not energy < (1.0 - _GAIN) * lowest
+        if self.hides and (self.stuck or super().exhausted or self._hopeless):
+            self._leave_off()
+            self._done = True
+        elif self.stuck:
+            self._done = True
+        elif super().exhausted:
+            self._try_again()
+
+    @property
+    def _hopeless(self) -> bool:
+        return self._coarse.settled and self._gained_at_most(_HOPE)
+
+    def _try_again(self) -> None:
+        """Be guided from the shape that was arrived at, which is shown meanwhile."""
+        best = self._elastic.energy, self.shapes(), self._mult
+        self.restart(self._elastic.U)
+        self._best, self.hides = best, True
+
+    def _leave_off(self) -> None:
+        """Go back to the best shape, if another one is being tried."""
+        if self.hides:
+            _, shapes, mult = self._best
+            self.put_back(shapes)
+            self._mult = mult

@@ -1,0 +1,82 @@
+"""A surface at rest that is guided again: what is shown meanwhile, and what comes of it."""
+
+import numpy as np
+import pytest
+from meshes import rotation, tube
+
+from apd_viewer.geometry.cycles import Cycled
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.rest_mesh import RestMesh
+
+V, F = tube(80, 120, height=4.0)
+REST = RestMesh(V, F)
+Z = V[:, 2]
+FIXED = np.flatnonzero((Z.min() + 0.4 > Z) | (Z.max() - 0.4 < Z))
+HANDLE = Z[FIXED] > Z.mean()
+
+
+def turned(angle):
+    targets = V[FIXED].copy()
+    targets[HANDLE] = targets[HANDLE] @ rotation([0, 0, 1], angle).T
+    return targets
+
+
+def to_the_end(solver, most=3000):
+    """Frames of all iterations, and whether each hides a try."""
+    frames, hidden = [], []
+    while not solver.settled:
+        frames.append(solver.step())
+        hidden.append(solver._method.hides)
+        assert len(frames) < most
+    return frames, np.array(hidden)
+
+
+@pytest.mark.parametrize("method", ["arap", "exact"])
+def test_a_try_is_shown_once_it_is_better_and_never_before(method):
+    solver = Deformation(V, F, FIXED, method=method, rest=REST)
+    assert isinstance(solver._method, Cycled)
+    targets = turned(2.0)
+    solver.aim(targets)
+    frames, hidden = to_the_end(solver)
+    assert hidden.any()
+    first = int(np.argmax(hidden))
+    rested = REST.energy(frames[first].U)
+    for k, frame in enumerate(frames):
+        assert np.array_equal(frame.U[FIXED], targets)
+        assert method == "arap" or k == 0 or abs(frame.area_error) <= 1e-9
+        if k > first and hidden[k] and hidden[k - 1]:
+            assert frame.U.tobytes() == frames[k - 1].U.tobytes()
+        if k >= first:
+            assert REST.energy(frame.U) <= rested * (1 + 1e-12)
+    assert frames[-1].converged
+    assert not hidden[-1]
+
+
+def test_what_moves_on_ends_a_try(monkeypatch):
+    solver = Deformation(V, F, FIXED, rest=REST)
+    solver.aim(turned(1.0))
+    while not solver._method.hides:
+        solver.iterate()
+    shown = solver.frame().U
+    for _ in range(5):
+        solver.iterate()
+    assert solver.frame().U.tobytes() == shown.tobytes()
+    solver.aim(turned(1.1))
+    assert not solver._method.hides
+    frame = solver.step()
+    assert np.array_equal(frame.U[FIXED], turned(1.1))
+    assert abs(frame.area_error) <= 1e-9
+
+
+def test_a_try_starts_from_the_shape_that_is_shown_when_the_hand_moves_on():
+    """Not from where the try has got to: the shape must not leap under the hand."""
+    solver = Deformation(V, F, FIXED, rest=REST)
+    solver.aim(turned(2.0))
+    while not solver._method.hides:
+        solver.iterate()
+    shown = solver.frame().U
+    for _ in range(5):
+        solver.iterate()
+    solver.aim(turned(2.0))
+    moved = np.abs(solver.step().U - shown).max()
+    assert moved <= 1e-2 * REST.diagonal
