@@ -14,8 +14,12 @@ from apd_viewer.geometry.guided import Guided
 
 # Another shape is worth moving to if it takes so much of the energy away.
 _GAIN = 1e-3
-# A try is given up where so many steps bring less than that of the energy, and it is not lower yet.
+# A try has ended where ten steps bring less than that of the energy, and it is not lower yet.
 _HOPE = 1e-4
+# The way down may lead over a shape or two that are higher.
+_PATIENCE = 1
+# A coarse surface that goes no farther than that of its size, led from there, has nothing else to show.
+_ALIKE = 5e-3
 
 
 class Cycled(Guided):
@@ -49,6 +53,7 @@ class Cycled(Guided):
 
     def _hope_again(self) -> None:
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
+        self._ends: list[float] = []
         self.hides = self._done = False
         super()._hope_again()
 
@@ -58,23 +63,41 @@ class Cycled(Guided):
         lowest = self._best[0]
         energy = self._elastic.energy if lowest < np.inf else np.inf
         self.hides = lowest < np.inf and not energy < (1.0 - _GAIN) * lowest
-        if self.hides and (self.stuck or super().exhausted or self._hopeless):
+        if self.hides and (self.stuck or self._agrees or self._fails(energy)):
             self._leave_off()
             self._done = True
         elif self.stuck:
             self._done = True
-        elif super().exhausted:
+        elif super().exhausted or (self.hides and self._hopeless):
             self._try_again()
+
+    @property
+    def _agrees(self) -> bool:
+        """Whether the coarse surface rests where the fine one does."""
+        if not self._coarse.settled:
+            return False
+        before, now = self._led_from, self._coarse.shapes()[0]
+        return float(np.abs(now - before).max()) <= _ALIKE * float(np.ptp(before, axis=0).max())
 
     @property
     def _hopeless(self) -> bool:
         return self._coarse.settled and self._gained_at_most(_HOPE)
 
+    def _fails(self, energy: float) -> bool:
+        """Whether a try has ended, and there is no point in another one."""
+        if not (super().exhausted or self._hopeless):
+            return False
+        been_there = any(abs(energy - end) <= _GAIN * end for end in self._ends)
+        return been_there or len(self._ends) - int(np.argmin(self._ends)) > _PATIENCE
+
     def _try_again(self) -> None:
-        """Be guided from the shape that was arrived at, which is shown meanwhile."""
-        best = self._elastic.energy, self.shapes(), self._mult
+        """Be guided from the shape that was arrived at; the best one is shown meanwhile."""
+        energy, best, ends = self._elastic.energy, self._best, self._ends
+        if energy < best[0]:
+            best = energy, self.shapes(), self._mult
         self.restart(self._elastic.U)
-        self._best, self.hides = best, True
+        self._led_from = self._coarse.shapes()[0]
+        self._best, self._ends, self.hides = best, [*ends, energy], True
 
     def _leave_off(self) -> None:
         """Go back to the best shape, if another one is being tried."""
