@@ -60,9 +60,9 @@ class Cycled(Guided):
     def descend(self) -> None:
         """Go on as a guided surface does, and again from where that has ended."""
         super().descend()
-        lowest = self._best[0]
-        energy = self._elastic.energy if lowest < np.inf else np.inf
-        self.hides = lowest < np.inf and not energy < (1.0 - _GAIN) * lowest
+        energy = self._elastic.energy if self.hides else np.inf
+        # Once it is shown it stays: to and fro would flicker.
+        self.hides = self.hides and not energy < (1.0 - _GAIN) * self._best[0]
         if self.hides and (self.stuck or self._agrees or self._fails(energy)):
             self._leave_off()
             self._done = True
