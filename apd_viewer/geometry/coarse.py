@@ -2,7 +2,8 @@
 
 Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
 handed over are rotations: how far each place of the coarse surface has turned since the last time. The
-global step of the fine surface then carries all frequencies at once, and its details turn with it.
+global step of the fine surface then carries all frequencies at once, and its details turn with it. Where
+there is no time for a global step, the coarse surface carries the fine one along.
 """
 
 from __future__ import annotations
@@ -10,15 +11,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 from numba import njit, prange
 from scipy.spatial import KDTree
 
+from apd_viewer.geometry import vectors
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.measures import Patch
-from apd_viewer.geometry.rest_shape import RestShape, Thinner
+from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.rotations import turned
+from apd_viewer.geometry.thinning import Thinning
 
 # A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.
 _UNHEARD = 1.5
@@ -50,17 +55,19 @@ class Coarse:
         iterations_of: Callable[[Elastic, tuple[Goal, ...]], Constrained],
     ) -> None:
         rest, fixed = elastic.rest, elastic.fixed
-        thinner = rest.thinner
-        self.vertices = _with_held(rest, thinner, fixed)
-        self.F = thinner.shape.F
-        unchanged = np.array_equal(self.vertices, thinner.vertices)
-        self._shape = thinner.shape if unchanged else RestShape(rest.V[self.vertices], self.F)
+        thinning = rest.thinning
+        self.vertices = _with_held(rest, thinning, fixed)
+        self.F = thinning.F
+        unchanged = np.array_equal(self.vertices, thinning.vertices)
+        self._shape = rest.thinner if unchanged else RestShape(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
         self._which = np.searchsorted(fixed, self.vertices[held])
         self._elastic = Elastic(self._shape, held, elastic.material)
         self._method = iterations_of(self._elastic, self._own(goals))
-        self._reference = self._elastic.q.copy()
-        self._near, self._weight = thinner.near, thinner.weight
+        self._near, self._weight = thinning.near, thinning.weight
+        self._free = elastic.free
+        self._interpolation: tuple[sp.csr_array, sp.csr_array] | None = None
+        self._refer()
 
     @property
     def settled(self) -> bool:
@@ -79,7 +86,7 @@ class Coarse:
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3) of the fine surface."""
         self._method.restart(U[self.vertices])
-        self._reference = self._elastic.q.copy()
+        self._refer()
 
     def shapes(self) -> list[np.ndarray]:
         """The shape of this surface, and of those that it follows."""
@@ -88,22 +95,53 @@ class Coarse:
     def put_back(self, shapes: list[np.ndarray]) -> None:
         """Continue from where :meth:`shapes` was asked."""
         self._method.put_back(shapes)
-        self._reference = self._elastic.q.copy()
+        self._refer()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the held vertices at the ``targets`` (k, 3) of the fine surface."""
         self._method.aim(targets[self._which])
 
-    def turns(self, iterations: int) -> np.ndarray:
-        """Go on for some iterations; how each fine vertex should turn for it, (n, 4) quaternions."""
+    def go_on(self, iterations: int) -> None:
+        """Do some iterations, or as many as it takes to settle."""
         with cores_for(len(self.vertices)):
             for _ in range(iterations):
                 if self.settled:
                     break
                 self._method.descend()
-        turned = _difference(self._elastic.q, self._reference)
-        self._reference = self._elastic.q.copy()
-        return _blended(turned, self._near, self._weight)
+
+    def turns(self) -> np.ndarray:
+        """How each fine vertex should turn for what has happened since the last time, (n, 4) quaternions."""
+        turns = _blended(self._turned(), self._near, self._weight)
+        self._refer()
+        return turns
+
+    def carried(self, U: np.ndarray) -> np.ndarray:
+        """The positions ``U`` (n, 3) that went with the turns told last, moved by what has happened since."""
+        moved = self._elastic.U - self._reference[1]
+        return _carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
+
+    def give_way(self, b: np.ndarray) -> np.ndarray:
+        """How the free vertices of the fine surface, (f, 3), follow the coarse one under forces ``b`` (f, 3).
+
+        ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
+        """
+        if self._interpolation is None:
+            self._interpolation = self._interpolated()
+        P, P_T = self._interpolation
+        return vectors.product(P, self._elastic.solve(vectors.product(P_T, b)))
+
+    def _interpolated(self) -> tuple[sp.csr_array, sp.csr_array]:
+        n, c = len(self._near), len(self.vertices)
+        start = np.arange(n + 1) * self._near.shape[1]
+        P = sp.csr_array((self._weight.ravel(), self._near.ravel(), start), shape=(n, c))
+        P = P[self._free][:, self._elastic.free].tocsr()
+        return P, P.T.tocsr()
+
+    def _refer(self) -> None:
+        self._reference = self._elastic.q.copy(), self._elastic.U
+
+    def _turned(self) -> np.ndarray:
+        return _difference(self._elastic.q, self._reference[0])
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """The same goals for the coarse surface: the same percentages of what it measures at rest."""
@@ -121,15 +159,15 @@ class Coarse:
         return tuple(own)
 
 
-def _with_held(rest: RestShape, thinner: Thinner, fixed: np.ndarray) -> np.ndarray:
-    """The vertices of a thinner mesh, some replaced by held ones, so that no held part is unheard of."""
-    V, vertices = rest.V, thinner.vertices.copy()
+def _with_held(rest: RestShape, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
+    """The vertices of a thinned mesh, some replaced by held ones, so that no held part is unheard of."""
+    V, vertices = rest.V, thinning.vertices.copy()
     while True:
         heard = vertices[np.isin(vertices, fixed)]
         away = KDTree(V[heard]).query(V[fixed])[0] if len(heard) else np.full(len(fixed), np.inf)
         same = np.isin(rest.piece[fixed], rest.piece[np.setdiff1d(vertices, fixed)])
         farthest = int(np.argmax(np.where(same, away, 0.0)))
-        if not same.any() or away[farthest] <= _UNHEARD * thinner.edge:
+        if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
             return vertices
         lonely = fixed[farthest]
         others = np.flatnonzero(~np.isin(vertices, fixed) & (rest.piece[vertices] == rest.piece[lonely]))
@@ -171,4 +209,23 @@ def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
             out[i, 0], out[i, 1], out[i, 2], out[i, 3] = w / length, x / length, y / length, z / length
         else:
             out[i, 0], out[i, 1], out[i, 2], out[i, 3] = 1.0, 0.0, 0.0, 0.0
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _carried(
+    U: np.ndarray, near: np.ndarray, weight: np.ndarray, q: np.ndarray, X: np.ndarray, D: np.ndarray
+) -> np.ndarray:
+    """``u_i + sum_k w_ik (R_k (u_i - x_k) - (u_i - x_k) + d_k)`` for the vertices k near each, (n, 3)."""
+    out = np.empty_like(U)
+    for i in prange(len(U)):
+        x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[i, k], weight[i, k]
+            a, b, c = U[i, 0] - X[j, 0], U[i, 1] - X[j, 1], U[i, 2] - X[j, 2]
+            u, v, w = turned(q, j, a, b, c)
+            x += share * (u - a + D[j, 0])
+            y += share * (v - b + D[j, 1])
+            z += share * (w - c + D[j, 2])
+        out[i, 0], out[i, 1], out[i, 2] = U[i, 0] + x, U[i, 1] + y, U[i, 2] + z
     return out

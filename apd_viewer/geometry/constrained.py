@@ -58,11 +58,7 @@ class Constrained:
         Positions of the held vertices.
     stuck : bool
         Whether the goals have been given up; ``U`` is then the best shape that was found, and stays.
-    hides : bool
-        Whether a shape is tried that is not ``U``.
     """
-
-    hides = False
 
     def __init__(
         self, elastic: Elastic, goals: tuple[Goal, ...] = (), worth_while: float = WORTH_WHILE
@@ -79,6 +75,11 @@ class Constrained:
         return self._elastic.U
 
     @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for."""
+        return self._elastic.factor.ready
+
+    @property
     def values(self) -> np.ndarray:
         """What the goals measure at ``U``, (g,) float array."""
         return self._projection.values
@@ -87,6 +88,11 @@ class Constrained:
     def met(self) -> bool:
         """Whether all goals are met at ``U``."""
         return self._projection.met
+
+    @property
+    def hides(self) -> bool:
+        """Whether ``U`` is not the shape that is iterated."""
+        return False
 
     @property
     def exhausted(self) -> bool:

@@ -23,18 +23,19 @@ _ALIKE = 5e-3
 
 
 class Cycled(Guided):
-    """Iterations as of :class:`Guided`, several times over.
+    """Iterations as of :class:`Guided`, several times over."""
 
-    Attributes
-    ----------
-    hides : bool
-        Whether a shape is being tried that is not shown.
-    """
+    _tries = False
 
     @property
     def U(self) -> np.ndarray:
         """The shape to show, (n, 3) float array."""
-        return self._best[1][0] if self.hides else self._elastic.U
+        return self._best[1][0] if self._tries else super().U
+
+    @property
+    def hides(self) -> bool:
+        """Whether ``U`` is not the shape that is iterated."""
+        return self._tries or super().hides
 
     @property
     def exhausted(self) -> bool:
@@ -54,21 +55,21 @@ class Cycled(Guided):
     def _hope_again(self) -> None:
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
         self._ends: list[float] = []
-        self.hides = self._done = False
+        self._tries = self._done = False
         super()._hope_again()
 
     def descend(self) -> None:
         """Go on as a guided surface does, and again from where that has ended."""
         super().descend()
-        energy = self._elastic.energy if self.hides else np.inf
+        energy = self._elastic.energy if self._tries else np.inf
         # Once it is shown it stays: to and fro would flicker.
-        self.hides = self.hides and not energy < (1.0 - _GAIN) * self._best[0]
-        if self.hides and (self.stuck or self._agrees or self._fails(energy)):
+        self._tries = self._tries and not energy < (1.0 - _GAIN) * self._best[0]
+        if self._tries and (self.stuck or self._agrees or self._fails(energy)):
             self._leave_off()
             self._done = True
         elif self.stuck:
             self._done = True
-        elif super().exhausted or (self.hides and self._hopeless):
+        elif super().exhausted or (self._tries and self._hopeless):
             self._try_again()
 
     @property
@@ -96,12 +97,13 @@ class Cycled(Guided):
         if energy < best[0]:
             best = energy, self.shapes(), self._mult
         self.restart(self._elastic.U)
+        self._previews = False
         self._led_from = self._coarse.shapes()[0]
-        self._best, self._ends, self.hides = best, [*ends, energy], True
+        self._best, self._ends, self._tries = best, [*ends, energy], True
 
     def _leave_off(self) -> None:
         """Go back to the best shape, if another one is being tried."""
-        if self.hides:
+        if self._tries:
             _, shapes, mult = self._best
             self.put_back(shapes)
             self._mult = mult

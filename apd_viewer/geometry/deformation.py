@@ -37,6 +37,8 @@ from apd_viewer.geometry.vectors import largest_difference
 if TYPE_CHECKING:
     from typing import TypeAlias
 
+    from apd_viewer.geometry.linear_solver import Factored
+
     Method: TypeAlias = Constrained | LiHui
 
 # Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
@@ -130,6 +132,8 @@ class Deformation:
         "sr-arap" do not.
     rest : RestMesh, optional
         Of the same V and F, to save computing it again.
+    factored : callable, optional
+        Makes the factor of a matrix: see :class:`apd_viewer.geometry.linear_solver.Factor`.
 
     Raises
     ------
@@ -154,6 +158,7 @@ class Deformation:
         regions: Sequence[Region] = (),
         plain: bool = False,
         rest: RestMesh | None = None,
+        factored: Factored | None = None,
     ) -> None:
         if rest is None:
             V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
@@ -176,7 +181,7 @@ class Deformation:
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
             started = time.perf_counter()
-            self._method = self._made(Elastic(rest.shape, solve_ids, material), goals)
+            self._method = self._made(Elastic(rest.shape, solve_ids, material, factored), goals)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
@@ -275,6 +280,11 @@ class Deformation:
             step = largest_difference(method.U, before)
         self._iteration += 1
         self._steps.append(step / self.rest.diagonal)
+
+    @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for, such as a factor."""
+        return self._method.ready
 
     @property
     def settled(self) -> bool:

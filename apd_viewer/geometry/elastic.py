@@ -11,6 +11,7 @@ its matrix is always the same:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.membrane import Membrane
 from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.rotations import turn_rotations
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.linear_solver import Factored
 
 _MINUS = np.array([-1.0])
 _NOTHING = np.empty((0, 3))
@@ -57,6 +61,8 @@ class Elastic:
     fixed : (k,) int array
         Held vertices, each once.
     material : Material
+    factored : callable, optional
+        Makes the factor of a matrix; here and now without it.
 
     Attributes
     ----------
@@ -67,11 +73,20 @@ class Elastic:
         it belongs, so it stays where it is.
     K_ff : (f, f) csr_array
         The matrix's rows and columns of the free vertices.
+    factor : Factor
+        Of ``K_ff``.
     """
 
-    def __init__(self, rest: RestShape, fixed: np.ndarray, material: Material | None = None) -> None:
+    def __init__(
+        self,
+        rest: RestShape,
+        fixed: np.ndarray,
+        material: Material | None = None,
+        factored: Factored | None = None,
+    ) -> None:
         self.rest = rest
         self.fixed = fixed
+        self.factored = factored or LinearSolver
         self.material = material = material or Material()
         moves = np.isin(rest.piece, rest.piece[fixed])
         moves[fixed] = False
@@ -87,7 +102,7 @@ class Elastic:
         rows = K.tocsr()[self.free]
         self.K_ff = rows[:, self.free].tocsr()
         self._K_fc = rows[:, fixed].tocsr()
-        self._solver = LinearSolver(self.K_ff)
+        self.factor = self.factored(self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
@@ -139,7 +154,7 @@ class Elastic:
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """``K_ff^-1 b_f``, both (f, 3) float arrays."""
-        return self._solver.solve(b_f)
+        return self.factor.solve(b_f)
 
     def global_step(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES

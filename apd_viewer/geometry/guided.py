@@ -9,6 +9,7 @@ from apd_viewer.geometry.constrained import WORTH_WHILE, Constrained
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
+from apd_viewer.geometry.preview import Preview
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.rest_shape import FEWEST, RestShape
 
@@ -32,7 +33,7 @@ def guided(
     if len(elastic.free) < _ALONE:
         return Constrained(elastic, goals, worth_while)
     # Thousands of loose triangles cannot be thinned, and what is held may leave the thin mesh no freedom.
-    vertices = elastic.rest.thinner.vertices
+    vertices = elastic.rest.thinning.vertices
     helps = _thin(elastic.rest) and np.isin(vertices, elastic.free).sum() > FEWEST / 2
     return (kind or Guided if helps else Constrained)(elastic, goals, worth_while)
 
@@ -46,18 +47,22 @@ def make_ready(rest: RestMesh) -> None:
     shape = rest.shape
     with cores_for(len(shape.V)):
         while len(shape.V) >= _ALONE and _thin(shape):
-            shape = shape.thinner.shape
+            shape = shape.thinner
 
 
 def _thin(rest: RestShape) -> bool:
     """Whether the thinner mesh is thin enough to be of use."""
-    return len(rest.thinner.vertices) < len(rest.V) / 2
+    return len(rest.thinning.vertices) < len(rest.V) / 2
 
 
 class Guided(Constrained):
     """Iterations that first follow a coarse copy, until that has settled, and then descend.
 
     Every one ends where the goals are met, with the held vertices where they were put, just as without.
+
+    Where the matrix is factored elsewhere, the surface is a large one, and a global step takes longer than
+    a hand likes to wait. Then previews are shown until the coarse surface has settled and the factor is
+    there.
     """
 
     def __init__(
@@ -65,20 +70,48 @@ class Guided(Constrained):
     ) -> None:
         self._coarse = Coarse(elastic, goals, _roughly)
         self._leap = 1 if self._coarse.is_guided else _LEAP
+        self._preview: Preview | None = None
         super().__init__(elastic, goals, worth_while)
+
+    @property
+    def U(self) -> np.ndarray:
+        """The shape to show, (n, 3) float array."""
+        return self._preview.U if self._preview else self._elastic.U
+
+    @property
+    def values(self) -> np.ndarray:
+        """What the goals measure at ``U``, (g,) float array."""
+        return self._preview.values if self._preview else super().values
+
+    @property
+    def met(self) -> bool:
+        """Whether all goals are met at ``U``."""
+        return self._preview.met if self._preview else super().met
+
+    @property
+    def hides(self) -> bool:
+        """Whether ``U`` is not the shape that is iterated."""
+        return self._preview is not None
+
+    @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for."""
+        return super().ready or (self._previews and not self._coarse.settled)
 
     @property
     def exhausted(self) -> bool:
         """Whether going on would gain next to nothing."""
-        return self._coarse.settled and super().exhausted
+        return self._coarse.settled and not self._previews and super().exhausted
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
+        self._preview = None
         self._coarse.keep(goals)
         super().keep(goals)
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
+        self._preview = None
         self._coarse.restart(U)
         super().restart(U)
 
@@ -98,13 +131,32 @@ class Guided(Constrained):
 
     def _hope_again(self) -> None:
         self._ahead = 1
+        self._previews = self._elastic.factor.elsewhere
         super()._hope_again()
 
     def descend(self) -> None:
         """Turn as the coarse surface has turned; once that is settled, go downhill."""
-        if self._coarse.settled or self.stuck:
+        if self._previews and not (self._coarse.settled and super().ready):
+            self._go_ahead()
+            self._preview = self._preview or Preview(self._elastic, self._coarse, self.goals)
+            self._preview.follow(self.held)
+        elif self._previews:
+            self._take_over()
+        elif self._coarse.settled or self.stuck:
             super().descend()
         else:
-            self._elastic.turn(self._coarse.turns(self._leap * self._ahead))
+            self._go_ahead()
+            self._elastic.turn(self._coarse.turns())
             self.iterate()
-            self._ahead = min(2 * self._ahead, _FARTHEST)
+
+    def _go_ahead(self) -> None:
+        self._coarse.go_on(self._leap * self._ahead)
+        self._ahead = min(2 * self._ahead, _FARTHEST)
+
+    def _take_over(self) -> None:
+        """Iterate from where the previews have led."""
+        self._elastic.turn(self._coarse.turns())
+        if self._preview is not None:
+            self._elastic.U, self._preview = self._preview.U, None
+        self._previews = False
+        self.iterate()

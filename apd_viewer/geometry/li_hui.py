@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import diags_array
 
-from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.operators import area
 
 if TYPE_CHECKING:
@@ -53,9 +52,14 @@ class LiHui:
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
         self.tolerance = tolerance
         self._m = elastic.rest.masses[elastic.free][:, None]
-        self._blend = LinearSolver((diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr())
+        self._blend = elastic.factored((diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr())
         self.U = elastic.U
         self.keep(goals)
+
+    @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for."""
+        return self._elastic.factor.ready and self._blend.ready
 
     @property
     def met(self) -> bool:

@@ -2,13 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from cholespy import CholeskySolverD, MatrixType
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from scipy.sparse import csr_array
+
+
+class Factor(Protocol):
+    """The factor of a symmetric positive definite matrix, or what will be it."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether :meth:`solve` need not wait until it is factored."""
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether somebody else factors, while one can do without it."""
+
+    def solve(self, B: np.ndarray) -> np.ndarray:
+        """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
+
+
+if TYPE_CHECKING:
+    Factored: TypeAlias = Callable[[csr_array], Factor]
 
 
 class LinearSolver:
@@ -24,6 +46,8 @@ class LinearSolver:
     ValueError
         If ``A`` is not positive definite.
     """
+
+    ready, elsewhere = True, False
 
     def __init__(self, A: csr_array) -> None:
         A.sort_indices()

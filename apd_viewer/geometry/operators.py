@@ -101,14 +101,19 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
     return "the faces are not oriented alike"
 
 
+@njit(cache=True, nogil=True)
 def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Cotangent of the angle at every corner, (m, 3) float array; 0 in triangles without area."""
     cot = np.zeros(F.shape)
-    for c in range(3):
-        a = V[F[:, (c + 1) % 3]] - V[F[:, c]]
-        b = V[F[:, (c + 2) % 3]] - V[F[:, c]]
-        double_area = np.linalg.norm(np.cross(a, b), axis=1)
-        np.divide((a * b).sum(axis=1), double_area, out=cot[:, c], where=double_area > 0)
+    for t in range(F.shape[0]):
+        for c in range(3):
+            i, j, k = F[t, c], F[t, (c + 1) % 3], F[t, (c + 2) % 3]
+            ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+            bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            double_area = np.sqrt(x * x + y * y + z * z)
+            if double_area > 0.0:
+                cot[t, c] = (ax * bx + ay * by + az * bz) / double_area
     return cot
 
 

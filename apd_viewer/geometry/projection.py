@@ -6,11 +6,12 @@ the goals measure. They need not be those of today's gradients, only to lead the
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numba import njit
 
 from apd_viewer.geometry import vectors
-from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal
 
 # Relative to the value at rest; one order better than is promised.
@@ -24,12 +25,27 @@ _PLAUSIBLE = 0.1
 _FADED = 2.0
 
 
+class Yielding(Protocol):
+    """A surface that gives way to forces: all that a projection needs of it."""
+
+    @property
+    def U(self) -> np.ndarray:
+        """Current positions, (n, 3) float array."""
+
+    @property
+    def free(self) -> np.ndarray:
+        """Vertices that may move, (f,) int array."""
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """How the free vertices give way to the forces ``b_f``, both (f, 3)."""
+
+
 class Projection:
     """The goals of an elastic surface, and the way to meet them.
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : Yielding
     goals : tuple of Goal
 
     Attributes
@@ -40,7 +56,7 @@ class Projection:
         Their gradients at the positions looked at last.
     """
 
-    def __init__(self, elastic: Elastic, goals: tuple[Goal, ...]) -> None:
+    def __init__(self, elastic: Yielding, goals: tuple[Goal, ...]) -> None:
         self._elastic = elastic
         self.goals = goals
         self._target = np.array([goal.target for goal in goals])

@@ -10,6 +10,7 @@ from apd_viewer.geometry.measures import survey
 from apd_viewer.geometry.mesh import Weld
 from apd_viewer.geometry.operators import face_areas, why_no_volume
 from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.thinning import Thinning
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.
 _SLIVER = 1e-9
@@ -24,9 +25,13 @@ class RestMesh:
     F : (m, 3) int array, triangles
     weld : Weld, optional
         The maps to the vertices of the solve, where they are known already.
+    thinning : Thinning, optional
+        Of :attr:`shape`, where it is known already.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None) -> None:
+    def __init__(
+        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinning: Thinning | None = None
+    ) -> None:
         self.V, self.F = V, F
         self.weld = weld or Weld.of(V)
         self.face_areas = face_areas(V, F)
@@ -35,8 +40,10 @@ class RestMesh:
             raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
         if not np.isfinite(self.area):
             raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
-        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F])
-        self.diagonal = float(np.linalg.norm(np.ptp(V[np.unique(F)], axis=0)))
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinning)
+        used = np.zeros(len(V), dtype=bool)
+        used[F.ravel()] = True
+        self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))
         self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
         with cores_for(len(self.shape.V)):
             self.volume = self.survey(self.shape.V)[1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +19,7 @@ from apd_viewer.geometry.operators import (
 )
 from apd_viewer.geometry.pieces import pieces
 from apd_viewer.geometry.rotations import turned
-from apd_viewer.geometry.thinning import edge_length, neighbourhoods, thinned
+from apd_viewer.geometry.thinning import Thinning, edge_length, neighbourhoods, thinned
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
 # than it takes to tell where the full one goes.
@@ -38,6 +37,8 @@ class RestShape:
     ----------
     V : (n, 3) float array, rest positions
     F : (m, 3) int array, triangles
+    thinning : Thinning, optional
+        Where it is known already.
 
     Attributes
     ----------
@@ -47,9 +48,10 @@ class RestShape:
         The connected piece of every vertex.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray) -> None:
+    def __init__(self, V: np.ndarray, F: np.ndarray, thinning: Thinning | None = None) -> None:
         self.V = np.ascontiguousarray(V)
         self.F = F
+        self._thinning = thinning
         self.W = edge_weights(self.V, F)
         self.L = laplacian(self.W)
         self.piece = pieces(F, len(V))
@@ -81,14 +83,20 @@ class RestShape:
         return self.L @ self.V
 
     @cached_property
-    def thinner(self) -> Thinner:
-        """A mesh of the same shape with fewer vertices."""
+    def thinning(self) -> Thinning:
+        """Fewer vertices, and which of them each vertex goes with."""
+        if self._thinning is not None:
+            return self._thinning
         count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
         vertices, F = thinned(self.V, self.F, count)
         edge = edge_length(self.V[vertices], F)
         normals = self.whole.vertex_normals(self.V)
-        near, weight = neighbourhoods(self.V, normals, self.piece, vertices, edge)
-        return Thinner(vertices, RestShape(self.V[vertices], F), near, weight, edge)
+        return Thinning(vertices, F, *neighbourhoods(self.V, normals, self.piece, vertices, edge), edge)
+
+    @cached_property
+    def thinner(self) -> RestShape:
+        """The mesh of :attr:`thinning`."""
+        return RestShape(self.V[self.thinning.vertices], self.thinning.F)
 
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -105,20 +113,6 @@ class RestShape:
     def identity(self) -> np.ndarray:
         """Rotations of the rest pose, (n, 4) unit quaternions."""
         return np.tile([1.0, 0.0, 0.0, 0.0], (len(self.V), 1))
-
-
-class Thinner(NamedTuple):
-    """A mesh of the same shape with some of the vertices, (c,) ids.
-
-    ``near`` and ``weight`` (n, 4) say with which of them each vertex goes; ``edge`` is the mean length of its
-    edges.
-    """
-
-    vertices: np.ndarray
-    shape: RestShape
-    near: np.ndarray
-    weight: np.ndarray
-    edge: float
 
 
 class Bending:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import fast_simplification
 import numpy as np
 from scipy.spatial import KDTree
@@ -10,6 +12,30 @@ from scipy.spatial import KDTree
 _NEAREST = 4
 # The two sides of a thin wall are as far apart as their normals say: so many edges.
 _ACROSS = 2.0
+
+
+class Thinning(NamedTuple):
+    """A mesh of the same shape with some of the vertices, and with which of them each vertex goes.
+
+    Attributes
+    ----------
+    vertices : (c,) int array
+        Ids, ascending.
+    F : (k, 3) int array
+        Triangles, by the places of their corners among ``vertices``.
+    near : (n, 4) int32 array
+        By their places among ``vertices``.
+    weight : (n, 4) float array
+        Rows sum to one, or to zero where the thinned mesh has nothing of the piece.
+    edge : float
+        Mean length of the edges.
+    """
+
+    vertices: np.ndarray
+    F: np.ndarray
+    near: np.ndarray
+    weight: np.ndarray
+    edge: float
 
 
 def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
