@@ -11,11 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse as sp
 from numba import njit, prange
 from scipy.spatial import KDTree
 
-from apd_viewer.geometry import vectors
 from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.elastic import Elastic
@@ -66,7 +64,6 @@ class Coarse:
         self._method = iterations_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
         self._free = elastic.free
-        self._interpolation: tuple[sp.csr_array, sp.csr_array] | None = None
         self._refer()
 
     @property
@@ -125,17 +122,11 @@ class Coarse:
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        if self._interpolation is None:
-            self._interpolation = self._interpolated()
-        P, P_T = self._interpolation
-        return vectors.product(P, self._elastic.solve(vectors.product(P_T, b)))
-
-    def _interpolated(self) -> tuple[sp.csr_array, sp.csr_array]:
-        n, c = len(self._near), len(self.vertices)
-        start = np.arange(n + 1) * self._near.shape[1]
-        P = sp.csr_array((self._weight.ravel(), self._near.ravel(), start), shape=(n, c))
-        P = P[self._free][:, self._elastic.free].tocsr()
-        return P, P.T.tocsr()
+        forces = _gathered(b, self._free, self._near, self._weight, len(self.vertices))
+        own = self._elastic.free
+        given = np.zeros_like(forces)
+        given[own] = self._elastic.solve(forces[own])
+        return _spread(given, self._free, self._near, self._weight)
 
     def _refer(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
@@ -228,4 +219,31 @@ def _carried(
             y += share * (v - b + D[j, 1])
             z += share * (w - c + D[j, 2])
         out[i, 0], out[i, 1], out[i, 2] = U[i, 0] + x, U[i, 1] + y, U[i, 2] + z
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _gathered(b: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray, c: int) -> np.ndarray:
+    """``P^T b``, (c, 3), for ``b`` (f, 3) and the ``rows`` (f,) of the interpolation P."""
+    out = np.zeros((c, 3))
+    for f in range(len(rows)):
+        for k in range(near.shape[1]):
+            j, share = near[rows[f], k], weight[rows[f], k]
+            for axis in range(3):
+                out[j, axis] += share * b[f, axis]
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _spread(X: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """``P X``, (f, 3), for ``X`` (c, 3) and the same."""
+    out = np.empty((len(rows), 3))
+    for f in prange(len(rows)):
+        x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[rows[f], k], weight[rows[f], k]
+            x += share * X[j, 0]
+            y += share * X[j, 1]
+            z += share * X[j, 2]
+        out[f, 0], out[f, 1], out[f, 2] = x, y, z
     return out

@@ -12,6 +12,7 @@ from apd_viewer.geometry.goals import Goal
 from apd_viewer.geometry.preview import Preview
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.rest_shape import FEWEST, RestShape
+from apd_viewer.geometry.thinning import Thinning
 
 # Below so many free vertices a surface finds its way as soon alone.
 _ALONE = 4 * FEWEST
@@ -42,12 +43,19 @@ def _roughly(elastic: Elastic, goals: tuple[Goal, ...]) -> Constrained:
     return guided(elastic, goals, _ROUGHLY)
 
 
-def make_ready(rest: RestMesh) -> None:
-    """Find what every deformation of a mesh will need, whatever is held; it is kept."""
-    shape = rest.shape
+def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
+    """Find what every deformation of a mesh will need, whatever is held, and what takes longest: it is kept.
+
+    With these thinnings another :class:`RestMesh` of the mesh need not find them.
+    """
+    shape, found = rest.shape, []
     with cores_for(len(shape.V)):
-        while len(shape.V) >= _ALONE and _thin(shape):
+        while len(shape.V) >= _ALONE:
+            found.append(shape.thinning)
+            if not _thin(shape):
+                break
             shape = shape.thinner
+    return tuple(found)
 
 
 def _thin(rest: RestShape) -> bool:

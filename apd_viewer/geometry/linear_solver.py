@@ -30,7 +30,8 @@ class Factor(Protocol):
 
 
 if TYPE_CHECKING:
-    Factored: TypeAlias = Callable[[csr_array], Factor]
+    Matrix: TypeAlias = csr_array
+    Factored: TypeAlias = Callable[[Matrix], Factor]
 
 
 class LinearSolver:
@@ -49,11 +50,15 @@ class LinearSolver:
 
     ready, elsewhere = True, False
 
-    def __init__(self, A: csr_array) -> None:
-        A.sort_indices()
-        rows, columns = A.indptr.astype(np.int32), A.indices.astype(np.int32)
-        data = np.ascontiguousarray(A.data, dtype=np.float64)
-        self._factor = CholeskySolverD(A.shape[0], rows, columns, data, MatrixType.CSR)
+    def __init__(self, A: Matrix) -> None:
+        self._factor = _factor(*rows_of(A))
+
+    @classmethod
+    def from_rows(cls, start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> LinearSolver:
+        """The same, of the matrix with these :func:`rows_of`."""
+        solver = cls.__new__(cls)
+        solver._factor = _factor(start, column, entry)
+        return solver
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
@@ -61,3 +66,14 @@ class LinearSolver:
         X = np.empty_like(B)
         self._factor.solve(B, X)
         return X
+
+
+def rows_of(A: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where the rows of ``A`` (n, n) start, (n + 1,), and their columns and entries, ascending."""
+    A.sort_indices()
+    entry = np.ascontiguousarray(A.data, dtype=np.float64)
+    return A.indptr.astype(np.int32), A.indices.astype(np.int32), entry
+
+
+def _factor(start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> CholeskySolverD:
+    return CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)

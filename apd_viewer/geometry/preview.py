@@ -35,6 +35,7 @@ class Preview:
         self.free = elastic.free
         self.U = elastic.U
         self._projection = Projection(self, goals)
+        self._projection.refresh(self.U)
 
     @property
     def values(self) -> np.ndarray:
@@ -54,4 +55,6 @@ class Preview:
         """Go where the coarse surface is, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.carried(self._elastic.U)
         U[self._elastic.fixed] = targets
+        if self._projection.worn:
+            self._projection.refresh(U)
         self.U, _ = self._projection.onto(U)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from apd_viewer.errors import InputError
@@ -25,12 +27,12 @@ class RestMesh:
     F : (m, 3) int array, triangles
     weld : Weld, optional
         The maps to the vertices of the solve, where they are known already.
-    thinning : Thinning, optional
-        Of :attr:`shape`, where it is known already.
+    thinnings : sequence of Thinning
+        Of :attr:`shape` and of those thinner, as far as they are known already.
     """
 
     def __init__(
-        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinning: Thinning | None = None
+        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinnings: Sequence[Thinning] = ()
     ) -> None:
         self.V, self.F = V, F
         self.weld = weld or Weld.of(V)
@@ -40,7 +42,7 @@ class RestMesh:
             raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
         if not np.isfinite(self.area):
             raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
-        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinning)
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinnings)
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
         self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))
@@ -70,8 +72,11 @@ class RestMesh:
 
     def loose_pieces(self, fixed: np.ndarray) -> int:
         """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
-        with_faces = np.unique(self.shape.piece[self.shape.F])
-        return len(np.setdiff1d(with_faces, self.shape.piece[self.weld.inverse[fixed]]))
+        piece = self.shape.piece
+        loose = np.zeros(len(piece), dtype=bool)
+        loose[piece[self.shape.F[:, 0]]] = True
+        loose[piece[self.weld.inverse[fixed]]] = False
+        return int(loose.sum())
 
     def loose_warning(self, fixed: np.ndarray) -> str | None:
         """What a user should be told about pieces that none of the ``fixed`` vertices holds."""

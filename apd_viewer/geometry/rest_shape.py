@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -37,8 +38,8 @@ class RestShape:
     ----------
     V : (n, 3) float array, rest positions
     F : (m, 3) int array, triangles
-    thinning : Thinning, optional
-        Where it is known already.
+    thinnings : sequence of Thinning
+        Its own, and those of the thinner meshes, as far as they are known already.
 
     Attributes
     ----------
@@ -48,10 +49,10 @@ class RestShape:
         The connected piece of every vertex.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, thinning: Thinning | None = None) -> None:
+    def __init__(self, V: np.ndarray, F: np.ndarray, thinnings: Sequence[Thinning] = ()) -> None:
         self.V = np.ascontiguousarray(V)
         self.F = F
-        self._thinning = thinning
+        self._thinnings = thinnings
         self.W = edge_weights(self.V, F)
         self.L = laplacian(self.W)
         self.piece = pieces(F, len(V))
@@ -85,8 +86,8 @@ class RestShape:
     @cached_property
     def thinning(self) -> Thinning:
         """Fewer vertices, and which of them each vertex goes with."""
-        if self._thinning is not None:
-            return self._thinning
+        if self._thinnings:
+            return self._thinnings[0]
         count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
         vertices, F = thinned(self.V, self.F, count)
         edge = edge_length(self.V[vertices], F)
@@ -96,7 +97,7 @@ class RestShape:
     @cached_property
     def thinner(self) -> RestShape:
         """The mesh of :attr:`thinning`."""
-        return RestShape(self.V[self.thinning.vertices], self.thinning.F)
+        return RestShape(self.V[self.thinning.vertices], self.thinning.F, self._thinnings[1:])
 
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

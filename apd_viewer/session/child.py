@@ -5,54 +5,25 @@ from __future__ import annotations
 import contextlib
 import itertools
 import pickle
-import subprocess
-import sys
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import BinaryIO, NamedTuple, Protocol, cast
+from typing import NamedTuple
 
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.thinning import Thinning
 from apd_viewer.session import wire
-from apd_viewer.session.messages import Answer, Order, Progress, Step
+from apd_viewer.session.messages import Answer, Found, Message, Order, Step
+from apd_viewer.session.processes import START, Process, started
 from apd_viewer.session.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.sharing import Tray
 
-# Not multiprocessing and not -m: neither the user's script nor what lies in the current folder is imported.
-# What libraries print goes to the standard error where there is one, and never between the answers.
-_START = """
-import os, sys
-replies = os.dup(1)
-try:
-    os.dup2(2, 1)
-except OSError:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-sys.path[:] = sys.argv[1:]
-from apd_viewer.session.solver_process import main
-main(replies)
-"""
-_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
-
-
-class Process(Protocol):
-    """What is needed of a process: two pipes, and an end."""
-
-    stdin: BinaryIO
-    stdout: BinaryIO
-
-    def kill(self) -> None:
-        """End it at once."""
-
-    def wait(self) -> int:
-        """Wait until it has ended."""
+_START = START.format(module="solver_process")
 
 
 def start_process() -> Process:
     """Start the process; raises OSError if it cannot be started."""
-    command = [sys.executable, "-c", _START, *sys.path]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, creationflags=_FLAGS)
-    return cast("Process", process)
+    return started(_START)
 
 
 class Published(NamedTuple):
@@ -68,13 +39,6 @@ class Published(NamedTuple):
             self.tray.look(self.put)
 
 
-class Preparation(NamedTuple):
-    """What the process makes ready, and since when."""
-
-    request: Request
-    since: float
-
-
 class Child:
     """A solver process: takes requests, one after another, and publishes what comes of them.
 
@@ -82,8 +46,8 @@ class Child:
     ----------
     publish : callable
         Called with every Published, on a thread of the child.
-    prepares : callable
-        Called on that thread when the process begins to make something ready.
+    learned : callable
+        Called on that thread with a mesh and its thinnings, once the process has found them.
     ended : callable
         Called on that thread, last, when the process has come to its end, for whatever reason.
 
@@ -92,7 +56,6 @@ class Child:
     alive : bool
     dismissed : bool
         It was ended on purpose.
-    preparation : Preparation or None
 
     Raises
     ------
@@ -103,19 +66,19 @@ class Child:
     def __init__(
         self,
         publish: Callable[[Published], object],
-        prepares: Callable[[Child], object],
+        learned: Callable[[Mesh, tuple[Thinning, ...]], object],
         ended: Callable[[Child], object],
     ) -> None:
         self.alive = True
         self.dismissed = False
-        self.preparation: Preparation | None = None
-        self._publish, self._prepares, self._ended = publish, prepares, ended
+        self._publish, self._learned, self._ended = publish, learned, ended
         self._process = start_process()
         self._packer = wire.Packer()
         self._numbers = itertools.count(1)
         self._orders: dict[int, tuple[Request, Tray | None]] = {}
         self._tray: tuple[int, Tray | None] | None = None
         self._start: Request | None = None
+        self._mesh: Mesh | None = None
         self._received = threading.Event()
         self._received.set()
         self._thread = threading.Thread(target=self._listen, name="answers", daemon=True)
@@ -125,12 +88,18 @@ class Child:
         """Wait until the process has received what was sent, or has ended."""
         self._received.wait()
 
-    def send(self, request: Request) -> bool:
-        """Send a request, the last one having been received; False if the process has ended."""
+    def send(self, request: Request, thinnings: tuple[Thinning, ...]) -> bool:
+        """Send a request, the last one having been received; False if the process has ended.
+
+        The ``thinnings`` of its mesh, where they are known, save the process finding them.
+        """
         self._received.clear()
         number, tray = next(self._numbers), self._tray_for(request)
         self._orders[number] = request, tray
-        order = Order(number, self._from_its_start(request), tray.name if tray else None)
+        mesh, before = request.document.mesh, self._mesh
+        self._mesh = mesh
+        news = () if mesh is before else thinnings
+        order = Order(number, self._from_its_start(request), tray.name if tray else None, news)
         message = self._packer.packed(order)
         with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
             if self.alive:
@@ -190,23 +159,19 @@ class Child:
             self._received.set()
             self._ended(self)
 
-    def _hear(self, message: Progress | Answer) -> None:
+    def _hear(self, message: Message) -> None:
         if isinstance(message, Answer):
             self._hear_answer(message)
+        elif isinstance(message, Found):
+            self._learned(self._orders[message.number][0].document.mesh, message.thinnings)
         elif message.step is Step.RECEIVED:
             self._discard_envelope()
             self._received.set()
-        elif message.step is Step.TURNED_TO:
+        else:
             for number in [n for n in list(self._orders) if n < message.number]:
                 del self._orders[number]
-        elif message.step is Step.PREPARING:
-            self.preparation = Preparation(self._orders[message.number][0], time.monotonic())
-            self._prepares(self)
-        else:
-            self.preparation = None
 
     def _hear_answer(self, answer: Answer) -> None:
-        self.preparation = None
         if answer.failure:
             self._start = (
                 None  # what the process had has gone with it: the next one starts from what is shown

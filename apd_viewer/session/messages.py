@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import TypeAlias
 
 from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.thinning import Thinning
 from apd_viewer.session.requests import Request
 
 
@@ -19,11 +21,14 @@ class Order:
         Later orders have higher ones.
     tray : str or None
         Name of the tray to put shapes into; without one they travel in the answers.
+    thinnings : tuple of Thinning
+        Of the mesh, as far as they are known, if the process has not seen that mesh before.
     """
 
     number: int
     request: Request
     tray: str | None
+    thinnings: tuple[Thinning, ...] = ()
 
 
 class Step(Enum):
@@ -31,8 +36,6 @@ class Step(Enum):
 
     RECEIVED = "received"
     TURNED_TO = "turned to"  # whatever was ordered before is answered or dropped
-    PREPARING = "preparing"  # this may take long and cannot be interrupted
-    READY = "ready"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +44,14 @@ class Progress:
 
     number: int
     step: Step
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The thinnings of the mesh of an order, which another process would take long to find."""
+
+    number: int
+    thinnings: tuple[Thinning, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +75,6 @@ class Answer:
     seconds: float = 0.0
     failure: str | None = None
     warning: str | None = None
+
+
+Message: TypeAlias = Progress | Found | Answer

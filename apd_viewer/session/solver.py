@@ -11,6 +11,7 @@ import time
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,16 +20,22 @@ from apd_viewer.geometry.constraints import Constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.guided import make_ready
+from apd_viewer.geometry.linear_solver import Factor
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.rest_mesh import RestMesh
-from apd_viewer.session.document import Document
-from apd_viewer.session.messages import Answer, Order, Progress, Step
+from apd_viewer.session.factoring import FarFactor
+from apd_viewer.session.messages import Answer, Found, Message, Order, Progress, Step
 from apd_viewer.session.requests import alike, factored_for
 from apd_viewer.session.sharing import Tray
 from apd_viewer.session.slot import Slot
 
+if TYPE_CHECKING:
+    from apd_viewer.geometry.linear_solver import Matrix
+
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
+# Matrices with so many rows take more than half a second to factor.
+_LARGE = 100_000
 
 
 class Solver:
@@ -39,15 +46,17 @@ class Solver:
     orders : Slot of Order
         Where the newest order is; its end is the end of :meth:`run`.
     tell : callable
-        Called with every Progress and Answer.
+        Called with every message.
     """
 
-    def __init__(self, orders: Slot[Order], tell: Callable[[Progress | Answer], None]) -> None:
+    def __init__(self, orders: Slot[Order], tell: Callable[[Message], None]) -> None:
         self._orders = orders
         self._tell = tell
         self._tray: Tray | None = None
         self._rest: tuple[Mesh, RestMesh] | None = None
         self._solver: Deformation | None = None
+        self._factors: list[FarFactor] = []
+        self._warning: str | None = None
         self._key: tuple[object, ...] = ()
         self._goals: tuple[object, ...] = ()
         self._poses: tuple[object, ...] = ()
@@ -70,31 +79,41 @@ class Solver:
             if not idle and not self._orders.waiting:
                 idle = True
                 at_leisure()
+        self._drop()
+
+    def _drop(self) -> None:
+        """Forget the deformation, and end what is being factored for it."""
+        self._solver = None
+        for factor in self._factors:
+            factor.close()
+        self._factors = []
 
     def _fail(self, order: Order, message: str) -> None:
-        self._solver = None
+        self._drop()
         self._tell(Answer(order.number, None, failure=message))
 
     def _answer(self, order: Order) -> None:
         request = order.request
         if self._rest is not None and self._rest[0] is not request.document.mesh:
-            self._solver = self._rest = self._tray = None
-            self._key = ()
+            self._drop()
+            self._rest = self._tray = None
         if request.document.problem:
             # While it is painted. A mesh that cannot be deformed is refused once it should be.
             with contextlib.suppress(InputError):
-                make_ready(self._rest_of(request.document.mesh))
+                make_ready(self._rest_of(order))
             return
         solver = self._prepared(order)
-        self._tell(Progress(order.number, Step.READY))
         if request.iterate:
             self._iterate(order, solver)
 
     def _iterate(self, order: Order, solver: Deformation) -> None:
         tray = self._tray_of(order)
-        warning = solver.rest.loose_warning(solver.fixed)
         iterations, since, last = 0, time.perf_counter(), 0
         while True:  # once at least, or poses that come faster than they are prepared show nothing
+            while not solver.ready:
+                if self._orders.waiting:
+                    return
+                time.sleep(_MOMENT)
             solver.iterate()
             iterations += 1
             finished = solver.settled or iterations >= MOST_ITERATIONS
@@ -107,7 +126,7 @@ class Solver:
                 put = None
                 if tray is not None:
                     put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
-                self._tell(Answer(order.number, frame, put, finished, seconds, warning=warning))
+                self._tell(Answer(order.number, frame, put, finished, seconds, warning=self._warning))
                 since, last = time.perf_counter(), iterations
             if finished or self._orders.waiting:
                 return
@@ -130,9 +149,9 @@ class Solver:
         poses = tuple(handle.pose for handle in document.handles)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:
-            self._solver = None  # its memory is needed for the next one
-            self._tell(Progress(order.number, Step.PREPARING))
-            self._solver = self._made(document, held)
+            self._drop()  # its memory is needed for the next one
+            self._solver = self._made(order, held)
+            self._warning = self._solver.rest.loose_warning(held.fixed)
         elif not alike(goals, self._goals):
             self._solver.keep(*document.asked)
         self._solver.tolerance = document.tolerance
@@ -143,8 +162,8 @@ class Solver:
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         return self._solver
 
-    def _made(self, document: Document, held: Constraints) -> Deformation:
-        rest = self._rest_of(document.mesh)
+    def _made(self, order: Order, held: Constraints) -> Deformation:
+        rest, document = self._rest_of(order), order.request.document
         return Deformation(
             rest.V,
             rest.F,
@@ -156,9 +175,22 @@ class Solver:
             shear_stiffness=document.shear_stiffness,
             **document.asked._asdict(),
             rest=rest,
+            factored=self._factored if _is_large(rest) else None,
         )
 
-    def _rest_of(self, mesh: Mesh) -> RestMesh:
+    def _factored(self, A: Matrix) -> Factor:
+        self._factors.append(FarFactor(A))
+        return self._factors[-1]
+
+    def _rest_of(self, order: Order) -> RestMesh:
+        mesh = order.request.document.mesh
         if self._rest is None or self._rest[0] is not mesh:
-            self._rest = (mesh, RestMesh(mesh.V, mesh.F, mesh.weld))
+            rest = RestMesh(mesh.V, mesh.F, mesh.weld, order.thinnings)
+            self._rest = mesh, rest
+            if _is_large(rest) and not order.thinnings:
+                self._tell(Found(order.number, make_ready(rest)))
         return self._rest[1]
+
+
+def _is_large(rest: RestMesh) -> bool:
+    return len(rest.shape.V) >= _LARGE

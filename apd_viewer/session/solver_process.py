@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import signal
 import sys
 import threading
 from collections.abc import Callable
@@ -17,17 +16,16 @@ from typing import BinaryIO
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session import wire
-from apd_viewer.session.messages import Answer, Order, Progress, Step
+from apd_viewer.session.messages import Message, Order, Progress, Step
+from apd_viewer.session.processes import leave_interrupts_to_the_owner
 from apd_viewer.session.sharing import leave_blocks_to_their_owner
 from apd_viewer.session.slot import Slot
 from apd_viewer.session.solver import Solver
 
-NICENESS = 5
-
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is meant for the window
+    leave_interrupts_to_the_owner()
     sys.stdout = sys.stderr
     leave_blocks_to_their_owner()
     with os.fdopen(replies, "wb") as sink:
@@ -53,7 +51,7 @@ def serve(
     orders: Slot[Order] = Slot()
     one_at_a_time = threading.Lock()
 
-    def tell(message: Progress | Answer) -> None:
+    def tell(message: Message) -> None:
         # Who has stopped listening has gone: the source will end as well.
         with one_at_a_time, contextlib.suppress(OSError, ValueError):
             wire.write(sink, pickle.dumps(message))

@@ -23,9 +23,11 @@ LARGE = 16_384
 _LENGTH = struct.Struct("<Q")
 
 
-def write(sink: BinaryIO, message: bytes) -> None:
+def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
     """Write a message; raises OSError or ValueError where nobody reads any more."""
-    sink.write(_LENGTH.pack(len(message)) + message)
+    content = message.data.cast("B") if isinstance(message, np.ndarray) else message
+    sink.write(_LENGTH.pack(len(content)))
+    sink.write(content)
     sink.flush()
 
 

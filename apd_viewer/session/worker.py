@@ -8,9 +8,8 @@ The process holds whatever would keep the window from answering, and takes nothi
 The thread "solver" alone starts processes and sends. It waits at the slot, where the newest request wins, for
 a request or for the word that the process has ended, and then sees to it that a process has the latest
 request. A process that ended by itself is replaced, and the new one goes on from the last shape that came;
-after a few deaths without a shape the request is given up, in a sentence. A process that makes something
-ready that nobody needs any more is ended on purpose, if a new one would be there sooner. Whoever learns of
-that kills it, be it the window's thread, and the rest follows from its end.
+after a few deaths without a shape the request is given up, in a sentence. What one process has found out
+about a mesh, and would take another one long, is kept here.
 
 All that a reply says may be overwritten by the next one, but for news: they go with the reply taken next.
 """
@@ -26,18 +25,15 @@ from enum import Enum
 
 import numpy as np
 
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.thinning import Thinning
 from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document
-from apd_viewer.session.requests import Reply, Request, alike, factored_for
+from apd_viewer.session.requests import Reply, Request
 from apd_viewer.session.slot import Slot
 
 MOST_DEATHS = 3  # one after another, without a shape
 _CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
-# What things take, in seconds; only to tell what is clearly worth it, so powers of two would do.
-_START = 0.6
-_PER_VERTEX = 1e-5
-_PER_VERTEX_OF_A_MESH = 2.5e-6  # to get to know it
-_PER_VERTEX_WITH_BENDING = 5e-5
 
 _DIED = "The solver ended unexpectedly and was started again; nothing is lost."
 _GIVEN_UP = (
@@ -67,10 +63,10 @@ class Worker:
         self._wake = wake
         self._requests: Slot[Request | _Call] = Slot()
         self._replies: Slot[Published] = Slot()
-        self._asked: Request | None = None
         self._turned_to: Request | None = None
         self._finished: tuple[Document, int] | None = None
         self._shape: tuple[int, np.ndarray] | None = None
+        self._known: tuple[Mesh | None, tuple[Thinning, ...]] = None, ()
         self._news: Slot[str] = Slot()
         self._deaths = 0
         self._last_death = -np.inf
@@ -82,10 +78,7 @@ class Worker:
 
     def ask(self, request: Request) -> None:
         """Turn to ``request`` next, and forget any other that still waits. Never blocks."""
-        self._asked = request
         self._requests.put(request)
-        if (child := self._child) is not None:
-            self._end_if_useless(child)
 
     def take(self) -> Reply | None:
         """Take the newest reply; None if there is none."""
@@ -106,7 +99,8 @@ class Worker:
             child.dismiss()
             child.join()
         self._thread.join()
-        self._child = self._shape = self._asked = self._turned_to = None
+        self._child = self._shape = self._turned_to = None
+        self._known = None, ()
         self._replies.take()
 
     # The thread "solver"
@@ -151,14 +145,15 @@ class Worker:
             if child is None:
                 return True
             request = self._resumed(request)
-        return child.send(request)
+        mesh, thinnings = self._known
+        return child.send(request, thinnings if mesh is request.document.mesh else ())
 
     def _started(self, request: Request) -> Child | None:
         with self._changing_child:
             if self._closed:
                 return None
             try:
-                self._child = Child(self._publish, self._end_if_useless, self._ended)
+                self._child = Child(self._publish, self._learned, self._ended)
             except OSError as error:
                 self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
             return self._child
@@ -201,22 +196,9 @@ class Worker:
             self._finished = reply.document, reply.generation
         self._put(published)
 
+    def _learned(self, mesh: Mesh, thinnings: tuple[Thinning, ...]) -> None:
+        self._known = mesh, thinnings
+
     def _ended(self, _: Child) -> None:
         if not self._closed:
             self._requests.offer(_Call.LOOK_AFTER_THE_CHILD)
-
-    # Any thread
-
-    def _end_if_useless(self, child: Child) -> None:
-        """End the process if nobody asks for what it makes ready, and another would be there sooner."""
-        under_way, asked = child.preparation, self._asked
-        if under_way is None or asked is None:
-            return
-        document = under_way.request.document
-        if alike(factored_for(document), factored_for(asked.document)):
-            return
-        n = len(document.mesh.V)
-        takes = n * (_PER_VERTEX_WITH_BENDING if document.stiffness > 0.0 else _PER_VERTEX)
-        again = _START + (n * _PER_VERTEX_OF_A_MESH if document.mesh is asked.document.mesh else 0.0)
-        if takes - (time.monotonic() - under_way.since) > 2.0 * again:
-            child.dismiss()
