@@ -17,8 +17,9 @@ from test_session import empty as empty
 from test_session import session as session
 
 from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session import child, worker
+from apd_viewer.session import child
 from apd_viewer.session.document import opened
 from apd_viewer.session.requests import Request
 from apd_viewer.session.session import Activity
@@ -182,7 +183,7 @@ def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
 
 def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(child.sys, "executable", "/no/such/python")
+        patch.setattr(sys, "executable", "/no/such/python")
         empty.show_now(bar())
         empty.until(lambda: empty.failed)
     assert "cannot be started" in empty.failed[0]
@@ -193,19 +194,19 @@ def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
     assert empty.activity is Activity.SETTLED
 
 
-# Useless
+# Factored elsewhere
 
 
 @pytest.fixture
-def endless(altered, monkeypatch):
-    """Large meshes take a minute to factor, all the time with the interpreter held; and the worker knows."""
-    monkeypatch.setattr(worker, "_PER_VERTEX", 1.0)
+def endless(altered):
+    """Large meshes take a minute to factor, all the time with the interpreter held."""
     altered(
         """
-        import ctypes
-        from apd_viewer.geometry import elastic
-        real, held = elastic.LinearSolver, ctypes.PyDLL(None).sleep
-        elastic.LinearSolver = lambda A: held(60) if 200 < A.shape[0] < 400 else real(A)
+        from apd_viewer.session import factoring, solver
+        solver._LARGE = 2500
+        slow = "from apd_viewer.geometry.linear_solver import LinearSolver; import ctypes\\n"
+        slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
+        factoring._START = factoring._START.replace("main(replies)", slow)
         """
     )
 
@@ -213,41 +214,89 @@ def endless(altered, monkeypatch):
 @pytest.fixture
 def factoring(empty, endless):
     """A session in the middle of an endless factorization."""
-    empty.show_now(Mesh(*box(6, 6, 12)))
+    empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
-    empty.until(lambda: empty._worker._child and empty._worker._child.preparation)
-    time.sleep(0.2)
+    empty.until(lambda: children_of(empty))
     return empty
+
+
+def children_of(session: Driven) -> list[int]:
+    """The processes that the session's process has started."""
+    pid = pid_of(session)
+    found = Path(f"/proc/{pid}/task/{pid}/children").read_text() if pid else ""
+    return [int(child) for child in found.split()]
 
 
 @linux
 def test_a_factorization_that_has_become_useless_is_ended(factoring):
-    before = pid_of(factoring)
+    before, (useless,) = pid_of(factoring), children_of(factoring)
     factoring.show_now(bar())
     factoring.paint_ends()
     factoring.drag(BENT)
     factoring.settle()
     assert factoring.activity is Activity.SETTLED
-    assert pid_of(factoring) != before
-    assert gone(before)
+    assert pid_of(factoring) == before, "what else it knows is not lost with it"
+    assert gone(useless)
+    assert children_of(factoring) == []
     assert factoring.failed == factoring.told == [], "that is nobody's business"
 
 
 @linux
 def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
-    before = pid_of(factoring)
+    before = children_of(factoring)
     factoring.drag(pose(0.1), pose(0.2))
     factoring.listen(0.3)
-    assert pid_of(factoring) == before
+    assert children_of(factoring) == before
+
+
+@linux
+@pytest.mark.parametrize("method", ["exact", "arap", "local"])
+def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
+    factoring.set_method(method)
+    factoring.begin_gesture()
+    held = None
+    for k in range(10):
+        factoring.move_handle(pose(0.05 * k + 0.05))
+        held = factoring.state.document.constraints()
+        next_frame(factoring, 20.0)
+        frame = factoring.state.frame
+        assert not frame.settled
+        if method == "exact":
+            assert abs(frame.area_error) <= 1e-9
+    factoring.end_gesture("Move handle")
+    factoring.listen(1.0)
+    assert np.array_equal(factoring.U[held.fixed], held.targets)
+    assert factoring.activity is Activity.REFINING, "the shape of the fine surface is still to come"
+    assert factoring.failed == []
 
 
 @linux
 def test_closing_ends_a_factorization_at_once(factoring):
-    before = pid_of(factoring)
+    before = [pid_of(factoring), *children_of(factoring)]
     started = time.monotonic()
     factoring.close()
     assert time.monotonic() - started < 1.0
-    assert gone(before)
+    end = time.monotonic() + 1.0
+    while not all(gone(pid) for pid in before):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@linux
+def test_a_killed_process_takes_its_factorization_along(factoring):
+    (before,) = children_of(factoring)
+    kill(factoring)
+    factoring.until(lambda: gone(before), 1.0)
+    factoring.until(lambda: children_of(factoring))
+
+
+@linux
+def test_a_factorization_that_dies_is_begun_again(factoring):
+    factoring.drag(pose(0.1))
+    (before,) = children_of(factoring)
+    os.kill(before, signal.SIGKILL)
+    factoring.until(lambda: children_of(factoring) not in ([], [before]))
+    assert factoring.failed == factoring.told == []
 
 
 def test_to_ask_never_waits(factoring):
@@ -260,6 +309,50 @@ def test_to_ask_never_waits(factoring):
         slowest = max(slowest, time.perf_counter() - started)
         time.sleep(0.0005)
     assert slowest < 0.05
+
+
+@linux
+def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
+    altered("from apd_viewer.session import solver; solver._LARGE = 2500\n")
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.2), pose(0.4))
+    empty.settle()
+    assert children_of(empty)
+    U, document = empty.U, empty.state.document
+    held = document.constraints()
+    near = Deformation(document.mesh.V, document.mesh.F, held.fixed, handle=held.handles, area=100.0)
+    near.aim(held.targets)
+    while not (frame := near.step()).settled:
+        pass
+    energies = [near.rest.energy(shape) for shape in (U, frame.U)]
+    assert energies[0] == pytest.approx(energies[1], rel=1e-3)
+    assert empty.state.frame.converged
+
+
+def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
+    altered(
+        """
+        import sys
+        from apd_viewer.geometry import rest_shape
+        from apd_viewer.session import solver
+        solver._LARGE = 2500
+        real = rest_shape.thinned
+        def thinned(V, F, count):
+            print(f"thinned {len(V)}", file=sys.stderr, flush=True)
+            return real(V, F, count)
+        rest_shape.thinned = thinned
+        """
+    )
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.1))
+    next_frame(empty, 20.0)
+    assert empty._worker._known[0] is empty.state.document.mesh
+    kill(empty)
+    empty.drag(pose(0.2))
+    next_frame(empty, 20.0)
+    assert capfd.readouterr().err.split("\n").count(f"thinned {len(empty.U)}") == 1
 
 
 # Left alone

@@ -1,0 +1,108 @@
+"""A factor in a process of its own: right, replaced when it dies, and ended when nobody needs it."""
+
+import os
+import signal
+import sys
+import time
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array, diags_array
+
+from apd_viewer.geometry.linear_solver import LinearSolver
+from apd_viewer.session import factoring
+from apd_viewer.session.factoring import FarFactor
+
+N = 500
+A = csr_array(diags_array([-np.ones(N - 1), np.full(N, 2.5), -np.ones(N - 1)], offsets=[-1, 0, 1]))
+B = np.random.default_rng(0).normal(size=(N, 3))
+SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+def far(matrix=A):
+    return FarFactor(matrix)
+
+
+@pytest.fixture
+def factor():
+    factor = far()
+    yield factor
+    factor.close()
+
+
+def wait_for(factor, seconds=20.0):
+    end = time.monotonic() + seconds
+    while not factor.ready:
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def kill(factor):
+    os.kill(factor._process.pid, SIGKILL)
+    factor._process.wait()
+
+
+def test_it_solves_as_one_that_is_near_does(factor):
+    expected = LinearSolver(A).solve(B)
+    for k in range(3):
+        assert np.array_equal(factor.solve(k * B), LinearSolver(A).solve(k * B))
+    assert np.abs(A @ expected - B).max() < 1e-12
+    solution = factor.solve(B)
+    solution += 1.0  # it is the caller's own
+
+
+def test_it_says_when_it_is_there(factor):
+    wait_for(factor)
+    assert factor.elsewhere
+    assert not LinearSolver(A).elsewhere
+    assert LinearSolver(A).ready
+
+
+def test_a_matrix_that_cannot_be_factored_is_said():
+    factor = far(csr_array(-A))
+    try:
+        wait_for(factor)
+        with pytest.raises(ValueError, match=r"\w"):
+            factor.solve(B)
+    finally:
+        factor.close()
+
+
+def test_one_that_dies_is_replaced(factor):
+    expected = factor.solve(B)
+    for _ in range(5):
+        kill(factor)
+        assert np.array_equal(factor.solve(B), expected)
+
+
+def test_one_that_dies_while_it_factors_is_replaced(factor):
+    kill(factor)
+    wait_for(factor)
+    assert np.array_equal(factor.solve(B), LinearSolver(A).solve(B))
+
+
+def test_one_that_always_dies_is_given_up(monkeypatch):
+    monkeypatch.setattr(factoring, "_START", "raise SystemExit(3)")
+    factor = far()
+    wait_for(factor)
+    with pytest.raises(MemoryError, match="3 times"):
+        factor.solve(B)
+    factor.close()
+
+
+def test_what_cannot_be_started_is_said(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/no/such/python")
+    with pytest.raises(OSError, match="such"):
+        far()
+
+
+def test_closing_does_not_wait_for_the_factor(monkeypatch):
+    slow = "import time; from apd_viewer.geometry.linear_solver import LinearSolver\n"
+    slow += "LinearSolver.from_rows = lambda *_: time.sleep(60)\nmain(replies)"
+    monkeypatch.setattr(factoring, "_START", factoring._START.replace("main(replies)", slow))
+    factor = far()
+    time.sleep(0.3)
+    started = time.monotonic()
+    factor.close()
+    assert time.monotonic() - started < 1.0
+    factor.close()
