@@ -104,7 +104,7 @@ class Guided(Constrained):
     @property
     def ready(self) -> bool:
         """Whether an iteration has nothing to wait for."""
-        return super().ready or (self._previews and not self._coarse.settled)
+        return (self._previews and not self._coarse.settled) or super().ready
 
     @property
     def exhausted(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.linear_solver import rows_of
 from apd_viewer.session import wire
-from apd_viewer.session.processes import START, started
+from apd_viewer.session.processes import START, Process, started
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.linear_solver import Matrix
@@ -23,7 +23,8 @@ _ENDED = "the process that factors has ended {times} times; it may lack memory"
 class FarFactor:
     """The factor of a symmetric positive definite matrix, in a process of its own.
 
-    It is begun at once, and begun again if the process dies; :meth:`close` ends it, however far it is.
+    It is begun by :meth:`begin` or by whoever asks for it, and begun again if the process dies; :meth:`close`
+    ends it, however far it is.
 
     Parameters
     ----------
@@ -35,17 +36,36 @@ class FarFactor:
 
     def __init__(self, A: Matrix) -> None:
         self._matrix = rows_of(A)
+        self._process: Process | None = None
+        self._thread: threading.Thread | None = None
         self._error: Exception | None = None
-        self._died = False
+        self._missing = True
         self._deaths = 0
-        self._begin()
 
     @property
     def ready(self) -> bool:
         """Whether :meth:`solve` need not wait until it is factored."""
-        if not self._thread.is_alive() and self._died:
-            self._begin()
-        return not self._thread.is_alive()
+        self.begin()
+        return not self._factors
+
+    @property
+    def _factors(self) -> bool:
+        return self._thread is not None and self._thread.is_alive()
+
+    def begin(self) -> None:
+        """Start a process, if there is none or it has died."""
+        if self._factors or not self._missing or self._error is not None:
+            return
+        if self._process is not None:
+            self.close()
+            self._deaths += 1
+        if self._deaths == _MOST_DEATHS:
+            self._error = MemoryError(_ENDED.format(times=_MOST_DEATHS))
+            return
+        # Not on the thread that waits for it: on Linux it ends with the thread that has started it.
+        self._process, self._missing = started(_START), False
+        self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
+        self._thread.start()
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Return ``A^-1 B`` for ``B`` of shape (n, 3), float64.
@@ -60,36 +80,28 @@ class FarFactor:
             If there can be no process.
         """
         while True:
-            self._thread.join()
+            while not self.ready:
+                self._join()
             if self._error is not None:
                 raise self._error
-            X = None if self._died else self._answer_to(np.ascontiguousarray(B))
+            X = self._answer_to(np.ascontiguousarray(B))
             if X is not None:
                 self._deaths = 0
                 return np.frombuffer(X).reshape(B.shape).copy()
-            self._begin()
 
     def close(self) -> None:
         """End the process; there is no factor any more."""
-        self._process.kill()
-        self._thread.join()
-        self._process.wait()
-        with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
-            self._process.stdin.close()
-        self._process.stdout.close()
+        if (process := self._process) is not None:
+            process.kill()
+            self._join()
+            process.wait()
+            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
+                process.stdin.close()
+            process.stdout.close()
 
-    def _begin(self) -> None:
-        """Start a process, in place of the one that has died."""
-        if self._died:
-            self.close()
-            self._deaths += 1
-        if self._deaths == _MOST_DEATHS:
-            self._error, self._died = MemoryError(_ENDED.format(times=_MOST_DEATHS)), False
-            return
-        # Not on the thread that waits for it: on Linux it ends with the thread that has started it.
-        self._process, self._died = started(_START), False
-        self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
-        self._thread.start()
+    def _join(self) -> None:
+        if self._thread is not None:
+            self._thread.join()
 
     def _send(self) -> None:
         word = self._answer_to(*self._matrix)
@@ -98,10 +110,12 @@ class FarFactor:
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
         """The answer of the process; None if it has died."""
+        process = self._process
+        assert process is not None
         with contextlib.suppress(OSError, ValueError):
             for message in messages:
-                wire.write(self._process.stdin, message)
-            if (answer := wire.read(self._process.stdout)) is not None:
+                wire.write(process.stdin, message)
+            if (answer := wire.read(process.stdout)) is not None:
                 return answer
-        self._died = True
+        self._missing = True
         return None

@@ -105,6 +105,8 @@ class Solver:
         solver = self._prepared(order)
         if request.iterate:
             self._iterate(order, solver)
+        else:
+            self._have_factored()
 
     def _iterate(self, order: Order, solver: Deformation) -> None:
         tray = self._tray_of(order)
@@ -128,6 +130,7 @@ class Solver:
                     put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
                 self._tell(Answer(order.number, frame, put, finished, seconds, warning=self._warning))
                 since, last = time.perf_counter(), iterations
+                self._have_factored()
             if finished or self._orders.waiting:
                 return
 
@@ -181,6 +184,11 @@ class Solver:
     def _factored(self, A: Matrix) -> Factor:
         self._factors.append(FarFactor(A))
         return self._factors[-1]
+
+    def _have_factored(self) -> None:
+        """See to it that factors are made: after the first shape, which is more urgent."""
+        for factor in self._factors:
+            factor.begin()
 
     def _rest_of(self, order: Order) -> RestMesh:
         mesh = order.request.document.mesh

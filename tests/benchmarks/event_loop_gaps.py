@@ -5,7 +5,7 @@
 A timer of 5 ms runs in an application that draws nothing; the gaps between its ticks are what a user would
 feel. Beside them stand those of a process that does nothing but sleep for 5 ms at a time: what the machine
 itself did to everybody meanwhile. With edges of 0.141, the default, the sample bottle has 655,000 vertices.
-Prints the largest memory of both processes too, where the system tells.
+Prints the largest memory of the processes too, where the system tells.
 """
 
 import gc
@@ -163,8 +163,11 @@ def main() -> None:
     session.end_gesture("Move handle")
     first = session.state.frame
     loop.run("factor again, iterate", lambda: session.state.frame is not first)
-    child = session._worker._child
-    print(f"peak memory: {peak('self')} here, {peak(child._process.pid)} in the solver's process")
+    pid = session._worker._child._process.pid
+    children = Path(f"/proc/{pid}/task/{pid}/children")
+    factors = children.read_text().split() if children.exists() else []
+    here, there = peak("self"), " and ".join(peak(child) for child in [pid, *factors])
+    print(f"peak memory: {here} here, {there} in the solver's process and in that which factors")
     session.close()
     loop.sleeper.communicate()
     collector.close()

@@ -76,6 +76,7 @@ def test_one_that_dies_is_replaced(factor):
 
 
 def test_one_that_dies_while_it_factors_is_replaced(factor):
+    factor.begin()
     kill(factor)
     wait_for(factor)
     assert np.array_equal(factor.solve(B), LinearSolver(A).solve(B))
@@ -93,7 +94,7 @@ def test_one_that_always_dies_is_given_up(monkeypatch):
 def test_what_cannot_be_started_is_said(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/no/such/python")
     with pytest.raises(OSError, match="such"):
-        far()
+        far().begin()
 
 
 def test_closing_does_not_wait_for_the_factor(monkeypatch):
@@ -101,6 +102,7 @@ def test_closing_does_not_wait_for_the_factor(monkeypatch):
     slow += "LinearSolver.from_rows = lambda *_: time.sleep(60)\nmain(replies)"
     monkeypatch.setattr(factoring, "_START", factoring._START.replace("main(replies)", slow))
     factor = far()
+    factor.begin()
     time.sleep(0.3)
     started = time.monotonic()
     factor.close()
