@@ -140,7 +140,10 @@ def main() -> None:
     )
     loop.run("drag: iterate", event=lambda k: session.move_handle(twisted(0.2 + 0.002 * k)))
     session.end_gesture("Move handle")
-    loop.run("iterate", events=4 * EVENTS)
+    loop.run("iterate", events=8 * EVENTS)
+    pid = session._worker._child._process.pid
+    children = Path(f"/proc/{pid}/task/{pid}/children")
+    factor = " and ".join(peak(child) for child in children.read_text().split()) if children.exists() else "?"
     order = np.argsort(V[:, 1])
     free = order[labels[order] == FREE]
     brush = (
@@ -163,11 +166,7 @@ def main() -> None:
     session.end_gesture("Move handle")
     first = session.state.frame
     loop.run("factor again, iterate", lambda: session.state.frame is not first)
-    pid = session._worker._child._process.pid
-    children = Path(f"/proc/{pid}/task/{pid}/children")
-    factors = children.read_text().split() if children.exists() else []
-    here, there = peak("self"), " and ".join(peak(child) for child in [pid, *factors])
-    print(f"peak memory: {here} here, {there} in the solver's process and in that which factors")
+    print(f"peak memory: {peak('self')} here, {peak(pid)} where it is solved, {factor} where it is factored")
     session.close()
     loop.sleeper.communicate()
     collector.close()
