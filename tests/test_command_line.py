@@ -15,7 +15,7 @@ from meshes import box, ends, grid, rotation, sphere
 import apd_viewer
 from apd_viewer import headless
 from apd_viewer.__main__ import main
-from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
+from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
 from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.methods import METHODS
@@ -157,7 +157,7 @@ def test_held_vertices_are_where_they_were_put(bar, deformed):
     np.testing.assert_array_equal(mesh.F, bar.F)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", WRITTEN)
 def test_every_format_can_be_written(suffix, bar, command):
     bar.out = bar.folder / f"out{suffix}"
     status, out, err = command(*bar.words("--method", "arap", "--iterations", 2))

@@ -9,15 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.gltf import read_gltf
 from apd_viewer.files.obj import read_obj
 from apd_viewer.files.off import read_off
+from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.ply import read_ply
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.stl import read_stl
 from apd_viewer.geometry.mesh import Mesh
 
-FORMATS = (".obj", ".ply", ".stl", ".off", ".glb")
-_NAMES = "OBJ, PLY, STL, OFF or GLB"
+# In which any mesh can be written; a glTF only where it came from one.
+WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
+FORMATS = (*WRITTEN, ".gltf")
+_NAMES = "OBJ, PLY, STL, OFF, GLB or glTF"
+_LONGEST = 160  # characters of what an error says
+_READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off}
 
 
 def open_mesh(path: str | Path) -> Mesh:
@@ -26,7 +32,7 @@ def open_mesh(path: str | Path) -> Mesh:
     Parameters
     ----------
     path : path
-        OBJ, PLY, STL, OFF or GLB. Polygons are split into triangles.
+        OBJ, PLY, STL, OFF, GLB or glTF. Polygons are split into triangles.
 
     Raises
     ------
@@ -36,17 +42,18 @@ def open_mesh(path: str | Path) -> Mesh:
     path = Path(path)
     check_readable(path)
     try:
-        V, F = _read(path)
+        V, F, origin = _parsed(_read(path), path)
     except OSError as error:
         raise InputError(
             f"{path.name} cannot be read ({error.strerror or error}); check the file."
         ) from error
     except Exception as error:  # readers of foreign formats raise whatever they stumble over
         raise InputError(
-            f"{path.name} is not a readable {path.suffix[1:].upper()} file ({error}); export it again."
+            f"{path.name} is not a readable {path.suffix[1:].upper()} file ({_in_one_line(error)}); "
+            "export it again."
         ) from error
     try:
-        return Mesh(V, F, path)
+        return Mesh(V, F, path, origin)
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
 
@@ -64,39 +71,28 @@ def check_readable(path: Path) -> None:
         raise InputError(f"{path.name} is empty; export the mesh again.")
 
 
-def _read(path: Path) -> tuple[np.ndarray, np.ndarray]:
+def _in_one_line(error: Exception) -> str:
+    """What an error says, without what a broken file may have put into it."""
+    said = "".join(sign if sign.isprintable() else " " for sign in str(error))
+    return said if len(said) <= _LONGEST else said[:_LONGEST] + "…"
+
+
+def _read(path: Path) -> bytes:
+    return path.read_bytes()
+
+
+def _parsed(content: bytes, path: Path) -> Parsed:
     kind = path.suffix.lower()
-    if kind == ".glb":
-        return _read_glb(path)
-    if kind in (".obj", ".off"):
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-        return read_obj(text) if kind == ".obj" else read_off(text)
-    return read_ply(path.read_bytes()) if kind == ".ply" else read_stl(path.read_bytes())
-
-
-def _read_glb(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """All meshes of the scene, each where its node puts it, in the order of the file."""
-    import trimesh  # here, because it takes longer to import than all the rest of a headless run
-
-    scene = trimesh.load_scene(path, process=False, maintain_order=True, skip_materials=True)
-    order = {name: k for k, name in enumerate(scene.geometry)}
-    placed = sorted((order[scene.graph[node][1]], node) for node in scene.graph.nodes_geometry)
-    V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
-    for _, node in placed:
-        M, name = scene.graph[node]
-        part = scene.geometry[name]
-        if hasattr(part, "faces"):
-            V.append(part.vertices @ M[:3, :3].T + M[:3, 3])
-            F.append(part.faces + count)
-            count += len(part.vertices)
-    return np.vstack(V), np.vstack(F)
+    if kind in (".glb", ".gltf"):
+        return read_gltf(content, path)
+    return _READERS[kind](content)
 
 
 def check_target(path: str | Path) -> Path:
     """Return ``path`` if a mesh can be written there as far as its name tells, else raise InputError."""
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path.name} does not name a format to write; end it in {', '.join(FORMATS)}.")
+        raise InputError(f"{path.name} does not name a format to write; end it in {', '.join(WRITTEN)}.")
     if not os.path.isdir(path.parent):  # noqa: PTH112
         raise InputError(f"There is no folder {path.parent}; make it first or choose another.")
     if os.path.isdir(path):  # noqa: PTH112
@@ -122,20 +118,29 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> None:
     InputError
         If the file cannot be written.
     """
-    import trimesh
-
     path = check_target(path)
     if np.shape(U) != mesh.V.shape:
         raise InputError(f"There must be {len(mesh.V):,} positions, one for each vertex of the mesh.")
     if not np.isfinite(U).all():
         raise InputError("A position is not a finite number; nothing was written.")
-    kind = path.suffix[1:].lower()
-    largest = float(np.abs(U).max())
-    if kind not in ("obj", "off") and largest > float(np.finfo(np.float32).max):
-        raise InputError(f"{path.name} cannot hold coordinates as large as {largest:.3g}; use OBJ or OFF.")
-    decimals = min(300, max(0, 15 - math.ceil(math.log10(largest)))) if largest > 0 else 1
-    digits = {"digits": decimals} if kind in ("obj", "off") else {}
-    # To memory first: trimesh leaves its file open when the disk is full.
-    content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind, **digits)
     with replacing(path) as scratch:
-        scratch.write_bytes(content.encode() if isinstance(content, str) else content)
+        scratch.write_bytes(_content(mesh, U, path))
+
+
+def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
+    """The file that the mesh came from with other coordinates, or a new one if it is of another format."""
+    kind = path.suffix.lower()
+    if mesh.origin is not None and mesh.origin.suffix == kind:
+        return mesh.origin.rewritten(mesh, U)
+    if kind not in WRITTEN:
+        raise InputError(f"{path.name}: only what was opened as glTF is written as glTF; choose GLB.")
+    largest = float(np.abs(U).max())
+    if kind not in (".obj", ".off") and largest > float(np.finfo(np.float32).max):
+        raise InputError(f"{path.name} cannot hold coordinates as large as {largest:.3g}; use OBJ or OFF.")
+    import trimesh  # here, because it takes longer to import than all the rest of a headless run
+
+    decimals = min(300, max(0, 15 - math.ceil(math.log10(largest)))) if largest > 0 else 1
+    digits = {"digits": decimals} if kind in (".obj", ".off") else {}
+    # To memory first: trimesh leaves its file open when the disk is full.
+    content = trimesh.Trimesh(U, mesh.F, process=False).export(file_type=kind[1:], **digits)
+    return content.encode() if isinstance(content, str) else content

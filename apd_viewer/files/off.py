@@ -1,42 +1,89 @@
-"""Vertices and faces of OFF, in the order of the file."""
+"""OFF and its kin: vertices and faces in the order of the file; the same file with other coordinates."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.polygons import fans
+from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.polygons import Polygons
+from apd_viewer.files.text import Edits, lines, plain
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.normals import turned_normals
+
+_HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)
 
 
-def read_off(text: str) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and triangles (m, 3) of an OFF file; colours, normals and the like are left out.
+@dataclass(frozen=True)
+class OffFile:
+    """The content of an OFF file, and where its vertices stand."""
+
+    content: bytes
+    rows: list[tuple[int, bytes]]
+    has_colours: bool
+    has_normals: bool
+    suffix = ".off"
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What it holds besides positions and triangles, in words."""
+        return ("colours",) * self.has_colours + ("normals",) * self.has_normals
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """The file with the positions ``U`` (n, 3), and normals that have turned along."""
+        edits = Edits(self.content)
+        edits.numbers(self._spans(0), mesh.V.ravel(), U.ravel())
+        if self.has_normals:
+            N = np.array([[float(word) for word in row.split()[3:6]] for _, row in self.rows]).reshape(-1, 3)
+            edits.numbers(self._spans(3), N.ravel(), turned_normals(mesh.V, U, mesh.F, N, mesh.F).ravel())
+        return edits.done()
+
+    def _spans(self, first: int) -> list[tuple[int, int]]:
+        """Where three words of every row stand."""
+        spans = []
+        for start, row in self.rows:
+            words = [(start + word.start(), start + word.end()) for word in re.finditer(rb"\S+", row)]
+            spans += words[first : first + 3]
+        return spans
+
+
+def read_off(content: bytes) -> Parsed:
+    """Positions (n, 3) and triangles (m, 3) of an OFF file.
 
     Raises
     ------
     ValueError
         If the file cannot be understood or ends too early.
     """
-    lines = [words for line in text.splitlines() if (words := line.partition("#")[0].strip())]
-    head = re.fullmatch(r"(?:ST)?C?N?OFF\b(.*)", lines[0]) if lines else None
+    rows = list(lines(plain(content)))
+    head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
     if head is None:
         raise ValueError("it does not begin with OFF")
-    lines = ([head[1]] if head[1].strip() else []) + lines[1:]
-    if not lines or len(lines[0].split()) < 2:
+    if head[4].split()[:1] == [b"BINARY"]:
+        raise ValueError("it is of the binary kind, which is not supported")
+    counts = head[4].split()
+    if not counts:
+        counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
+    if len(counts) < 2:
         raise ValueError("the numbers of vertices and faces are missing")
-    n, m = (int(word) for word in lines[0].split()[:2])
-    if n < 0 or m < 0 or len(lines) < 1 + n + m:
+    n, m = int(counts[0]), int(counts[1])
+    if n < 0 or m < 0 or len(rows) < 1 + n + m:
         raise ValueError(f"it ends before its last face: {n:,} vertices and {m:,} faces were announced")
-    positions = [[float(word) for word in line.split()[:3]] for line in lines[1 : 1 + n]]
-    if any(len(p) != 3 for p in positions):
-        raise ValueError("a vertex has fewer than three coordinates")
-    return np.array(positions).reshape(-1, 3), fans(_polygon(line) for line in lines[1 + n : 1 + n + m])
+    vertices, has_normals = rows[1 : 1 + n], bool(head[3])
+    positions = [[float(word) for word in row.split()[:3]] for _, row in vertices]
+    if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
+        raise ValueError("a vertex has too few numbers")
+    polygons = Polygons.of([_polygon(row) for _, row in rows[1 + n : 1 + n + m]])
+    V = np.array(positions).reshape(-1, 3)
+    return Parsed(V, polygons.triangles(V), OffFile(content, vertices, bool(head[2]), has_normals))
 
 
-def _polygon(line: str) -> list[int]:
+def _polygon(line: bytes) -> list[int]:
     """Vertices of a face: their number, then they; a colour may follow."""
     words = line.split()
     count = int(words[0])
     if count < 0 or len(words) < 1 + count:
-        raise ValueError(f"a face is not whole: {line[:60]}")
+        raise ValueError(f"a face is not whole: {line[:60].decode(errors='replace')}")
     return [int(word) for word in words[1 : 1 + count]]

@@ -1,30 +1,31 @@
-"""Vertices and faces of PLY, text or binary, in the order of the file."""
+"""PLY, text or binary: vertices and faces in the order of the file; the same file with other coordinates."""
 
 from __future__ import annotations
 
+import re
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from apd_viewer.files.polygons import fans
+from apd_viewer.errors import InputError
+from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.polygons import Polygons
+from apd_viewer.files.text import Edits
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.normals import turned_normals
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 _TYPES |= {"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2"}
 _TYPES |= {"int32": "i4", "uint32": "u4", "int64": "i8", "uint64": "u8", "float32": "f4", "float64": "f8"}
-_CODES = {
-    "i1": "b",
-    "u1": "B",
-    "i2": "h",
-    "u2": "H",
-    "i4": "i",
-    "u4": "I",
-    "i8": "q",
-    "u8": "Q",
-    "f4": "f",
-    "f8": "d",
-}
+_CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q"}
+_CODES |= {"f4": "f", "f8": "d"}
 _ORDER = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_AXES, _NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
+_INDICES = ("vertex_indices", "vertex_index")
+_MOST_CORNERS = 1 << 16  # of a face; more is a broken file
+_EXTRAS = {"colours": "red", "normals": "nx", "texture coordinates": "s", "transparency": "alpha"}
 
 
 @dataclass
@@ -39,9 +40,108 @@ class _Element:
     def names(self) -> list[str]:
         return [name for name, _, _ in self.properties]
 
+    @property
+    def has_lists(self) -> bool:
+        return any(length is not None for _, length, _ in self.properties)
 
-def read_ply(content: bytes) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and triangles (m, 3) of a PLY file; all other properties are left out.
+    @property
+    def least(self) -> int:
+        """Bytes that a row has at least."""
+        return sum(np.dtype(length or kind).itemsize for _, length, kind in self.properties)
+
+    def table(self, order: str, lengths: dict[str, int] | None = None) -> np.dtype:
+        """A row, if every list has its length of ``lengths``."""
+        columns: list[tuple] = []
+        for name, length, kind in self.properties:
+            if length is None:
+                columns.append((name, order + kind))
+            else:
+                columns += [(f"{name} count", order + length), (name, order + kind, ((lengths or {})[name],))]
+        return np.dtype(columns)
+
+
+@dataclass(frozen=True)
+class PlyFile:
+    """The content of a PLY file, and what was found out about it."""
+
+    content: bytes
+    order: str
+    elements: list[_Element]
+    starts: list[int]  # of the elements
+    suffix = ".ply"
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What it holds besides positions and triangles, in words."""
+        names = {name for element in self.elements for name in element.names}
+        found = [what for what, name in _EXTRAS.items() if name in names]
+        known = {*_AXES, *_NORMAL, *_INDICES, *_EXTRAS.values(), "green", "blue", "t"}
+        return (*found, *(f"“{name}”" for name in sorted(names - known)))
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """The file with the positions ``U`` (n, 3), and normals that have turned along."""
+        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
+        element, start = self.elements[at], self.starts[at]
+        kinds = {name: kind for name, _, kind in element.properties}
+        if any(kinds[axis][0] != "f" for axis in _AXES):
+            raise InputError("The file holds whole numbers only; choose another format to write.")
+        new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
+        if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
+            N = self._columns(at, _NORMAL)
+            new[_NORMAL] = turned_normals(mesh.V, U, mesh.F, N, mesh.F)
+        if not self.order:
+            return self._text(at, new)
+        body = bytearray(self.content)
+        for names, values in new.items():
+            old = self._columns(at, names)
+            for axis, name in enumerate(names):
+                self._put(body, element, start, name, values[:, axis], values[:, axis] != old[:, axis])
+        return bytes(body)
+
+    def _put(
+        self, body: bytearray, element: _Element, start: int, name: str, values: np.ndarray, which: np.ndarray
+    ) -> None:
+        kind = self.order + next(kind for other, _, kind in element.properties if other == name)
+        if not element.has_lists:
+            table = np.frombuffer(body, element.table(self.order), element.rows, start)
+            table[name][which] = values[which]
+            return
+        for row, offsets in enumerate(_walk(self.content, start, element, self.order)):
+            if which[row]:
+                struct.pack_into(kind[0] + _CODES[kind[1:]], body, offsets[name], values[row])
+
+    def _columns(self, at: int, names: tuple[str, ...]) -> np.ndarray:
+        """Columns of an element, (rows, len(names)) float array."""
+        element, start = self.elements[at], self.starts[at]
+        if not self.order:
+            rows = _text_rows(self.content, start, element)
+            columns = [element.names.index(name) for name in names]
+            return np.array([[float(row[c][0]) for c in columns] for row in rows]).reshape(-1, len(names))
+        if not element.has_lists:
+            table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
+            return np.column_stack([table[name].astype(np.float64) for name in names])
+        codes = {name: self.order + _CODES[kind] for name, _, kind in element.properties}
+        return np.array(
+            [
+                [struct.unpack_from(codes[name], self.content, offsets[name])[0] for name in names]
+                for offsets in _walk(self.content, start, element, self.order)
+            ]
+        ).reshape(-1, len(names))
+
+    def _text(self, at: int, new: dict[tuple[str, ...], np.ndarray]) -> bytes:
+        element, start = self.elements[at], self.starts[at]
+        edits = Edits(self.content)
+        rows = list(_text_rows(self.content, start, element))
+        for names, values in new.items():
+            columns = [element.names.index(name) for name in names]
+            cells = [row[c] for row in rows for c in columns]
+            old = np.array([float(word) for word, _ in cells])
+            edits.numbers([span for _, span in cells], old, values.ravel())
+        return edits.done()
+
+
+def read_ply(content: bytes) -> Parsed:
+    """Positions (n, 3) and triangles (m, 3) of a PLY file.
 
     Raises
     ------
@@ -49,37 +149,166 @@ def read_ply(content: bytes) -> tuple[np.ndarray, np.ndarray]:
         If the file cannot be understood or ends too early.
     """
     order, elements, start = _head(content)
-    lines = iter(
-        [] if order else [line for line in content[start:].decode("ascii").splitlines() if line.strip()]
-    )
-    positions: np.ndarray = np.empty((0, 3))
-    polygons: list = []
-    for element in elements:
-        if order:
-            rows, start = _binary(content, start, element, order)
-        else:
-            rows = [_row(next(lines, ""), element) for _ in range(element.rows)]
+    starts: list[int] = []
+    polygons = Polygons.of([])
+    file = PlyFile(content, order, elements, starts)
+    for at, element in enumerate(elements):
+        if order and element.rows * element.least > len(content) - start:
+            raise ValueError(_ends_within(element))
+        starts.append(start)
         if element.name == "vertex":
-            columns = [element.names.index(axis) for axis in "xyz"]
-            positions = np.array([[row[c] for c in columns] for row in rows], dtype=np.float64).reshape(-1, 3)
-        elif element.name == "face" and rows:
-            column = next(
-                k for k, name in enumerate(element.names) if name in ("vertex_indices", "vertex_index")
-            )
-            polygons = [row[column] for row in rows]
-    return positions, fans(polygons)
+            missing = [axis for axis in _AXES if axis not in element.names]
+            if missing:
+                raise ValueError(f"its vertices have no {missing[0]}")
+            V = file._columns(at, _AXES)
+            if not order:
+                start = _after_text(content, start, element)
+        if element.name == "face" and element.rows:
+            polygons, start = _faces(content, start, element, order)
+        elif order and not element.has_lists:
+            start += element.rows * element.table(order).itemsize
+        elif order:
+            for offsets in _walk(content, start, element, order):
+                start = offsets[""]
+        elif element.name != "vertex":
+            start = _after_text(content, start, element)
+    if "vertex" not in [element.name for element in elements]:
+        return Parsed(np.empty((0, 3)), polygons.triangles(np.empty((0, 3))), None)
+    return Parsed(V, polygons.triangles(V), file)
+
+
+def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[Polygons, int]:
+    """The faces, and where the next element begins."""
+    name = next((name for name in element.names if name in _INDICES), None)
+    if name is None:
+        raise ValueError("its faces have no vertex_indices")
+    if not order:
+        column = element.names.index(name)
+        faces = [
+            [int(word) for word in row[column][0].split()] for row in _text_rows(content, start, element)
+        ]
+        return Polygons.of(faces), _after_text(content, start, element)
+    alike = _faces_alike(content, start, element, order, name)
+    if alike is not None:
+        return alike
+    (code,) = (order, next(_CODES[kind] for other, _, kind in element.properties if other == name))[1:]
+    size = struct.calcsize(code)
+    faces = []
+    for offsets in _walk(content, start, element, order):
+        count = (offsets[f"{name} end"] - offsets[name]) // size
+        faces.append(list(struct.unpack_from(f"{order}{count}{code}", content, offsets[name])))
+        end = offsets[""]
+    return Polygons.of(faces), end
+
+
+def _faces_alike(
+    content: bytes, start: int, element: _Element, order: str, name: str
+) -> tuple[Polygons, int] | None:
+    """The same, if all rows are as long as the first one."""
+    first = next(_walk(content, start, element, order))
+    lengths = {
+        other: (first[f"{other} end"] - first[other]) // np.dtype(kind).itemsize
+        for other, length, kind in element.properties
+        if length is not None
+    }
+    table = element.table(order, lengths)
+    if element.rows * table.itemsize > len(content) - start:
+        return None
+    rows = np.frombuffer(content, table, element.rows, start)
+    if any((rows[f"{other} count"] != length).any() for other, length in lengths.items()):
+        return None
+    return Polygons.alike(rows[name].astype(np.int64)), start + rows.nbytes
+
+
+def _walk(content: bytes, start: int, element: _Element, order: str) -> Iterator[dict[str, int]]:
+    """Where the properties of every row begin (and, "... end", lists end); under "", where the row ends."""
+    sizes = [
+        (
+            name,
+            length and (order + _CODES[length]),
+            np.dtype(length or kind).itemsize,
+            np.dtype(kind).itemsize,
+        )
+        for name, length, kind in element.properties
+    ]
+    try:
+        for _ in range(element.rows):
+            offsets: dict[str, int] = {}
+            for name, length, head, size in sizes:
+                if length:
+                    (count,) = struct.unpack_from(length, content, start)
+                    if not 0 <= count <= _MOST_CORNERS:
+                        raise ValueError(f"a list of {count:,} is absurd")
+                    start += head
+                    offsets[name] = start
+                    start += count * size
+                    offsets[f"{name} end"] = start
+                else:
+                    offsets[name] = start
+                    start += size
+            offsets[""] = start
+            if start > len(content):
+                raise ValueError(_ends_within(element))
+            yield offsets
+    except struct.error:
+        raise ValueError(_ends_within(element)) from None
+
+
+def _ends_within(element: _Element) -> str:
+    return f"it ends within its {element.rows:,} rows of {element.name}"
+
+
+def _text_rows(
+    content: bytes, start: int, element: _Element
+) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
+    """The words of every row by property, those of a list together, and where they stand."""
+    rows = 0
+    for line in re.finditer(rb"[^\r\n]*\S[^\r\n]*", content[start:]) if element.rows else ():
+        begin = start + line.start()
+        words = [
+            (word[0], word.start() + begin, word.end() + begin) for word in re.finditer(rb"\S+", line[0])
+        ]
+        yield _row(words, element)
+        rows += 1
+        if rows == element.rows:
+            return
+    if rows < element.rows:
+        raise ValueError(_ends_within(element))
+
+
+def _row(words: list[tuple[bytes, int, int]], element: _Element) -> list[tuple[bytes, tuple[int, int]]]:
+    cells, k = [], 0
+    for _, length, _ in element.properties:
+        count = 1
+        if length is not None:
+            count = int(words[k][0]) if k < len(words) else 0
+            k += 1
+        if count < 0 or k + count > len(words):
+            raise ValueError(_ends_within(element))
+        own = words[k : k + count]
+        span = (own[0][1], own[-1][2]) if own else (0, 0)
+        cells.append((b" ".join(word for word, _, _ in own), span))
+        k += count
+    return cells
+
+
+def _after_text(content: bytes, start: int, element: _Element) -> int:
+    """Where the line after the rows of an element begins."""
+    for row, line in enumerate(re.finditer(rb"[^\r\n]*\S[^\r\n]*", content[start:])):
+        if row + 1 >= element.rows:
+            return start + (line.end() if element.rows else 0)
+    return len(content) if element.rows else start
 
 
 def _head(content: bytes) -> tuple[str, list[_Element], int]:
     """Byte order ("" for text), the elements, and where their rows begin."""
-    end = content.find(b"end_header")
-    start = content.find(b"\n", end) + 1
-    if not content.startswith(b"ply") or end < 0 or not start:
+    head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
+    if not content.startswith(b"ply") or head is None:
         raise ValueError("it has no PLY header")
     order, elements = None, []
-    for line in content[:end].decode("utf-8", errors="replace").splitlines():
+    for line in content[: head.start()].decode("utf-8", errors="replace").splitlines():
         match line.split():
-            case ["format", kind, _]:
+            case ["format", kind, *_]:
                 order = _ORDER[kind]
             case ["element", name, rows]:
                 elements.append(_Element(name, int(rows)))
@@ -89,43 +318,6 @@ def _head(content: bytes) -> tuple[str, list[_Element], int]:
                 elements[-1].properties.append((name, None, _TYPES[kind]))
     if order is None:
         raise ValueError("its header does not say whether it is text or binary")
-    return order, elements, start
-
-
-def _row(line: str, element: _Element) -> list:
-    words = iter(line.split())
-    values: list = []
-    try:
-        for _, length, kind in element.properties:
-            read = float if kind[0] == "f" else int
-            if length is None:
-                values.append(read(next(words)))
-            else:
-                values.append([read(next(words)) for _ in range(int(next(words)))])
-    except (StopIteration, RuntimeError):
-        raise ValueError(f"it ends within its {element.rows:,} rows of {element.name}") from None
-    return values
-
-
-def _binary(content: bytes, start: int, element: _Element, order: str) -> tuple[list, int]:
-    """Rows of an element, and where the next one begins."""
-    try:
-        if all(length is None for _, length, _ in element.properties):
-            table = np.dtype([(name, order + kind) for name, _, kind in element.properties])
-            whole = np.frombuffer(content, table, element.rows, start)
-            return whole.tolist(), start + whole.nbytes
-        rows: list = []
-        for _ in range(element.rows):
-            row: list = []
-            for _, length, kind in element.properties:
-                count = 1
-                if length is not None:
-                    (count,) = struct.unpack_from(order + _CODES[length], content, start)
-                    start += np.dtype(length).itemsize
-                values = struct.unpack_from(f"{order}{count}{_CODES[kind]}", content, start)
-                start += count * np.dtype(kind).itemsize
-                row.append(values[0] if length is None else values)
-            rows.append(row)
-        return rows, start
-    except (struct.error, ValueError):
-        raise ValueError(f"it ends within its {element.rows:,} rows of {element.name}") from None
+    if any(element.rows < 0 or len(set(element.names)) < len(element.names) for element in elements):
+        raise ValueError("its header contradicts itself")
+    return order, elements, head.end()

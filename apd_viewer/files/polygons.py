@@ -1,16 +1,106 @@
-"""Polygons as triangles."""
+"""Polygons of a file, and the triangles that stand for them in the solve."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+# Faces with more corners than that are left as fans, however they look.
+_MOST_TO_CLIP = 100
+_MOST_FOLDED = 10_000
 
 
-def fans(polygons: Iterable[Sequence[int]]) -> np.ndarray:
-    """Triangles (m, 3) of the polygons, a fan around the first vertex of each, in their order."""
-    triangles = [(p[0], p[k], p[k + 1]) for p in polygons for k in range(1, len(p) - 1)]
-    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
+class Polygons(NamedTuple):
+    """Corners of all faces in a row, (c,) vertices, and where each face starts among them, (p + 1,)."""
+
+    corner: np.ndarray
+    start: np.ndarray
+
+    @classmethod
+    def of(cls, faces: Sequence[Sequence[int]]) -> Polygons:
+        """Faces of any lengths."""
+        sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
+        start = np.concatenate([[0], np.cumsum(sizes)])
+        return cls(np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1])), start)
+
+    @classmethod
+    def alike(cls, faces: np.ndarray) -> Polygons:
+        """Faces (p, k) of the same length."""
+        corner = np.ascontiguousarray(faces, dtype=np.int64).ravel()
+        return cls(corner, np.arange(0, faces.size + 1, max(faces.shape[1], 1)))
+
+    def triangles(self, V: np.ndarray) -> np.ndarray:
+        """The triangles (m, 3) of the faces, in their order, by their vertices."""
+        sizes = np.diff(self.start)
+        if (sizes == 3).all():
+            return self.corner.reshape(-1, 3)
+        return self.corner[self.split(V)]
+
+    def split(self, V: np.ndarray) -> np.ndarray:
+        """The triangles (m, 3) of the faces, in their order, by places among ``corner``.
+
+        A fan around the first corner, unless that folds over where the face is not convex.
+        """
+        sizes = np.diff(self.start)
+        first = np.concatenate([[0], np.cumsum(np.maximum(sizes - 2, 0))])
+        face = np.repeat(np.arange(len(sizes)), np.diff(first))
+        k = np.arange(first[-1]) - first[face]
+        begin = self.start[face]
+        T = np.column_stack([begin, begin + k + 1, begin + k + 2])
+        if len(self.corner) and self.corner.min() >= 0 and self.corner.max() < len(V):
+            # Faces that fold are rare; thousands of them are a broken file.
+            for folded in np.unique(face[_folds(V[self.corner], T, face)])[:_MOST_FOLDED]:
+                a, b = self.start[folded], self.start[folded + 1]
+                T[first[folded] : first[folded + 1]] = a + _ears(V[self.corner[a:b]])
+        return T
+
+
+def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Which triangles look the other way than the face (its area vector) that they are a part of."""
+    with np.errstate(all="ignore"):  # absurd coordinates are refused later
+        cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
+        count = int(face[-1]) + 1 if len(face) else 0
+        whole = np.column_stack(
+            [np.bincount(face, weights=cross[:, axis], minlength=count) for axis in range(3)]
+        )
+        return np.flatnonzero((cross * whole[face]).sum(axis=1) < 0.0)
+
+
+def _ears(X: np.ndarray) -> np.ndarray:
+    """Triangles (k - 2, 3) of a polygon (k, 3) by clipping ears, seen along its area vector."""
+    left, found = np.arange(len(X)), []
+    if len(X) <= _MOST_TO_CLIP:
+        x = _flattened(X)
+        while len(left) > 3:
+            ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), 0)
+            found.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
+            left = np.delete(left, ear)
+    fan = [[left[0], left[k], left[k + 1]] for k in range(1, len(left) - 1)]
+    return np.array([*found, *fan])
+
+
+def _flattened(X: np.ndarray) -> np.ndarray:
+    """The corners (k, 3) of a polygon in the plane across its area vector, (k, 2), counter-clockwise."""
+    normal = np.cross(X - X[0], np.roll(X, -1, axis=0) - X[0]).sum(axis=0)
+    size = np.linalg.norm(normal)
+    normal = normal / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    along = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    return (X - X[0]) @ np.column_stack([along, np.cross(normal, along)])
+
+
+def _is_ear(x: np.ndarray, left: np.ndarray, k: int) -> bool:
+    own = left[[k - 1, k, (k + 1) % len(left)]]
+    a, b, c = x[own]
+    if _turn(a, b, c) <= 0.0:
+        return False
+    others = x[np.setdiff1d(left, own)]
+    inside = (_turn(a, b, others) >= 0.0) & (_turn(b, c, others) >= 0.0) & (_turn(c, a, others) >= 0.0)
+    return not inside.any()
+
+
+def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Twice the area of the triangles a, b, p in the plane, positive to the left."""
+    return (b[0] - a[0]) * (p[..., 1] - a[1]) - (b[1] - a[1]) * (p[..., 0] - a[0])

@@ -1,14 +1,76 @@
-"""Triangles of STL, text or binary: three vertices of their own each, in the order of the file."""
+"""STL, text or binary: three vertices of its own for every triangle; the same file with other coordinates."""
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+
 import numpy as np
+
+from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.text import Edits, plain
+from apd_viewer.geometry.mesh import Mesh
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_LINE = rb"(?im)^[ \t]*"  # a solid may be named after any word
+_VERTEX = re.compile(_LINE + rb"vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
+_NORMAL = re.compile(_LINE + rb"facet[ \t]+normal[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
+_FACETS, _VERTICES = (re.compile(_LINE + word + rb"\b") for word in (b"facet", b"vertex"))
 
 
-def read_stl(content: bytes) -> tuple[np.ndarray, np.ndarray]:
+@dataclass(frozen=True)
+class StlFile:
+    """The content of an STL file."""
+
+    content: bytes
+    is_binary: bool
+    suffix = ".stl"
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What it holds besides positions and triangles, in words."""
+        facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
+        return ("attributes of facets",) if facets is not None and facets["attribute"].any() else ()
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """The file with the positions ``U`` (3 m, 3), and new normals where it had some."""
+        moved = (mesh.V != U).any(axis=1).reshape(-1, 3).any(axis=1)
+        if self.is_binary:
+            body = bytearray(self.content)
+            facets = np.frombuffer(body, _FACET, offset=_HEAD)
+            corners = U.reshape(-1, 3, 3)
+            facets["corners"][moved] = corners[moved]
+            had = moved & facets["normal"].any(axis=1)
+            # Of the corners as they are written.
+            facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
+            return bytes(body)
+        text, edits = plain(self.content), Edits(self.content)
+        edits.numbers(_spans(_VERTEX, text), mesh.V.ravel(), U.ravel())
+        old = _numbers(_NORMAL, text)
+        if len(old) == len(moved):
+            new, had = old.copy(), moved & old.any(axis=1)
+            new[had] = _normals(U.reshape(-1, 3, 3)[had])
+            edits.numbers(_spans(_NORMAL, text), old.ravel(), new.ravel())
+        return edits.done()
+
+
+def _normals(corners: np.ndarray) -> np.ndarray:
+    """Unit normals of triangles (k, 3, 3); zero without an area."""
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.divide(across, size, out=np.zeros_like(across), where=size > 0.0)
+
+
+def _spans(pattern: re.Pattern[bytes], content: bytes) -> list[tuple[int, int]]:
+    return [match.span(k) for match in pattern.finditer(content) for k in (1, 2, 3)]
+
+
+def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
+    return np.array([float(word) for words in pattern.findall(content) for word in words]).reshape(-1, 3)
+
+
+def read_stl(content: bytes) -> Parsed:
     """Positions (3 m, 3) and triangles (m, 3) of an STL file; several solids stand one after the other.
 
     Raises
@@ -18,18 +80,20 @@ def read_stl(content: bytes) -> tuple[np.ndarray, np.ndarray]:
     """
     # Some binary files begin with "solid" too; their length cannot lie.
     m = int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
-    if len(content) >= _HEAD and len(content) == _HEAD + m * _FACET.itemsize:
+    is_binary = len(content) >= _HEAD and len(content) == _HEAD + m * _FACET.itemsize
+    if is_binary:
         V = np.frombuffer(content, _FACET, offset=_HEAD)["corners"].reshape(-1, 3).astype(np.float64)
     else:
-        V = _text(content.decode("utf-8", errors="replace"))
-    return V, np.arange(len(V)).reshape(-1, 3)
+        V = _text(plain(content))
+    return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, is_binary))
 
 
-def _text(text: str) -> np.ndarray:
-    lines = [line.split() for line in text.lower().splitlines() if line.strip()]
-    if not lines or lines[0][0] != "solid" or lines[-1][0] != "endsolid":
+def _text(content: bytes) -> np.ndarray:
+    words = content.split(None, 1)
+    last = content.rstrip().rpartition(b"\n")[2].split(None, 1)
+    if not words or words[0].lower() != b"solid" or not last or last[0].lower() != b"endsolid":
         raise ValueError("it does not go from solid to endsolid, and its length is not that of a binary file")
-    corners = [words[1:] for words in lines if words[0] == "vertex"]
-    if len(corners) % 3 or any(len(corner) != 3 for corner in corners):
+    V = _numbers(_VERTEX, content)
+    if len(V) != 3 * len(_FACETS.findall(content)) or len(V) != len(_VERTICES.findall(content)):
         raise ValueError("a facet is not whole")
-    return np.array([[float(word) for word in corner] for corner in corners]).reshape(-1, 3)
+    return V

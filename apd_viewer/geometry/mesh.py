@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -20,6 +20,21 @@ def frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
+class Origin(Protocol):
+    """The file that a mesh came from, which can be written again with other coordinates."""
+
+    @property
+    def suffix(self) -> str:
+        """Of its name, in small letters: tells the format."""
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What it holds besides positions and triangles, in words."""
+
+    def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
+        """The file with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
+
+
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Vertices and triangles in the order of the file: never reordered, never merged.
@@ -32,15 +47,19 @@ class Mesh:
         Triangles, counter-clockwise seen from outside, read-only.
     path : Path or None
         Where the mesh came from.
+    origin : Origin or None
+        What came from there.
     """
 
     V: np.ndarray
     F: np.ndarray
     path: Path | None = field(default=None)
+    origin: Origin | None = field(default=None)
 
     def __post_init__(self) -> None:
         V = numbers(self.V, "Vertices")
-        F = whole_numbers(self.F, "Faces")
+        # What is read from a file has whole numbers already.
+        F = self.F if self.origin else whole_numbers(self.F, "Faces")
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))

@@ -11,16 +11,17 @@ from hypothesis import strategies as st
 from meshes import box, grid, soup
 
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.samples import resource
 
 # Six corners, of which the last coincides with the first and the fourth is used by no face.
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1.5, 0], [7, 7, 7], [0.1, 1, -2e-3], [0, 0, 0]])
-POLYGONS = [[0, 1, 2], [5, 2, 4, 1], [4, 2, 1], [0, 1, 2, 4, 5]]
+POLYGONS = [[0, 1, 2], [5, 1, 2, 4], [4, 2, 1], [0, 1, 2, 4, 5]]
 
 
-def fans(polygons):
+def fans(polygons, V=CORNERS):
     """Triangles of the polygons, in the order of the file."""
-    return [[p[0], p[k], p[k + 1]] for p in polygons for k in range(1, len(p) - 1)]
+    return Polygons.of(polygons).triangles(np.array(V))
 
 
 def rows(V):
@@ -201,7 +202,7 @@ def test_any_polygons_become_fans_in_their_order(suffix, polygons, V, tmp_path_f
     path = tmp_path_factory.getbasetemp() / f"any.{suffix}"
     content = {"obj": obj, "off": off, "ply": ply}[suffix](np.array(V), polygons)
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert_holds(open_mesh(path), V, fans(polygons))
+    assert_holds(open_mesh(path), V, fans(polygons, V))
 
 
 def test_objects_in_one_obj_share_their_numbering(opened):

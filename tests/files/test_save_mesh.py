@@ -14,7 +14,7 @@ from meshes import box, rotation, soup, sphere
 
 import apd_viewer.files.replacing
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import FORMATS, open_mesh, save_mesh
+from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.operators import area
 
@@ -34,7 +34,7 @@ def ball():
     return Mesh(V, F)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", WRITTEN)
 @pytest.mark.parametrize("unit", [1e-6, 1e-3, 1, 9.999999, 10, 1e6])
 def test_reading_back_gives_what_was_written(suffix, unit, ball, tmp_path):
     U = unit * deformed(ball.V)
@@ -48,7 +48,7 @@ def test_reading_back_gives_what_was_written(suffix, unit, ball, tmp_path):
     assert area(back.V, back.F) == pytest.approx(area(U, ball.F), rel=1e-6)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", WRITTEN)
 def test_another_program_reads_the_same(suffix, ball, tmp_path):
     U = deformed(ball.V)
     save_mesh(ball, U, tmp_path / f"out{suffix}")
@@ -66,7 +66,7 @@ def test_small_parts_of_large_coordinates_keep_their_digits(suffix, tmp_path):
     np.testing.assert_allclose(open_mesh(tmp_path / f"out{suffix}").V, U, rtol=0, atol=1e-14 * 4e6)
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("suffix", WRITTEN)
 def test_all_positions_zero(suffix, tmp_path):
     mesh = Mesh(*box(1, 1, 1))
     save_mesh(mesh, np.zeros_like(mesh.V), tmp_path / f"out{suffix}")
@@ -74,7 +74,7 @@ def test_all_positions_zero(suffix, tmp_path):
 
 
 def test_a_capital_suffix_names_the_same_format(ball, tmp_path):
-    for suffix in FORMATS:
+    for suffix in WRITTEN:
         save_mesh(ball, ball.V, tmp_path / f"a{suffix}")
         save_mesh(ball, ball.V, tmp_path / f"Körper b{suffix.upper()}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"Körper b{suffix.upper()}").read_bytes()
@@ -90,7 +90,7 @@ def test_saving_leaves_the_positions_alone(ball, tmp_path):
     U = deformed(ball.V)
     before = U.copy()
     U.flags.writeable = False
-    for suffix in FORMATS:
+    for suffix in WRITTEN:
         save_mesh(ball, U, tmp_path / f"out{suffix}")
     np.testing.assert_array_equal(U, before)
 
@@ -98,7 +98,7 @@ def test_saving_leaves_the_positions_alone(ball, tmp_path):
 # ---- what is refused; the target and its folder stay as they are
 
 
-@pytest.fixture(params=FORMATS)
+@pytest.fixture(params=WRITTEN)
 def target(request, tmp_path):
     """An older file, which no failure may touch, alone in its folder."""
     path = tmp_path / f"old{request.param}"

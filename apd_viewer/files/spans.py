@@ -1,0 +1,48 @@
+"""Where values stand in a JSON text, so that one can be replaced and all else stay as it is written."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from typing import TypeAlias
+
+Path: TypeAlias = tuple[str | int, ...]
+
+_SPACE = re.compile(r"[ \t\r\n]*")
+_DECODER = json.JSONDecoder()
+
+
+def spans(text: str, paths: Sequence[Path]) -> dict[Path, tuple[int, int]]:
+    """Begin and end of the values that keys and places lead to; those that are not there are left out."""
+    found: dict[Path, tuple[int, int]] = {}
+    _find(text, _skip(text, 0), set(paths), (), found)
+    return found
+
+
+def _find(text: str, at: int, wanted: set[Path], here: Path, found: dict[Path, tuple[int, int]]) -> int:
+    """Look into the value that begins at ``at``; where it ends."""
+    if not any(path[: len(here)] == here for path in wanted):
+        return _DECODER.raw_decode(text, at)[1]
+    if text[at] not in "{[" or here in wanted:
+        end = _DECODER.raw_decode(text, at)[1]
+        if here in wanted:
+            found[here] = at, end
+        return end
+    is_object, close, place = text[at] == "{", "}" if text[at] == "{" else "]", 0
+    at = _skip(text, at + 1)
+    while text[at] != close:
+        key: str | int = place
+        if is_object:
+            key, at = _DECODER.raw_decode(text, at)
+            at = _skip(text, _skip(text, at) + 1)  # the colon
+        at = _skip(text, _find(text, at, wanted, (*here, key), found))
+        if text[at] == ",":
+            at = _skip(text, at + 1)
+        place += 1
+    return at + 1
+
+
+def _skip(text: str, at: int) -> int:
+    match = _SPACE.match(text, at)
+    return match.end() if match else at
