@@ -1,4 +1,4 @@
-"""A mesh goes back into the file that it came from: only coordinates change, and the normals that hang on them."""
+"""A mesh goes back into its file: only coordinates change there, and the normals that hang on them."""
 
 import base64
 import json
@@ -244,7 +244,7 @@ def test_what_did_not_move_stands_as_it_stood(file, tmp_path):
         assert len(a) == len(b)
         where = np.flatnonzero(a != b)
         start = 84 if file.suffix == ".stl" else before.index(b"end_header\n") + 11
-        size = 50 if file.suffix == ".stl" else (len(a) - start) // 2
+        size = {"binary.stl": 50, "float.ply": 8 * 12, "mixed.ply": 8 * 24}.get(file.name, 8 * 41)
         assert len(where)
         assert start <= where.min() <= where.max() < start + size
 
@@ -257,9 +257,8 @@ def test_the_numbers_that_are_not_coordinates(tmp_path):
         return mesh, (tmp_path / f"out {name}").read_bytes()
 
     _, text = written("two materials.obj")
-    assert text.count(b"\r\n") == TWO_MATERIALS.count(b"\r\n") and text.count(b"\n") == TWO_MATERIALS.count(
-        b"\n"
-    )
+    assert text.count(b"\r\n") == TWO_MATERIALS.count(b"\r\n")
+    assert text.count(b"\n") == TWO_MATERIALS.count(b"\n")
     assert text.count(b"0.1 0.2 0.3") == 5
     for line in TWO_MATERIALS.split(b"\r\n"):
         if not line.startswith((b"v ", b"vn ", b"v\t", b"  1.5")):
