@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from contextlib import ExitStack
-from dataclasses import asdict
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +32,8 @@ from apd_viewer.parser import Parser
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
+
+_MOST_VERTICES = 100  # of a finding in a report
 
 
 def _deform_parser() -> Parser:
@@ -203,15 +205,25 @@ def _info(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     found = inspect(mesh)
     if options.json:
-        print(json.dumps({"mesh": str(options.mesh), **asdict(found)}, indent=2))
+        findings = [
+            {
+                "kind": finding.kind,
+                "sentence": finding.sentence,
+                "vertex_count": len(finding.vertices),
+                "vertices": finding.vertices[:_MOST_VERTICES].tolist(),
+            }
+            for finding in found.findings
+        ]
+        report = {field.name: getattr(found, field.name) for field in fields(found)}
+        print(json.dumps({"mesh": str(options.mesh), **report, "findings": findings}, indent=2))
         return
     size = " x ".join(f"{extent:.6g}" for extent in found.size)
     print(f"{mesh.name}: {found.vertices:,} vertices, {found.faces:,} triangles, {found.pieces:,} piece(s)")
     print(f"size    {size}")
     print(f"area    {found.area:.6g}")
     print(f"volume  {f'none: {found.why_no_volume}' if found.volume is None else f'{found.volume:.6g}'}")
-    for finding in found.findings or ("Nothing unusual was found.",):
-        print(finding)
+    for sentence in [finding.sentence for finding in found.findings] or ["Nothing unusual was found."]:
+        print(sentence)
 
 
 def _paper(options: argparse.Namespace) -> None:

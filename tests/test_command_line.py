@@ -583,7 +583,7 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
         "1 face has no area",
         "2 separate pieces",
     ):
-        assert sum(words in line for line in found["findings"]) == 1, words
+        assert sum(words in finding["sentence"] for finding in found["findings"]) == 1, words
         assert words in said
     assert re.search(r"(?m)^volume +none: the surface is open", said)
     assert "Nothing unusual" not in said

@@ -88,7 +88,7 @@ class Session:
             state = state.at(state.document.with_settings_of(before.document))
         self._stage.jump(state)
         if state.inspection.findings:
-            self._listener.told(" ".join(state.inspection.findings))
+            self._listener.told(" ".join(finding.sentence for finding in state.inspection.findings))
 
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""

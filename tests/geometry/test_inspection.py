@@ -22,7 +22,9 @@ def test_a_soup_is_one_closed_piece_of_repeated_vertices():
     found = inspect(Mesh(*soup(*box(1, 1, 1))))
     assert (found.vertices, found.pieces) == (36, 1)
     assert found.volume == pytest.approx(1)
-    assert found.findings == ("28 vertices repeat the position of another; they move together.",)
+    (finding,) = found.findings
+    assert finding.sentence == "28 vertices repeat the position of another; they move together."
+    assert len(finding.vertices) == 36
 
 
 def test_what_is_unusual_is_counted():
@@ -32,7 +34,11 @@ def test_what_is_unusual_is_counted():
     assert found.pieces == 2
     assert found.volume is None
     assert found.why_no_volume == "the surface is open (16 border edges)"
-    unused, flat, separate = found.findings
-    assert unused.startswith("1 vertex belongs to no face")
-    assert flat.startswith("1 face has no area")
-    assert separate.startswith("There are 2 separate pieces")
+    unused, flat, border, separate = found.findings
+    assert unused.sentence.startswith("1 vertex belongs to no face")
+    assert unused.vertices.tolist() == [18]
+    assert flat.sentence.startswith("1 face has no area")
+    assert flat.vertices.tolist() == [0, 1]
+    assert border.sentence == "The surface is open: it has 16 border edges."
+    assert separate.sentence.startswith("There are 2 separate pieces")
+    assert separate.vertices.tolist() == list(range(9, 18))

@@ -1,0 +1,155 @@
+"""What is wrong with how triangles hang together: borders, edges and vertices with too many, wrong sides."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+# Faces at one edge that are compared with each other.
+_MOST_AT_AN_EDGE = 64
+
+
+class Defects(NamedTuple):
+    """Places among the triangles ``F`` (m, 3) that were looked at.
+
+    Attributes
+    ----------
+    border : (b, 2) int array
+        Ends of the edges of one triangle.
+    crowded : (c, 2) int array
+        Ends of the edges of more than two.
+    bow_ties : (v,) int array
+        Vertices at which surfaces meet that have no edge there in common.
+    flipped : (f,) int array
+        Triangles that look the other way than most of those they hang together with.
+    doubled : (d,) int array
+        Triangles with the same corners as another.
+    one_sided : bool
+        Whether no choice of sides would make all neighbours look the same way.
+    """
+
+    border: np.ndarray
+    crowded: np.ndarray
+    bow_ties: np.ndarray
+    flipped: np.ndarray
+    doubled: np.ndarray
+    one_sided: bool
+
+
+def defects(F: np.ndarray, n: int) -> Defects:
+    """Look at the triangles ``F`` (m, 3), each with three different corners, of ``n`` vertices."""
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    key = np.minimum(a, b) * n + np.maximum(a, b)
+    order = np.argsort(key)
+    F = np.ascontiguousarray(F)
+    uses, corner, face, side, doubled, one_sided = _joined(F, key[order], order)
+    edges = np.column_stack([a, b])
+    fans = np.unique(F.ravel() * (3 * len(F)) + corner) // max(3 * len(F), 1)
+    many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
+    return Defects(
+        border=edges[order[uses == 1]],
+        crowded=edges[order[uses > 2]],
+        bow_ties=many,
+        flipped=_fewer(face, side),
+        doubled=np.flatnonzero(doubled),
+        one_sided=bool(one_sided),
+    )
+
+
+def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """The triangles on that side of their part of the surface on which fewer are."""
+    count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
+    return np.flatnonzero(count[face, side] < count[face, 1 - side])
+
+
+@njit(cache=True, nogil=True)
+def _joined(
+    F: np.ndarray, key: np.ndarray, order: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Walk over the edges, whose halves ``order`` has side by side.
+
+    Returns
+    -------
+    uses : (3 m,) int array
+        For the first half of every edge how many there are; 0 for the others.
+    corner : (3 m,) int array
+        For every corner one that stands for all that edges join it with.
+    face, side : (m,) int arrays
+        For every triangle one that stands for all it hangs together with, and whether it looks the other way.
+    doubled : (m,) bool array
+    one_sided : bool
+    """
+    m = len(F)
+    uses = np.zeros(3 * m, dtype=np.int64)
+    corner, face = np.arange(3 * m), np.arange(m)
+    side, doubled, one_sided = np.zeros(m, dtype=np.int64), np.zeros(m, dtype=np.bool_), False
+    begin = 0
+    while begin < 3 * m:
+        end = begin + 1
+        while end < 3 * m and key[end] == key[begin]:
+            end += 1
+        uses[begin] = end - begin
+        for i in range(begin + 1, end):
+            s, c = order[i] // 3, order[i] % 3
+            for j in range(max(begin, i - _MOST_AT_AN_EDGE), i):
+                t, d = order[j] // 3, order[j] % 3
+                same_way = F[s, c] == F[t, d]
+                _join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
+                _join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
+                if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
+                    doubled[s] = True
+                elif end - begin == 2:
+                    one_sided |= not _agree(face, side, s, t, same_way)
+        begin = end
+    for k in range(3 * m):
+        corner[k] = _stands(corner, k)
+    for k in range(m):
+        root, turned = _root(face, side, k)
+        face[k], side[k] = root, turned
+    return uses, corner, face, side, doubled, one_sided
+
+
+@njit(cache=True, nogil=True)
+def _stands(parent: np.ndarray, k: int) -> int:
+    while parent[k] != k:
+        parent[k] = parent[parent[k]]
+        k = parent[k]
+    return k
+
+
+@njit(cache=True, nogil=True)
+def _join(parent: np.ndarray, a: int, b: int) -> None:
+    a, b = _stands(parent, a), _stands(parent, b)
+    parent[max(a, b)] = min(a, b)
+
+
+@njit(cache=True, nogil=True)
+def _root(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, int]:
+    """Who stands for ``k``, and whether ``k`` looks the other way than it; the way there is shortened."""
+    root, turned = k, 0
+    while parent[root] != root:
+        turned ^= side[root]
+        root = parent[root]
+    rest = turned
+    while parent[k] != root and k != root:
+        above, own = parent[k], side[k]
+        parent[k], side[k] = root, rest
+        rest ^= own
+        k = above
+    return root, turned
+
+
+@njit(cache=True, nogil=True)
+def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
+    """Note that two triangles look alike unless they run alike along their edge; False if they cannot."""
+    a, turned_a = _root(parent, side, s)
+    b, turned_b = _root(parent, side, t)
+    differ = turned_a ^ turned_b
+    if a == b:
+        return (differ == 1) == same_way
+    low, high = min(a, b), max(a, b)
+    parent[high] = low
+    side[high] = differ ^ (1 if same_way else 0)
+    return True
