@@ -99,7 +99,7 @@ def _joined(
                 _join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
                 _join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
                 if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
-                    doubled[s] = True
+                    doubled[max(s, t)] = True
                 elif end - begin == 2:
                     one_sided |= not _agree(face, side, s, t, same_way)
         begin = end

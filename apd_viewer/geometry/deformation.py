@@ -167,21 +167,21 @@ class Deformation:
         self.rest = rest
         self.method = method
         self.fixed = _checked_ids(fixed, len(rest.V), "held")
-        solve_ids, self._chosen, self._inverse = np.unique(
+        self._solve_ids, self._chosen, self._inverse = np.unique(
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
-        self._handle_of = _handle_of(handle, rest, solve_ids)
+        self._handle_of = _handle_of(handle, rest, self._solve_ids)
         check_method(method, self._handle_of)
         check_tolerance(tolerance)
         self._tolerance = tolerance
         material = material_of(method, stiffness, area_stiffness, shear_stiffness)
-        if np.isin(rest.shape.piece, rest.shape.piece[solve_ids]).sum() == len(solve_ids):
+        if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError("Every vertex is held; leave some free to deform.")
         self._descends = not plain and method not in PLAIN_ONLY
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
             started = time.perf_counter()
-            self._method = self._made(Elastic(rest.shape, solve_ids, material, factored), goals)
+            self._method = self._made(Elastic(rest.shape, self._solve_ids, material, factored), goals)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
@@ -245,14 +245,15 @@ class Deformation:
             raise InputError(f"Targets must be {len(self.fixed)} finite positions, one for each held vertex.")
         if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
             raise InputError("A target is absurdly far from the mesh; check its unit and the transform.")
-        asked = targets[self._chosen]
-        if np.abs(targets - asked[self._inverse.ravel()]).max() > 1e-9 * self.rest.diagonal:
+        asked = targets[self._chosen] - self.rest.weld.offset_of(self.fixed[self._chosen])
+        apart = targets - self.rest.weld.offset_of(self.fixed) - asked[self._inverse.ravel()]
+        if np.abs(apart).max() > (1e-9 + self.rest.weld.slack) * self.rest.diagonal:
             raise InputError("A vertex is held at two places at once; give it one target.")
         if U is not None:
             U = numbers(U, "Positions to start from")
             if U.shape != self.rest.V.shape or not np.isfinite(U).all():
                 raise InputError(f"Positions to start from must be {len(self.rest.V)} finite positions.")
-        self._asked = asked
+        self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if U is not None:
                 self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
@@ -299,7 +300,7 @@ class Deformation:
             area, volume, local_change = self.rest.survey(method.U)
             regions = tuple(patch.area(method.U) for patch in self._patches)
         return Frame(
-            U=frozen(self.rest.weld.spread(method.U)),
+            U=frozen(self._spread(method.U)),
             iteration=self._iteration,
             area=area,
             area_error=area / self.rest.area - 1.0,
@@ -311,6 +312,13 @@ class Deformation:
             local_change=local_change,
             unreached=self._unreached() if method.stuck else None,
         )
+
+    def _spread(self, U: np.ndarray) -> np.ndarray:
+        """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
+        spread = self.rest.spread(U, self._solve_ids)
+        if self.rest.weld.offset is not None and self.method != "paper":
+            spread[self.fixed] = self._targets  # what is joined with a tolerance is held without
+        return spread
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
         """What became of each region in ``frame``."""

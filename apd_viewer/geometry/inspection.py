@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.defects import defects
-from apd_viewer.geometry.mesh import Mesh, counted, frozen
+from apd_viewer.geometry.mesh import TOLERANCE, Mesh, counted, frozen
 from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
 from apd_viewer.geometry.pieces import pieces
 
@@ -99,13 +99,22 @@ def _found(kind: str, sentence: str, vertices: np.ndarray | tuple[()] = ()) -> F
 def _of_vertices(mesh: Mesh) -> Iterator[Finding]:
     weld = mesh.weld
     repeats = np.bincount(weld.inverse, minlength=len(weld.first))[weld.inverse] > 1
-    repeated = len(mesh.V) - len(weld.first)
+    exact = np.ones(len(mesh.V), dtype=bool) if weld.offset is None else ~weld.offset.any(axis=1)
+    repeated = int(exact.sum()) - len(weld.first)
     if repeated:
         said = counted(repeated, "vertex repeats", "vertices repeat")
         yield _found(
             "repeated vertices",
             f"{said} the position of another; they move together.",
             np.flatnonzero(repeats),
+        )
+    if weld.offset is not None:
+        near = np.flatnonzero(weld.offset.any(axis=1))
+        said = counted(len(near), "vertex lies", "vertices lie")
+        yield _found(
+            "cracks",
+            f"{said} within {TOLERANCE:g} of the mesh's size from another; they move together.",
+            near,
         )
     used = np.zeros(len(mesh.V), dtype=bool)
     used[mesh.F.ravel()] = True

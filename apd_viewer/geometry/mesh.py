@@ -57,9 +57,9 @@ class Mesh:
     origin: Origin | None = field(default=None)
 
     def __post_init__(self) -> None:
-        V = numbers(self.V, "Vertices")
-        # What is read from a file has whole numbers already.
-        F = self.F if self.origin else whole_numbers(self.F, "Faces")
+        V, F = self.V, self.F
+        if self.origin is None:  # what is read from a file is as it should be, and nobody else has it
+            V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
@@ -67,7 +67,7 @@ class Mesh:
     @cached_property
     def weld(self) -> Weld:
         """The maps between the file's vertices and the vertices of the solve."""
-        return Weld.of(self.V)
+        return Weld.of(self.V, self.F)
 
     @cached_property
     def joined_F(self) -> np.ndarray:
@@ -80,12 +80,17 @@ class Mesh:
         return self.path.name if self.path else "mesh"
 
 
+# Vertices at a border that lie closer than that, in diagonals of the bounding box, are joined.
+TOLERANCE = 1e-7
+
+
 @dataclass(frozen=True, eq=False)
 class Weld:
     """Which file vertices share a position and are therefore one vertex of the solve.
 
-    Files repeat vertices at texture seams, and STL repeats all of them: without welding such a
-    mesh falls apart into loose triangles. Only bitwise equal positions are joined.
+    Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
+    apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
+    those within :data:`TOLERANCE` of each other.
 
     Attributes
     ----------
@@ -93,26 +98,73 @@ class Weld:
         For every vertex of the solve the first file vertex at its position.
     inverse : (n,) int array
         For every file vertex its vertex of the solve.
+    offset : (n, 3) float array or None
+        How far every file vertex lies from the position that it is joined at; None if nowhere.
     """
 
     first: np.ndarray
     inverse: np.ndarray
+    offset: np.ndarray | None = None
 
     @classmethod
-    def of(cls, V: np.ndarray) -> Weld:
-        """Weld the positions ``V`` (n, 3); the order of the file is kept."""
+    def of(cls, V: np.ndarray, F: np.ndarray | None = None) -> Weld:
+        """Weld the positions ``V`` (n, 3), in the order of the file; ``F`` (m, 3) tells where borders are."""
         order = np.lexsort((np.arange(len(V)), V[:, 2], V[:, 1], V[:, 0]))
         new = np.ones(len(V), dtype=bool)
         new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
         leader = order[np.flatnonzero(new)[np.cumsum(new) - 1]]
         representative = np.empty(len(V), dtype=np.int64)
         representative[order] = leader
+        if F is not None:
+            representative = _cracks_closed(V, F, representative)
         first, inverse = np.unique(representative, return_inverse=True)
-        return cls(frozen(first), frozen(inverse))
+        return cls.between(V, first, inverse)
+
+    @classmethod
+    def between(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
+        """The weld with these maps of the positions ``V`` (n, 3)."""
+        offset = V - V[first[inverse]]
+        return cls(frozen(first), frozen(inverse), frozen(offset) if offset.any() else None)
+
+    @property
+    def slack(self) -> float:
+        """How far targets of joined vertices may be apart, in diagonals of the bounding box."""
+        return 0.0 if self.offset is None else 4.0 * TOLERANCE
+
+    def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
+        """How far the file vertices ``ids`` lie from the positions that they are joined at."""
+        return 0.0 if self.offset is None else self.offset[ids]
 
     def spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` (k, 3) of the vertices of the solve, for all vertices of the file, (n, 3)."""
-        return U.copy() if len(U) == len(self.inverse) else U[self.inverse]
+        if len(U) == len(self.inverse):
+            return U.copy()
+        spread = U[self.inverse]
+        return spread if self.offset is None else spread + self.offset
+
+
+def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray) -> np.ndarray:
+    """Representatives that are shared by vertices of a border that nearly meet, and are no neighbours."""
+    corners = representative[F]
+    a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    edge = a != b
+    key = np.minimum(a, b)[edge] * len(V) + np.maximum(a, b)[edge]
+    key.sort()
+    alone = np.ones(len(key), dtype=bool)
+    alone[1:] &= key[1:] != key[:-1]
+    alone[:-1] &= key[:-1] != key[1:]
+    if not alone.any():
+        return representative
+    from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
+
+    border = np.unique(np.concatenate([key[alone] // len(V), key[alone] % len(V)]))
+    near = TOLERANCE * np.linalg.norm(np.ptp(V[corners.ravel()], axis=0))
+    pairs = border[np.sort(KDTree(V[border]).query_pairs(near, output_type="ndarray"), axis=1)]
+    pairs = pairs[~np.isin(pairs[:, 0] * len(V) + pairs[:, 1], key)]
+    joined = representative.copy()
+    for low, high in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
+        joined[high] = joined[low]
+    return joined[representative]
 
 
 def numbers(given: object, what: str) -> np.ndarray:
@@ -144,14 +196,14 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
         )
     if len(F) == 0:
         raise InputError("There are no faces in it; export the mesh as a surface.")
-    bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
-    if len(bad):
+    if not np.isfinite(V).all():
+        bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
         raise InputError(
             f"{counted(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a number "
             f"(the first is vertex {bad[0]}); repair the file."
         )
-    missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
-    if missing:
+    if F.min() < 0 or F.max() >= len(V):
+        missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
         raise InputError(
             f"{counted(missing, 'face refers', 'faces refer')} to missing vertices "
             f"(there are {len(V):,}); repair the file or export it again."

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry.frames import triangle_frames
+
 
 def turned_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
@@ -29,7 +31,7 @@ def turned_normals(
     t, c = np.nonzero(corners)
     if not len(t):
         return N
-    before, after = _frames(V, F), _frames(U, F)
+    before, after = triangle_frames(V[F]), triangle_frames(U[F])
     which = normal_of[t, c]
     local = np.einsum("tij,tj->ti", before[t], N[which])
     turned = np.einsum("tji,tj->ti", after[t], local)
@@ -43,17 +45,3 @@ def turned_normals(
     out = N.copy()
     out[good] = sums[good] * (np.linalg.norm(N[good], axis=1) / size[good])[:, None]
     return out
-
-
-def _frames(X: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """An orthonormal frame of each triangle, (m, 3, 3): rows along an edge, across it, and the normal."""
-    a = X[F[:, 1]] - X[F[:, 0]]
-    b = X[F[:, 2]] - X[F[:, 0]]
-    normal = _unit(np.cross(a, b))
-    along = _unit(a)
-    return np.stack([along, np.cross(normal, along), normal], axis=1)
-
-
-def _unit(X: np.ndarray) -> np.ndarray:
-    size = np.linalg.norm(X, axis=1, keepdims=True)
-    return np.divide(X, size, out=np.zeros_like(X), where=size > 0.0)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.attached import Attached
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.measures import survey
 from apd_viewer.geometry.mesh import Weld
@@ -35,7 +37,7 @@ class RestMesh:
         self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinnings: Sequence[Thinning] = ()
     ) -> None:
         self.V, self.F = V, F
-        self.weld = weld or Weld.of(V)
+        self.weld = weld or Weld.of(V, F)
         self.face_areas = face_areas(V, F)
         self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
@@ -49,6 +51,20 @@ class RestMesh:
         self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
         with cores_for(len(self.shape.V)):
             self.volume = self.survey(self.shape.V)[1]
+
+    @cached_property
+    def _attached(self) -> Attached | None:
+        shape = self.shape
+        used = np.zeros(len(shape.V), dtype=bool)
+        used[shape.F.ravel()] = True
+        return None if used.all() else Attached(shape.V, shape.F, np.flatnonzero(~used))
+
+    def spread(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """The positions ``U`` (k, 3) of the vertices of the solve for all vertices of the file, (n, 3).
+
+        A vertex without a face goes along with the surface, unless it is one of the ``held``, of the solve.
+        """
+        return self.weld.spread(U if self._attached is None else self._attached.carried(U, held))
 
     def survey(self, U: np.ndarray) -> tuple[float, float | None, float]:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve.

@@ -175,7 +175,7 @@ class Unpacker:
         mesh.__dict__.update(V=known[told.V], F=known[told.F], path=told.path)
         if told.weld:
             first, inverse = told.weld
-            mesh.__dict__["weld"] = Weld(known[first], known[inverse])
+            mesh.__dict__["weld"] = Weld.between(mesh.V, known[first], known[inverse])
         return mesh
 
 

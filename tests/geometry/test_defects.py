@@ -1,0 +1,64 @@
+"""How triangles hang together, against slow and plain ways of finding out."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from meshes import box, grid, sphere, tube
+
+from apd_viewer.geometry.defects import defects
+
+
+def edges_of(F):
+    return Counter(tuple(sorted((int(t[k]), int(t[k - 1])))) for t in F for k in range(3))
+
+
+def fans_around(F, v):
+    """How many groups of triangles at ``v`` share edges at it."""
+    own = [set(map(int, t)) - {v} for t in F if v in t]
+    groups = []
+    for pair in own:
+        touching = [group for group in groups if group & pair]
+        groups = [group for group in groups if not group & pair] + [set(pair).union(*touching)]
+    return len(groups)
+
+
+triangle = st.lists(st.integers(0, 7), min_size=3, max_size=3, unique=True)
+
+
+@given(st.lists(triangle, min_size=1, max_size=14))
+def test_edges_and_vertices_of_any_triangles(faces):
+    F = np.array(faces)
+    found, edges = defects(F, 8), edges_of(F)
+    assert {tuple(sorted(e)) for e in found.border.tolist()} == {e for e, k in edges.items() if k == 1}
+    assert {tuple(sorted(e)) for e in found.crowded.tolist()} == {e for e, k in edges.items() if k > 2}
+    assert set(found.bow_ties.tolist()) == {v for v in range(8) if fans_around(F, v) > 1}
+    same = Counter(tuple(sorted(t)) for t in F.tolist())
+    assert len(found.doubled) == sum(k - 1 for k in same.values())
+
+
+@pytest.mark.parametrize("mesh", [box(3, 2, 4), sphere(2), tube(12, 5), grid(4, 3)])
+@pytest.mark.parametrize("share", [0.0, 0.15, 0.45])
+def test_the_fewer_are_flipped(mesh, share):
+    F = mesh[1].copy()
+    which = np.sort(np.random.default_rng(1).permutation(len(F))[: int(share * len(F))])
+    F[which] = F[which][:, ::-1]
+    found = defects(F, len(mesh[0]))
+    assert np.array_equal(found.flipped, which)
+    assert not found.one_sided
+
+
+def test_pieces_are_judged_by_themselves():
+    F, n = sphere(1)[1], len(sphere(1)[0])
+    both = np.vstack([F, F[:, ::-1] + n])
+    assert len(defects(both, 2 * n).flipped) == 0, "inside out is no contradiction"
+
+
+def test_a_moebius_strip_has_one_side():
+    k, n = np.arange(12), 24
+    a, b = 2 * k, 2 * k + 1
+    c, d = np.where(k == 11, 1, 2 * k + 2), np.where(k == 11, 0, 2 * k + 3)
+    F = np.vstack([np.column_stack([a, c, b]), np.column_stack([b, c, d])])
+    assert defects(F, n).one_sided

@@ -1,0 +1,101 @@
+"""Vertices of the file and vertices of the solve: seams, cracks, and what belongs to no face."""
+
+import numpy as np
+import pytest
+from meshes import box, grid, rotation, soup
+
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.mesh import TOLERANCE, Mesh, Weld
+
+V, F = box(3, 3, 9)
+LENGTH = np.linalg.norm(np.ptp(V, axis=0))
+
+
+def cracked(by):
+    """The box as loose triangles, every corner off by up to ``by`` diagonals."""
+    W, G = soup(V, F)
+    return W + by * LENGTH * np.random.default_rng(0).uniform(-0.5, 0.5, W.shape) / np.sqrt(3), G
+
+
+def held(W):
+    fixed = np.flatnonzero((W[:, 2] < 0.5) | (W[:, 2] > 8.5))
+    X, up = W[fixed].copy(), W[fixed, 2] > 4
+    X[up] = X[up] @ rotation([0, 0, 1], 0.7).T + [0.0, 0.3, 0.2]
+    return fixed, X
+
+
+def settled(solver):
+    while not (frame := solver.step()).settled:
+        pass
+    return frame
+
+
+@pytest.mark.parametrize("by", [0.0, 0.3 * TOLERANCE])
+def test_cracks_within_the_tolerance_are_closed(by):
+    W, G = cracked(by)
+    mesh = Mesh(W, G)
+    assert len(mesh.weld.first) == len(V)
+    kinds = [finding.kind for finding in inspect(mesh).findings]
+    assert ("cracks" in kinds) == (by > 0.0)
+    assert inspect(mesh).pieces == 1
+    fixed, targets = held(W)
+    for method in ("exact", "arap"):
+        solver = Deformation(W, G, fixed, method=method)
+        solver.aim(targets)
+        frame = settled(solver)
+        assert np.array_equal(frame.U[fixed], targets)
+        whole = Deformation(V, F, held(V)[0], method=method)
+        whole.aim(held(V)[1])
+        first = [np.flatnonzero(np.abs(W - v).max(axis=1) <= by * LENGTH)[0] for v in V]
+        assert np.abs(frame.U[first] - settled(whole).U).max() <= 1e-4 * LENGTH
+
+
+def test_cracks_beyond_the_tolerance_stay_open():
+    W, G = cracked(300.0 * TOLERANCE)
+    assert len(Mesh(W, G).weld.first) == len(W)
+
+
+def test_a_closed_mesh_is_never_joined_by_tolerance():
+    tiny = V.copy()
+    tiny[:, 0] *= 1e-9  # walls far nearer to each other than the tolerance
+    assert len(Weld.of(tiny, F).first) == len(V)
+
+
+def test_the_two_ends_of_a_short_edge_stay_two():
+    (P, T) = grid(2, 2)
+    P = P.copy()
+    P[1] = P[0] + [1e-9, 0.0, 0.0]
+    assert len(Weld.of(P, T).first) == len(P)
+
+
+def test_a_vertex_of_no_face_follows_rigidly():
+    """It is fastened to the surface where that is nearest; what does not move leaves it where it is."""
+    stray = np.array([[1.5, 1.5, 9.5], [1.5, 1.5, -0.5], [50.0, 0.0, -60.0]])
+    W = np.vstack([V, stray])
+    fixed, targets = held(V)
+    solver = Deformation(W, F, fixed)
+    assert np.array_equal(solver.frame().U, W)
+    solver.aim(targets)
+    U = settled(solver).U
+    above = stray[0] @ rotation([0, 0, 1], 0.7).T + [0.0, 0.3, 0.2]
+    assert np.abs(U[len(V)] - above).max() < 1e-12
+    assert np.array_equal(U[len(V) + 1 :], stray[1:]), "below is held, and so are they"
+
+
+def test_a_vertex_of_no_face_that_is_held_is_where_it_is_held():
+    W = np.vstack([V, [[1.5, 1.5, 9.5]]])
+    fixed, targets = held(V)
+    fixed, targets = np.append(fixed, len(V)), np.vstack([targets, [[7.0, 8.0, 9.0]]])
+    solver = Deformation(W, F, fixed)
+    solver.aim(targets)
+    assert np.array_equal(settled(solver).U[fixed], targets)
+
+
+def test_without_any_face_with_an_area_nearby_nothing_breaks():
+    W = np.vstack([V, V[:1] + 20.0, V[:1] + 20.0, V[:1] + 21.0])
+    G = np.vstack([F, [[len(V), len(V) + 1, len(V)]]])
+    fixed, targets = held(V)
+    solver = Deformation(W, G, fixed)
+    solver.aim(targets)
+    assert np.isfinite(settled(solver).U).all()
