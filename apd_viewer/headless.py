@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer import papertables
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
+from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.replacing import make_folder, replacing
 from apd_viewer.files.report import write_report
 from apd_viewer.files.selections import read_region, read_selection, read_transform
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 _MOST_VERTICES = 100  # of a finding in a report
+_ROUNDED = 1e-6  # relative change of the area by the digits of a file that is worth a word
 
 
 def _deform_parser() -> Parser:
@@ -159,8 +160,8 @@ def _deform(options: argparse.Namespace) -> None:
             draw(mesh, labels, result, beside.enter_context(replacing(options.picture)))
         if options.report:
             write_report(beside.enter_context(replacing(options.report)), mesh, result)
-        save_mesh(mesh, result.U, output)
-    print(_summary(result, output))
+        written = save_mesh(mesh, result.U, output)
+    print(_summary(result, output, written))
 
 
 def _progress(iterations: int | None) -> Callable[[Frame], None]:
@@ -181,7 +182,7 @@ def _progress(iterations: int | None) -> Callable[[Frame], None]:
     return show
 
 
-def _summary(result: Result, output: Path) -> str:
+def _summary(result: Result, output: Path, written: Written) -> str:
     state = "converged" if result.converged else "not converged"
     effort = f"{result.iterations:,} iterations in {result.seconds:.1f} s"
     lines = [
@@ -193,6 +194,11 @@ def _summary(result: Result, output: Path) -> str:
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(f"triangles change by up to {100 * result.local_change:.3g} %")
     lines.append(f"handle  {result.handle_drift:.4g} from where it was put")
+    if abs(written.area / result.area - 1.0) > _ROUNDED:
+        lines.append(f"rounding in the file changes the area to {written.area:.6g}; OBJ and OFF round less")
+    if written.dropped:
+        kept = output.suffix[1:].upper()
+        lines.append(f"written as {kept}, without the {', '.join(written.dropped)} of the mesh")
     return "\n".join([*lines, *result.warnings])
 
 

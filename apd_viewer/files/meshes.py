@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,17 +13,19 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.gltf import read_gltf
 from apd_viewer.files.obj import read_obj
 from apd_viewer.files.off import read_off
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.parsed import Parsed, check_single
 from apd_viewer.files.ply import read_ply
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.stl import read_stl
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.operators import area
 
 # In which any mesh can be written; a glTF only where it came from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf")
 _NAMES = "OBJ, PLY, STL, OFF, GLB or glTF"
 _LONGEST = 160  # characters of what an error says
+_LARGEST = 1e38  # coordinate: beyond that areas overflow, and single precision
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off}
 
 
@@ -47,15 +50,26 @@ def open_mesh(path: str | Path) -> Mesh:
         raise InputError(
             f"{path.name} cannot be read ({error.strerror or error}); check the file."
         ) from error
-    except Exception as error:  # readers of foreign formats raise whatever they stumble over
+    except MemoryError as error:
+        raise InputError(f"{path.name} is too large for the memory; make the mesh coarser.") from error
+    except ValueError as error:
         raise InputError(
             f"{path.name} is not a readable {path.suffix[1:].upper()} file ({_in_one_line(error)}); "
             "export it again."
         ) from error
     try:
-        return Mesh(V, F, path, origin)
+        mesh = Mesh(V, F, path, origin)
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
+    largest = _largest(V)
+    if largest > _LARGEST:
+        raise InputError(f"{path.name} has coordinates as large as {largest:.3g}; repair the file.")
+    return mesh
+
+
+def _largest(X: np.ndarray) -> float:
+    """How far the largest coordinate is from zero."""
+    return max(float(X.max()), -float(X.min()))
 
 
 def check_readable(path: Path) -> None:
@@ -100,10 +114,35 @@ def check_target(path: str | Path) -> Path:
     return path
 
 
-def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> None:
-    """Write the triangles of ``mesh`` with the positions ``U``; the format follows the name.
+class Written(NamedTuple):
+    """What became of a mesh that was written.
 
-    PLY, STL and GLB hold single precision; OBJ and OFF are written with 15 significant digits.
+    Attributes
+    ----------
+    area : float
+        Measured on the file.
+    dropped : tuple of str
+        What the file that it was opened from has, and the new one has not.
+    """
+
+    area: float
+    dropped: tuple[str, ...]
+
+
+def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
+    """What would be lost by writing ``mesh`` to ``path``, in words: nothing, in its own format."""
+    origin, kind = mesh.origin, Path(path).suffix.lower()
+    if origin is None or origin.suffix == kind:
+        return ()
+    return origin.extras
+
+
+def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
+    """Write ``mesh`` with the positions ``U``; the format follows the name.
+
+    In the format that the mesh was opened from it is the same file with other coordinates: what did not move
+    stands there as it stood, digit by digit. In any other, positions and triangles are written anew: PLY, STL
+    and GLB hold single precision then, OBJ and OFF 15 significant digits.
 
     Parameters
     ----------
@@ -117,26 +156,43 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> None:
     ------
     InputError
         If the file cannot be written.
+
+    Returns
+    -------
+    Written
     """
     path = check_target(path)
     if np.shape(U) != mesh.V.shape:
         raise InputError(f"There must be {len(mesh.V):,} positions, one for each vertex of the mesh.")
     if not np.isfinite(U).all():
         raise InputError("A position is not a finite number; nothing was written.")
+    content = _content(mesh, U, path)
+    V, F, _ = _parsed(content, path)
+    if len(F) != len(mesh.F):
+        raise InputError(f"{path.name} would not hold every face; choose another format to write.")
     with replacing(path) as scratch:
-        scratch.write_bytes(_content(mesh, U, path))
+        scratch.write_bytes(content)
+    return Written(area(V, F), dropped(mesh, path))
 
 
 def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
     """The file that the mesh came from with other coordinates, or a new one if it is of another format."""
     kind = path.suffix.lower()
     if mesh.origin is not None and mesh.origin.suffix == kind:
-        return mesh.origin.rewritten(mesh, U)
+        try:
+            return mesh.origin.rewritten(mesh, U)
+        except InputError as error:
+            raise InputError(f"{path.name}: {error}") from error
+        except ValueError as error:  # normals, which nobody has looked at yet
+            raise InputError(
+                f"{mesh.name} has normals that are not understood ({_in_one_line(error)}); "
+                "choose another format to write."
+            ) from error
     if kind not in WRITTEN:
         raise InputError(f"{path.name}: only what was opened as glTF is written as glTF; choose GLB.")
-    largest = float(np.abs(U).max())
-    if kind not in (".obj", ".off") and largest > float(np.finfo(np.float32).max):
-        raise InputError(f"{path.name} cannot hold coordinates as large as {largest:.3g}; use OBJ or OFF.")
+    largest = _largest(U)
+    if kind not in (".obj", ".off"):
+        check_single(U)
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 
     decimals = min(300, max(0, 15 - math.ceil(math.log10(largest)))) if largest > 0 else 1

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
+from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.document import Document, Handle, NamedRegion, State, opened, rest_frame
@@ -20,6 +20,7 @@ from apd_viewer.session.errand import Errand, Errands
 from apd_viewer.session.history import History
 from apd_viewer.session.names import new_name, next_name
 from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.units import Unit
 from apd_viewer.session.worker import Worker
 
 __all__ = ["MOST_HANDLES", "MOST_REGIONS", "Activity", "Listener", "Session"]
@@ -28,7 +29,14 @@ MOST_HANDLES = MOST_REGIONS = 8
 
 
 class Session:
-    """One mesh, what is painted on it, what is asked of it, and the worker that answers."""
+    """One mesh, what is painted on it, what is asked of it, and the worker that answers.
+
+    Attributes
+    ----------
+    history : History
+    unit : Unit
+        Of lengths, for what is told; the mesh that is open is in it.
+    """
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
@@ -38,6 +46,7 @@ class Session:
         self._gesture: State | None = None
         self._saved: list[np.ndarray] = []
         self.history = History()
+        self.unit = Unit.NONE
 
     @property
     def state(self) -> State | None:
@@ -87,20 +96,25 @@ class Session:
             self.history.record(f"Open {name}", before)
             state = state.at(state.document.with_settings_of(before.document))
         self._stage.jump(state)
-        if state.inspection.findings:
-            self._listener.told(" ".join(finding.sentence for finding in state.inspection.findings))
+        findings = state.inspection.findings
+        if len(findings) == 1:
+            self._listener.told(findings[0].sentence)
+        elif findings:
+            told = f"{len(findings)} findings"
+            self._listener.told(f"There is more than one thing to know of this mesh: see “{told}” below.")
 
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
         state = self._stage.required()
-        path, U = Path(path), state.frame.U
+        path, U, area = Path(path), state.frame.U, self.unit.area(f"{state.frame.area:.6g}")
 
-        def write() -> None:
-            save_mesh(state.document.mesh, U, check_target(path))
+        def write() -> Written:
+            return save_mesh(state.document.mesh, U, check_target(path))
 
-        def written(_: object) -> None:
+        def written(file: Written) -> None:
             self._saved.append(U)
-            self._listener.told(f"Exported {path.name}: area {state.frame.area:.6g}.")
+            of_rest = 100.0 * file.area / state.inspection.area
+            self._listener.told(f"Exported {path.name}: area {file.area:.6g}, {of_rest:.3f} % of the rest area.")
 
         self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
 
