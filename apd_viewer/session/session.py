@@ -106,15 +106,15 @@ class Session:
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
         state = self._stage.required()
-        path, U, area = Path(path), state.frame.U, self.unit.area(f"{state.frame.area:.6g}")
+        path, U = Path(path), state.frame.U
 
         def write() -> Written:
             return save_mesh(state.document.mesh, U, check_target(path))
 
         def written(file: Written) -> None:
             self._saved.append(U)
-            of_rest = 100.0 * file.area / state.inspection.area
-            self._listener.told(f"Exported {path.name}: area {file.area:.6g}, {of_rest:.3f} % of the rest area.")
+            area, part = self.unit.area(f"{file.area:.6g}"), 100.0 * file.area / state.inspection.area
+            self._listener.told(f"Exported {path.name}: area {area}, {part:.3f} % of the rest area.")
 
         self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
 
