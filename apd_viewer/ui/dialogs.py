@@ -7,11 +7,10 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.files.meshes import FORMATS
+from apd_viewer.files.meshes import FORMATS, WRITTEN, dropped
 from apd_viewer.geometry.mesh import Mesh
 
 _OPEN_FILTER = f"Meshes ({' '.join('*' + suffix for suffix in FORMATS)})"
-_EXPORT_FILTERS = {suffix: f"{suffix[1:].upper()} (*{suffix})" for suffix in FORMATS}
 
 
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
@@ -24,21 +23,43 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write the deformed mesh; asks again by itself before a file is replaced."""
     suffix = mesh.path.suffix.lower() if mesh.path else ".obj"
     stem = mesh.path.stem if mesh.path else "mesh"
+    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
         "Export the deformed mesh",
         str(folder / f"{stem}-deformed{suffix}"),
-        ";;".join(_EXPORT_FILTERS.values()),
-        _EXPORT_FILTERS[suffix],
+        ";;".join(filters.values()),
+        filters[suffix],
     )
-    if not path or Path(path).suffix.lower() in FORMATS:
-        return Path(path) if path else None
-    return _ended(parent, path, chosen)
+    if not path:
+        return None
+    target: Path | None = Path(path)
+    if Path(path).suffix.lower() not in FORMATS:
+        target = _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
+    return target if target and _agreed(parent, mesh, target) else None
 
 
-def _ended(parent: QWidget, path: str, chosen: str) -> Path | None:
+def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
+    """Whether to write a format that has no room for all that the file has, if that is so."""
+    lost = dropped(mesh, target)
+    if not lost:
+        return True
+    named = lost[0] if len(lost) == 1 else f"{', '.join(lost[:-1])} and {lost[-1]}"
+    kind, own = target.suffix[1:].upper(), mesh.origin.suffix[1:].upper() if mesh.origin else ""
+    buttons = QMessageBox.StandardButton
+    answer = QMessageBox.question(
+        parent,
+        f"Export as {kind}?",
+        f"As {kind}, {mesh.name} is written without its {named}. As {own}, nothing is lost.",
+        buttons.Save | buttons.Cancel,
+        buttons.Save,
+    )
+    return answer == buttons.Save
+
+
+def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     """The path with the ending of the chosen format; its file was not the one that was asked about."""
-    target = Path(path + next(suffix for suffix, name in _EXPORT_FILTERS.items() if name == chosen))
+    target = Path(path + suffix)
     buttons = QMessageBox.StandardButton
     if not target.exists():
         return target

@@ -1,0 +1,63 @@
+"""Where the deformed mesh is written, and what is said before something of the file is lost."""
+
+from pathlib import Path
+
+import pytest
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.ui.dialogs import ask_for_target
+
+CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+OBJ = "mtllib a.mtl\n" + CORNERS + "vt 0 0\nusemtl red\nf 1/1 3/1 2/1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+YES, NO = QMessageBox.StandardButton.Save, QMessageBox.StandardButton.Cancel
+
+
+@pytest.fixture
+def mesh(tmp_path):
+    path = tmp_path / "part.obj"
+    path.write_text(OBJ)
+    return open_mesh(path)
+
+
+@pytest.fixture
+def ask(qtbot, mesh, tmp_path, monkeypatch):
+    """Choose a name, answer what is asked, and return the target with the questions."""
+    parent = QWidget()
+    qtbot.addWidget(parent)
+
+    def choose(name, answer, chosen="OBJ (*.obj)"):
+        asked, offered = [], []
+
+        def dialog(*words):
+            offered.append(words)
+            return (str(tmp_path / name) if name else "", chosen)
+
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", dialog)
+        monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]) or answer)
+        return ask_for_target(parent, tmp_path, mesh), asked, offered[0]
+
+    return choose
+
+
+def test_in_its_own_format_nothing_is_lost_and_nothing_asked(ask, tmp_path):
+    target, asked, offered = ask("out.obj", NO)
+    assert (target, asked) == (tmp_path / "out.obj", [])
+    assert Path(offered[2]).name == "part-deformed.obj", "its own format comes first"
+    assert offered[3].startswith("OBJ (*.obj);;")
+    assert "gltf" not in offered[3], "only what was a glTF can become one"
+
+
+@pytest.mark.parametrize(("answer", "written"), [(YES, True), (NO, False)])
+@pytest.mark.parametrize("name", ["out.stl", "out"])
+def test_what_another_format_has_no_room_for_is_said_before(ask, tmp_path, name, answer, written):
+    target, asked, _ = ask(name, answer, "STL (*.stl)")
+    assert target == (tmp_path / "out.stl" if written else None)
+    assert len(asked) == 1
+    assert "texture coordinates and materials" in asked[0]
+    assert "As OBJ, nothing is lost." in asked[0]
+
+
+def test_thinking_better_of_it(ask):
+    target, asked, _ = ask("", YES)
+    assert (target, asked) == (None, [])
