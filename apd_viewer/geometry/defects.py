@@ -40,13 +40,13 @@ class Defects(NamedTuple):
 
 def defects(F: np.ndarray, n: int) -> Defects:
     """Look at the triangles ``F`` (m, 3), each with three different corners, of ``n`` vertices."""
-    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    key = np.minimum(a, b) * n + np.maximum(a, b)
-    order = np.argsort(key)
     F = np.ascontiguousarray(F)
-    uses, corner, face, side, doubled, one_sided = _joined(F, key[order], order)
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    order = _sorted_by(low, _sorted_by(high, np.arange(len(high)), n), n)
+    uses, corner, face, side, doubled, one_sided = _joined(F, low[order], high[order], order)
     edges = np.column_stack([a, b])
-    fans = np.unique(F.ravel() * (3 * len(F)) + corner) // max(3 * len(F), 1)
+    fans = a[corner == np.arange(len(corner))]  # one corner of each
     many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
     return Defects(
         border=edges[order[uses == 1]],
@@ -65,10 +65,25 @@ def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True)
+def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
+    """``order`` sorted by the ``key`` (k,) of each, all less than ``n``; equal ones stay in their order."""
+    start = np.zeros(n + 1, dtype=np.int64)
+    for k in key:
+        start[k + 1] += 1
+    for k in range(n):
+        start[k + 1] += start[k]
+    out = np.empty_like(order)
+    for i in order:
+        out[start[key[i]]] = i
+        start[key[i]] += 1
+    return out
+
+
+@njit(cache=True, nogil=True)
 def _joined(
-    F: np.ndarray, key: np.ndarray, order: np.ndarray
+    F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Walk over the edges, whose halves ``order`` has side by side.
+    """Walk over the edges from ``low`` to ``high``, whose halves ``order`` has side by side.
 
     Returns
     -------
@@ -88,7 +103,7 @@ def _joined(
     begin = 0
     while begin < 3 * m:
         end = begin + 1
-        while end < 3 * m and key[end] == key[begin]:
+        while end < 3 * m and low[end] == low[begin] and high[end] == high[begin]:
             end += 1
         uses[begin] = end - begin
         for i in range(begin + 1, end):

@@ -192,7 +192,9 @@ def _of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding
 
 
 def _of_size(mesh: Mesh) -> Iterator[Finding]:
-    used = mesh.V[mesh.F.ravel()]
+    mask = np.zeros(len(mesh.V), dtype=bool)
+    mask[mesh.F.ravel()] = True
+    used = mesh.V[mask]
     size = float(np.linalg.norm(np.ptp(used, axis=0)))
     away = float(np.linalg.norm(used.mean(axis=0)))
     if size < _TINY:
