@@ -18,7 +18,6 @@ from apd_viewer.files.ply import read_ply
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.stl import read_stl
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.operators import area
 
 # In which any mesh can be written; a glTF only where it came from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
@@ -166,6 +165,8 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         raise InputError(f"There must be {len(mesh.V):,} positions, one for each vertex of the mesh.")
     if not np.isfinite(U).all():
         raise InputError("A position is not a finite number; nothing was written.")
+    from apd_viewer.geometry.operators import area  # loads what the first picture must not wait for
+
     content = _content(mesh, U, path)
     V, F, _ = _parsed(content, path)
     if len(F) != len(mesh.F):

@@ -100,20 +100,20 @@ class Session:
         if len(findings) == 1:
             self._listener.told(findings[0].sentence)
         elif findings:
-            told = f"{len(findings)} findings"
-            self._listener.told(f"There is more than one thing to know of this mesh: see “{told}” below.")
+            count = f"{len(findings)} findings"
+            self._listener.told(f"The mesh has {count}: the badge at the lower right lists and shows them.")
 
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
         state = self._stage.required()
-        path, U = Path(path), state.frame.U
+        path, U, unit = Path(path), state.frame.U, self.unit
 
         def write() -> Written:
             return save_mesh(state.document.mesh, U, check_target(path))
 
         def written(file: Written) -> None:
             self._saved.append(U)
-            area, part = self.unit.area(f"{file.area:.6g}"), 100.0 * file.area / state.inspection.area
+            area, part = unit.area(f"{file.area:.6g}"), 100.0 * file.area / state.inspection.area
             self._listener.told(f"Exported {path.name}: area {area}, {part:.3f} % of the rest area.")
 
         self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)

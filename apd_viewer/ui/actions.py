@@ -109,6 +109,9 @@ class Actions:
 
     def _make_view(self) -> None:
         self.frame = self._make("&Frame the mesh", "frame", "F", "frame", "Show the whole mesh")
+        self.findings = self._make(
+            "Fi&ndings", "findings", "Ctrl+I", tip="List what is unusual about the mesh, and show where"
+        )
         self.views = []
         for title, (axis, key) in (_VIEWS | _OPPOSITES).items():
             action = QAction(title, self._window)
@@ -175,7 +178,7 @@ class Actions:
         self._view_menu.addAction(self.frame)
         self._view_menu.addActions(self.views)
         self._view_menu.addSeparator()
-        self._view_menu.addActions([self.edges, self.smooth])
+        self._view_menu.addActions([self.edges, self.smooth, self.findings])
         self._view_menu.addSeparator()
         self._view_menu.addMenu(self.schemes)
         bar.addMenu("&Help").addAction(self.about)

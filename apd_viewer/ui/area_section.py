@@ -8,11 +8,13 @@ from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
+from apd_viewer.session.units import Unit
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, short, signed
 from apd_viewer.ui.section import quiet
 from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.units import UnitButton
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
@@ -51,6 +53,7 @@ class AreaSection(QWidget):
     ----------
     target : Dial
         In percent.
+    unit : UnitButton
     held : Signal(bool)
         "local" should keep the total area too, or not.
     percent, area, verdict, unreached, local_change, activity : QLabel
@@ -97,7 +100,11 @@ class AreaSection(QWidget):
         self.verdict = quiet("Change of the area")
         self.area = quiet("Area, and area at rest")
         column.addWidget(self.verdict)
-        column.addWidget(self.area)
+        self.unit = UnitButton()
+        row = QHBoxLayout(spacing=4)
+        row.addWidget(self.area, 1)
+        row.addWidget(self.unit)
+        column.addLayout(row)
 
     def _add_target(self, column: QVBoxLayout) -> None:
         self.hold = Check(
@@ -127,12 +134,12 @@ class AreaSection(QWidget):
         self.target.set_active(not local or document.hold_area)
         self.target.show_value(document.area)
 
-    def show_readings(self, state: State, asked_anew: bool) -> None:
+    def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
         """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
         frame, missed = state.frame, state.lacks
         self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
         self.verdict.setText(verdict(state))
-        self.area.setText(f"{figures(frame.area)} of {figures(state.inspection.area)}")
+        self.area.setText(unit.area(f"{figures(frame.area)} of {figures(state.inspection.area)}"))
         self.local_change.setText(
             f"{short(100 * frame.local_change)} %" if frame.local_change > _MET else "0 %"
         )
@@ -149,6 +156,7 @@ class AreaSection(QWidget):
         """Recolour what the style sheet does not reach."""
         self._theme = theme
         self.target.set_theme(theme)
+        self.unit.set_theme(theme)
 
 
 def verdict(state: State) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Signal
+from PySide6.QtCore import QObject, QPointF, QRectF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
@@ -13,9 +13,11 @@ from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_geometry import SIZE
+from apd_viewer.ui.marks import Marks
 from apd_viewer.ui.painter import Painter
 from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.ui.pivots import Pivot, Pivots
+from apd_viewer.ui.sight import aside, facing, in_view, surroundings
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool
@@ -64,7 +66,8 @@ class Canvas(QObject):
         self.painter = Painter(self.viewport, self.surface)
         self.gizmo = Gizmo(self.viewport)
         self.pivots = Pivots(self.viewport, self._handle_at)
-        self.viewport.tools[:] = [self.gizmo, self.pivots, self.painter]
+        self.marks = Marks(self.viewport, self.surface)
+        self.viewport.tools[:] = [self.gizmo, self.pivots, self.painter, self.marks]
         self.tool = Tool.ORBIT
         self._handle = self._region = 0
         self._erasing = False
@@ -155,6 +158,7 @@ class Canvas(QObject):
 
     def _show_mesh(self, state: State) -> None:
         self.painter.cancel()
+        self.marks.show(None)
         document = state.document
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
         sketched, self._sketched = self._sketched, None
@@ -165,6 +169,40 @@ class Canvas(QObject):
     def _recolor(self, old: Document, new: Document) -> None:
         ids = np.flatnonzero((old.labels != new.labels) | (old.member != new.member))
         self.surface.set_colors(label_colors(new.labels[ids], new.member[ids]), ids)
+        if self.marks.ids is not None:
+            self.surface.set_colors(self.marks.colors(), self.marks.ids)
+
+    def mark(self, vertices: np.ndarray | None) -> None:
+        """Mark vertices on the mesh, all where none are named; None takes the marks away."""
+        document, before = self._document, self.marks.ids
+        if document is None:
+            return
+        if before is not None:
+            self.surface.set_colors(label_colors(document.labels[before], document.member[before]), before)
+        if vertices is None:
+            self.marks.show(None)
+            return
+        copies = document.mesh.weld.inverse  # both sides of a seam are marked
+        marked = np.full(len(document.mesh.weld.first), not len(vertices))
+        marked[copies[vertices]] = True
+        self.marks.show(np.flatnonzero(marked[copies]), vertices)
+        self.surface.set_colors(self.marks.colors(), self.marks.ids)
+
+    def bring_into_view(self, vertices: np.ndarray, covered: QRectF) -> None:
+        """Move the camera, no more than it takes, so that vertices are seen, all where none are named.
+
+        ``covered`` is what cannot be seen of the viewport, at its lower right.
+        """
+        U, view = self.surface.U, self.viewport
+        points = U[vertices] if len(vertices) else U
+        low, high = U.min(axis=0), U.max(axis=0)
+        if len(vertices):
+            normals, size = self.surface.normals[vertices], float(np.linalg.norm(high - low))
+            view.eye = facing(view.eye, points, normals, size, self.surface.distances)
+        if not in_view(view.eye, points, covered):
+            shift = aside(view.eye, covered)
+            view.frame(surroundings(points, low, high), room=-sum(shift))
+            view.eye = view.eye.panned(*shift)
 
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""

@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QMainWindow
 
+from apd_viewer.files.samples import resource
+from apd_viewer.session.units import Unit
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh import Mesh
+
 _MOST_RECENT = 8
+_MOST_UNITS = 64
+_UNITS = {unit.value or "-": unit for unit in Unit}
+
+
+def own_file(mesh: Mesh) -> Path | None:
+    """The user's file that a mesh came from; the samples are there to be played with."""
+    return None if mesh.path is None or resource("") in mesh.path.parents else mesh.path
 
 
 class Memory:
-    """Recent files, the folder of the last one, the layout of the window, light or dark.
+    """Recent files, the folder of the last one, their units, the layout of the window, light or dark.
 
     Parameters
     ----------
@@ -49,6 +63,24 @@ class Memory:
         recent = [path, *(other for other in self.recent if other != path)][:_MOST_RECENT]
         self._settings.setValue("recent", [str(other) for other in recent])
         self._settings.setValue("folder", str(path.parent))
+
+    @property
+    def units(self) -> dict[Path, Unit]:
+        """The units of the files for which one was chosen, the latest choice first."""
+        value = self._settings.value("units", [])
+        units = {}
+        for line in [value] if isinstance(value, str) else list(value or []):
+            symbol, _, path = str(line).partition(" ")
+            if path and symbol in _UNITS:
+                units[Path(path)] = _UNITS[symbol]
+        return units
+
+    def remember_unit(self, path: Path, unit: Unit) -> None:
+        """Put the choice of ``unit`` for the file at ``path`` before all others."""
+        path = path.resolve()
+        units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
+        lines = [f"{unit.value or '-'} {other}" for other, unit in units.items()]
+        self._settings.setValue("units", lines[:_MOST_UNITS])
 
     @property
     def scheme(self) -> Qt.ColorScheme:

@@ -32,6 +32,8 @@ REGION_COLORS = (
     (60, 66, 74),
     (150, 150, 40),
 )
+# Of what was found in the mesh; none of the others is near it.
+MARK_COLOR = (226, 0, 142)
 # A region covers free vertices; of base and handles it must not hide what they are.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
 

@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.units import Unit
 from apd_viewer.ui.area_section import AreaSection
 from apd_viewer.ui.dial import Dial
 from apd_viewer.ui.method_section import MethodSection
@@ -87,6 +88,7 @@ class Panel(QScrollArea):
             column.addWidget(section)
         column.addStretch(1)
         self.setWidget(body)
+        self.unit = Unit.NONE
 
     @property
     def dials(self) -> tuple[Dial, ...]:
@@ -122,14 +124,33 @@ class Panel(QScrollArea):
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
             targets = old is None or old.document.targets != new.document.targets
-            self.area.show_readings(new, targets or old is None or old.document.method != new.document.method)
-            self.volume.show_readings(new)
-            self.handles.show_readings(new)
-            self.regions.show_readings(new)
+            self._show_readings(new, targets or old is None or old.document.method != new.document.method)
+
+    def _show_readings(self, state: State, asked_anew: bool) -> None:
+        self.area.show_readings(state, self.unit, asked_anew)
+        self.volume.show_readings(state, self.unit)
+        self.handles.show_readings(state, self.unit)
+        self.regions.show_readings(state, self.unit)
+
+    @property
+    def unit(self) -> Unit:
+        """What the readings are in; another one is seen with the next state that is shown."""
+        return self._unit
+
+    @unit.setter
+    def unit(self, unit: Unit) -> None:
+        self._unit = unit
+        self.area.unit.show_unit(unit)
+
+    def measure_in(self, unit: Unit, state: State, handle: int, region: int) -> None:
+        """Show the readings of the state in another unit."""
+        self.unit = unit
+        self.show_parts(state, handle, region)
+        self._show_readings(state, asked_anew=False)
 
     def show_parts(self, state: State, handle: int, region: int) -> None:
         """Show the handles and regions, and which are active."""
-        self.handles.show_settings(state, handle)
+        self.handles.show_settings(state, self.unit, handle)
         self.regions.show_settings(state, region)
 
     def give_up_sweep(self) -> bool:

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWi
 
 from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.ui.fields import Check, Number, percent_field
-from apd_viewer.ui.figures import length
+from apd_viewer.ui.figures import figures, length
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.part_list import PartList, PartRow
@@ -20,6 +20,7 @@ from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document, State
+    from apd_viewer.session.units import Unit
 
 _DRIFT = "How far a handle is from where it was put; the farthest of several"
 
@@ -66,7 +67,7 @@ class HandleSection(Section):
         details.setIndent(22)
         return PartRow("handle", name, color, details)
 
-    def show_settings(self, state: State, active: int) -> None:
+    def show_settings(self, state: State, unit: Unit, active: int) -> None:
         """Show the handles, and how the active one was moved."""
         document = state.document
         self.list.show_parts([handle.name for handle in document.handles], active)
@@ -77,13 +78,14 @@ class HandleSection(Section):
             row.remove.setVisible(len(document.handles) > 1)
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
-            details.setText(_motion(document, active, max(state.inspection.size)))
+            details.setText(_motion(document, active, unit, max(state.inspection.size)))
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
-    def show_readings(self, state: State) -> None:
+    def show_readings(self, state: State, unit: Unit) -> None:
         """Show how far the handles are from where they were put."""
         held = state.document.counts[HANDLE:].any()
-        self.drift.setText(length(state.frame.handle_drift, max(state.inspection.size)) if held else "–")
+        drift = length(state.frame.handle_drift, max(state.inspection.size))
+        self.drift.setText(unit.length(drift) if held else "–")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -140,7 +142,7 @@ class RegionSection(Section):
         self.note.setVisible(bool(regions) and only_measured)
         self.heading.say(f"{len(regions)}" if regions else "none", only_folded=True)
 
-    def show_readings(self, state: State) -> None:
+    def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
         rest = state.document.rest_areas
         targets = [region.area for region in state.document.regions]
@@ -150,7 +152,8 @@ class RegionSection(Section):
             area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else "no triangle yet"
             kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
             row.reading.setText(f"{area}, kept" if kept and state.document.method != "paper" else area)
-            row.reading.setToolTip("Area in percent of its area at rest")
+            sizes = unit.area(f"{figures(now)} of {figures(at_rest)}")
+            row.reading.setToolTip(f"Area in percent of its area at rest: {sizes}")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -195,7 +198,7 @@ class Keep(QWidget):
         self.field.show_value(100.0 if percent is None else percent)
 
 
-def _motion(document: Document, k: int, size: float) -> str:
+def _motion(document: Document, k: int, unit: Unit, size: float) -> str:
     """How far a handle was moved and turned since it was gripped."""
     centre = document.centre(k)
     if centre is None:
@@ -204,4 +207,5 @@ def _motion(document: Document, k: int, size: float) -> str:
     moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
     cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
     turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
-    return f"moved {length(float(np.linalg.norm(moved)), size)}, turned {turned:.1f}°"
+    way = length(float(np.linalg.norm(moved)), size)
+    return f"moved {unit.length(way)}, turned {turned:.1f}°"

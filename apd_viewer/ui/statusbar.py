@@ -4,15 +4,37 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
+
+from apd_viewer.ui.figures import short
 
 if TYPE_CHECKING:
+    from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
+    from apd_viewer.session.units import Unit
+
+
+class Hint(QLabel):
+    """A line that ends in dots where there is no room for all of it."""
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw as much as there is room for."""
+        room = self.rect().adjusted(8, 0, -8, 0)
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
 
 
 class StatusBar(QStatusBar):
-    """Hint at the left; errand, pace and size of the mesh at the right.
+    """Hint at the left; errand, pace, size and findings of the mesh at the right.
+
+    Parameters
+    ----------
+    badge : QWidget
+        Of the findings.
 
     Attributes
     ----------
@@ -21,15 +43,17 @@ class StatusBar(QStatusBar):
 
     cancel_asked = Signal()
 
-    def __init__(self) -> None:
+    def __init__(self, badge: QWidget) -> None:
         super().__init__()
         self.setSizeGripEnabled(False)
-        self._hint = QLabel()
+        self._hint = Hint()
         self._cancel = QToolButton(text="Cancel")
         self._cancel.clicked.connect(self.cancel_asked)
         self._errand, self._pace, self._size = QLabel(), QLabel(), QLabel()
+        # It gives way: a word less of it is no loss, and the tip has it whole.
+        self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
-        for widget in (self._errand, self._cancel, self._pace, self._size):
+        for widget in (self._errand, self._cancel, self._pace, self._size, badge):
             self.addPermanentWidget(widget)
         # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
         self._errand.setText("Starting…")
@@ -47,6 +71,14 @@ class StatusBar(QStatusBar):
         self._errand.setVisible(errand is not None)
         self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
         self._size.setText(f"{state.inspection.vertices:,} vertices" if state else "")
+        self._size.setToolTip(_extent(state, session.unit) if state else "")
         iteration = state.frame.iteration if state else 0
         pace = f"iteration {iteration:,}, {1e3 * session.seconds_per_iteration:.1f} ms an iteration"
         self._pace.setText(pace if iteration else "")
+
+
+def _extent(state: State, unit: Unit) -> str:
+    """How many faces the mesh has, and how far it reaches along x, y and z."""
+    found = state.inspection
+    size = unit.length(" × ".join(short(extent) for extent in found.size))
+    return f"{found.vertices:,} vertices, {found.faces:,} faces; {size} at rest"

@@ -160,6 +160,23 @@ class Surface:
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
 
+    def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """How far rays go, (k,), until they meet the surface; infinite where they do not.
+
+        Origins and unit directions are (k, 3) arrays.
+        """
+        if self.skin is None or isinstance(self.skin, Sketch):
+            return np.full(len(origins), np.inf)
+        if self._boxes is None:
+            self._boxes = self.skin.boxes(self.U)
+        hits = [self.skin.hit(*ray, self.U, self._boxes) for ray in zip(origins, directions, strict=True)]
+        return np.array([distance if face >= 0 else np.inf for face, distance, _, _ in hits])
+
+    @property
+    def normals(self) -> np.ndarray:
+        """Unit normals of the vertices, (n, 3), as drawn; zero where there is no face."""
+        return np.asarray(self._mesh.point_data["Normals"])
+
     def point_under(self, position: QPointF) -> np.ndarray | None:
         """Point of the surface seen at a position in the viewport."""
         hit = self.hit(position)

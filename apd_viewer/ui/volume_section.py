@@ -14,6 +14,7 @@ from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
+    from apd_viewer.session.units import Unit
 
 _TIP = "What the enclosed volume should be, in percent of the volume at rest"
 
@@ -73,7 +74,7 @@ class VolumeSection(Section):
         self.target.slider.setVisible(active)
         self.target.show_value(100.0 if document.volume is None else document.volume)
 
-    def show_readings(self, state: State) -> None:
+    def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume."""
         rest, now = state.inspection.volume, state.frame.volume
         if rest is None or now is None or rest == 0.0:
@@ -83,4 +84,4 @@ class VolumeSection(Section):
             return
         change = signed(100 * (now / rest - 1), 2)
         self.heading.say("unchanged" if float(change.replace("−", "-")) == 0 else f"{change} %")
-        self.volume.setText(f"{figures(now)} of {figures(rest)}")
+        self.volume.setText(unit.volume(f"{figures(now)} of {figures(rest)}"))

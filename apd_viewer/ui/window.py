@@ -9,32 +9,29 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import (
-    QDockWidget,
-    QMainWindow,
-    QMessageBox,
-    QPushButton,
-    QWidget,
-)
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QMessageBox, QPushButton, QWidget
 
-from apd_viewer.files.samples import SAMPLES, resource
+from apd_viewer.files.samples import SAMPLES
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
 from apd_viewer.ui.guide import Guide
+from apd_viewer.ui.health import Health
 from apd_viewer.ui.icons import application_icon
-from apd_viewer.ui.memory import Memory
+from apd_viewer.ui.memory import Memory, own_file
 from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool
-from apd_viewer.ui.wiring import connect_settings
+from apd_viewer.ui.units import Units
+from apd_viewer.ui.wiring import connect_hand, connect_parts, connect_settings
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
+    from apd_viewer.session.units import Unit
 
 # For the values of Activity.
 _WORDS = {"idle": "ready", "refining": "refining", "settled": "settled", "not reached": "not settled"}
@@ -65,6 +62,7 @@ class Window(QMainWindow):
     def __init__(self, settings: QSettings) -> None:
         super().__init__()
         self._memory = Memory(settings)
+        self._units = Units(self._memory)
         self.setWindowTitle("APD Viewer")
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
@@ -77,7 +75,7 @@ class Window(QMainWindow):
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
         self._make_panel()
-        self.status = StatusBar()
+        self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
         self.actions_ = Actions(self, self._verbs())
         self.actions_.add_panels([self._dock.toggleViewAction()])
@@ -122,6 +120,7 @@ class Window(QMainWindow):
         self.notice = Notice(view)
         self.invitation = Invitation(view)
         self._guide = Guide(self.invitation)
+        self.health = Health(self.canvas)
         buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self._ask_for_file)]
         for name, title in SAMPLES.items():
             buttons.append(QPushButton(title, clicked=partial(self.open_sample, name)))
@@ -153,6 +152,7 @@ class Window(QMainWindow):
             "add_region": self._add_region,
             "next_handle": self._next_handle,
             "frame": self.canvas.frame_mesh,
+            "findings": self.health.open,
             "look": view.look_along,
             "edges": partial(setattr, self.canvas.surface, "edges"),
             "smooth": partial(setattr, self.canvas.surface, "smooth"),
@@ -162,17 +162,11 @@ class Window(QMainWindow):
         }
 
     def _connect_canvas(self) -> None:
-        canvas, session = self.canvas, self.session
+        canvas = self.canvas
         canvas.stroke_began.connect(self._begin_stroke)
-        canvas.painted.connect(session.paint)
-        canvas.region_painted.connect(session.paint_region)
+        connect_hand(canvas, self.session, self.parts)
         canvas.stroke_ended.connect(self._end_stroke)
-        canvas.drag_began.connect(session.begin_gesture)
         canvas.drag_began.connect(self._guide.moved)
-        canvas.handle_moved.connect(lambda pose: session.move_handle(pose, self.parts.handle))
-        canvas.drag_ended.connect(partial(session.end_gesture, "Move handle"))
-        canvas.gesture_cancelled.connect(session.cancel_gesture)
-        canvas.handle_chosen.connect(self.parts.choose_handle)
         canvas.painter.radius_changed.connect(
             lambda radius: self.status.showMessage(f"Brush {radius:.0f} px", 1500)
         )
@@ -180,16 +174,11 @@ class Window(QMainWindow):
     def _connect_panel(self) -> None:
         panel, session, parts = self.panel, self.session, self.parts
         connect_settings(panel, session)
-        panel.handles.list.chosen.connect(parts.choose_handle)
-        panel.handles.list.renamed.connect(session.rename_handle)
-        panel.handles.list.removed.connect(parts.remove_handle)
+        connect_parts(panel, session, parts)
         panel.handles.added.connect(self._add_handle)
         panel.handles.reset_asked.connect(self._reset)
-        panel.regions.list.chosen.connect(parts.choose_region)
-        panel.regions.list.renamed.connect(session.rename_region)
-        panel.regions.list.removed.connect(parts.remove_region)
         panel.regions.added.connect(self._add_region)
-        panel.regions.kept.connect(session.set_region_area)
+        panel.area.unit.chosen.connect(self._choose_unit)
 
     # The user's verbs that need a word with the user
 
@@ -275,6 +264,14 @@ class Window(QMainWindow):
             self._give_up()
             self.session.reset_handle()
 
+    def _choose_unit(self, unit: Unit) -> None:
+        state = self._state
+        if state is not None:
+            self._units.choose(state.document.mesh, unit)
+            self.session.unit = unit
+            self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
+            self.status.show_session(self.session)
+
     def _scale_brush(self, factor: float) -> None:
         self.canvas.painter.radius = self.canvas.painter.radius * factor
 
@@ -290,9 +287,9 @@ class Window(QMainWindow):
         document = new.document
         self.parts.follow(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
-        self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.mesh is not document.mesh:
             self._welcome(new)
+        self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.labels is not document.labels:
             self._invite()
 
@@ -308,8 +305,10 @@ class Window(QMainWindow):
         self.setWindowFilePath(str(mesh.path or ""))
         self.setWindowTitle(f"{mesh.name} – APD Viewer")
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
-        if mesh.path is not None and resource("") not in mesh.path.parents:
-            self._memory.remember(mesh.path)
+        self.health.show(state.inspection.findings)
+        self.session.unit = self.panel.unit = self._units.of(mesh)
+        if path := own_file(mesh):
+            self._memory.remember(path)
             self.actions_.fill_recent(self._memory.recent)
 
     def _status_changed(self) -> None:
@@ -348,14 +347,14 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        for part in (self.actions_, self.notice, self.panel, self.canvas):
+        for part in (self.actions_, self.notice, self.panel, self.canvas, self.health):
             part.set_theme(colors)
 
     # Events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Put the tool away on Esc, where nothing was under way that Esc could cancel."""
-        if event.key() == Qt.Key.Key_Escape:
+        """Put the tool away on Esc, where nothing was under way that Esc could cancel or close."""
+        if event.key() == Qt.Key.Key_Escape and not self.health.close():
             self.take(Tool.ORBIT)
         super().keyPressEvent(event)
 
@@ -382,6 +381,7 @@ class Window(QMainWindow):
         self._memory.keep_layout(self)
         self._memory.folded = self.panel.folded
         self._closed = True
+        self.health.close()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()
@@ -390,7 +390,7 @@ class Window(QMainWindow):
     def _worth_asking(self) -> bool:
         """Whether a shape would be lost; the samples are there to be played with."""
         return self._started and any(
-            mesh.path is None or resource("") not in mesh.path.parents for mesh in self.session.unsaved
+            mesh.path is None or own_file(mesh) is not None for mesh in self.session.unsaved
         )
 
     def _may_close(self) -> bool:

@@ -1,4 +1,4 @@
-"""What is set in the panel, brought to the session."""
+"""What is done on the canvas and set in the panel, brought to the session."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
+    from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.panel import Panel
+    from apd_viewer.ui.parts import Parts
 
 
 def connect_settings(panel: Panel, session: Session) -> None:
@@ -26,3 +28,25 @@ def connect_settings(panel: Panel, session: Session) -> None:
         dial.sweep_began.connect(session.begin_gesture)
         dial.sweep_ended.connect(partial(session.end_gesture, gesture))
         dial.sweep_given_up.connect(session.cancel_gesture)
+
+
+def connect_parts(panel: Panel, session: Session, parts: Parts) -> None:
+    """Have the session and the hand do what is asked in the lists of handles and regions."""
+    panel.handles.list.chosen.connect(parts.choose_handle)
+    panel.handles.list.renamed.connect(session.rename_handle)
+    panel.handles.list.removed.connect(parts.remove_handle)
+    panel.regions.list.chosen.connect(parts.choose_region)
+    panel.regions.list.renamed.connect(session.rename_region)
+    panel.regions.list.removed.connect(parts.remove_region)
+    panel.regions.kept.connect(session.set_region_area)
+
+
+def connect_hand(canvas: Canvas, session: Session, parts: Parts) -> None:
+    """Have the session paint and move what the hand does; a drag is one gesture."""
+    canvas.painted.connect(session.paint)
+    canvas.region_painted.connect(session.paint_region)
+    canvas.drag_began.connect(session.begin_gesture)
+    canvas.handle_moved.connect(lambda pose: session.move_handle(pose, parts.handle))
+    canvas.drag_ended.connect(partial(session.end_gesture, "Move handle"))
+    canvas.gesture_cancelled.connect(session.cancel_gesture)
+    canvas.handle_chosen.connect(parts.choose_handle)

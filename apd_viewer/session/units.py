@@ -1,0 +1,38 @@
+"""The unit of length that a mesh is in, which its file does not say, and how readings are written in it."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+# Never at the end of a line: a number is not parted from its unit.
+_GAP = "\u00a0"
+_POWERS = {1: "", 2: "²", 3: "³"}
+
+
+class Unit(Enum):
+    """A unit of length; its value is its symbol."""
+
+    NONE = ""
+    MILLIMETRE = "mm"
+    CENTIMETRE = "cm"
+    METRE = "m"
+
+    @property
+    def title(self) -> str:
+        """The name on a button."""
+        return self.value or "no unit"
+
+    def length(self, number: str) -> str:
+        """A length: the number, as it is written, with its unit."""
+        return self._written(number, 1)
+
+    def area(self, number: str) -> str:
+        """An area: the number, as it is written, with its unit."""
+        return self._written(number, 2)
+
+    def volume(self, number: str) -> str:
+        """A volume: the number, as it is written, with its unit."""
+        return self._written(number, 3)
+
+    def _written(self, number: str, power: int) -> str:
+        return f"{number}{_GAP}{self.value}{_POWERS[power]}" if self.value else number

@@ -1,0 +1,260 @@
+"""What is unusual about a mesh is counted, listed, and shown where it is."""
+
+import meshes
+import numpy as np
+import pytest
+from driving import Mouse, document, idle, settle
+from PySide6.QtCore import QPointF, Qt
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui.palette import MARK_COLOR, label_colors
+from apd_viewer.ui.toolbox import Tool
+
+LEFT = Qt.MouseButton.LeftButton
+MARK = np.array([*MARK_COLOR, 255])
+
+
+def damaged():
+    """A sphere with a hole at its back, a face that is there twice at its front, and a stray vertex."""
+    V, F = meshes.sphere(3)
+    middles = V[F].mean(axis=1)
+    F = F[middles[:, 2] > -0.95]
+    front = np.argmax(V[F].mean(axis=1)[:, 2])
+    return Mesh(np.vstack([V, [[1.5, 0.0, 0.0]]]), np.vstack([F, F[front]]))
+
+
+@pytest.fixture
+def ill(qtbot, window):
+    """A window on the damaged sphere."""
+    window.show_mesh(damaged())
+    idle(qtbot, window)
+    qtbot.wait(20)
+    return window
+
+
+def findings(window):
+    return window.session.state.inspection.findings
+
+
+def number(window, kind):
+    return [finding.kind for finding in findings(window)].index(kind)
+
+
+def open_list(qtbot, window):
+    qtbot.mouseClick(window.health.badge, LEFT)
+    assert window.health.list.isVisible()
+
+
+def choose(qtbot, window, kind):
+    """Click the row of a finding; its vertices."""
+    k = number(window, kind)
+    qtbot.mouseClick(window.health.list.rows[k], LEFT)
+    return findings(window)[k].vertices
+
+
+def marked(window):
+    """The vertices that have the colour of the marks."""
+    rgba = np.asarray(window.canvas.surface._mesh.point_data["rgba"])
+    return np.flatnonzero((rgba == MARK).all(axis=1))
+
+
+def plain(window):
+    """Whether the surface has the colours of its paint, and nothing is marked."""
+    rgba = np.asarray(window.canvas.surface._mesh.point_data["rgba"])
+    painted = label_colors(document(window).labels, document(window).member)
+    return window.canvas.marks.ids is None and np.array_equal(rgba, painted)
+
+
+def towards(window, points):
+    """Cosine between where the camera stands and where points lie, seen from the middle of the mesh."""
+    middle = points.mean(axis=0)
+    return -window.canvas.viewport.eye.axes[2] @ middle / np.linalg.norm(middle)
+
+
+def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
+    badge = window.health.badge
+    assert not badge.isVisible(), "no mesh is open"
+    window.open_sample("bottle")
+    idle(qtbot, window)
+    assert badge.isVisible()
+    assert not badge.isEnabled()
+    assert badge.text() == badge.accessibleName() == "No findings"
+    qtbot.mouseClick(badge, LEFT)
+    window.actions_.findings.trigger()
+    assert not window.health.list.isVisible()
+
+
+def test_the_badge_counts_what_the_list_says(qtbot, ill):
+    count = len(findings(ill))
+    assert count >= 3
+    assert ill.health.badge.text() == f"{count} findings"
+    assert f"{count} findings" in ill.notice.text
+    assert ill.notice.text.count(".") == 1, "one sentence"
+    open_list(qtbot, ill)
+    said = [row.accessibleName() for row in ill.health.list.rows]
+    assert said == [finding.sentence for finding in findings(ill)]
+    assert plain(ill), "nothing is marked before it is asked for"
+    qtbot.mouseClick(ill.health.badge, LEFT)
+    assert not ill.health.list.isVisible()
+
+
+def test_a_single_finding_is_told_as_it_is(qtbot, window):
+    V, F = meshes.sphere(2)
+    window.show_mesh(Mesh(V, F[3:]))
+    idle(qtbot, window)
+    assert window.notice.text == findings(window)[0].sentence
+    assert window.health.badge.text() == "1 finding"
+
+
+def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
+    V = document(ill).mesh.V
+    ill.canvas.viewport.look_along("front")
+    open_list(qtbot, ill)
+    before = ill.canvas.viewport.eye.key
+    front = choose(qtbot, ill, "doubled faces")
+    assert np.array_equal(marked(ill), front)
+    assert ill.canvas.viewport.eye.key == before, "what is in view needs no other camera"
+    back = choose(qtbot, ill, "open borders")
+    assert np.array_equal(marked(ill), back), "and the other one is marked no more"
+    assert towards(ill, V[back]) > 0.5
+    k = number(ill, "open borders")
+    assert [row.property("marked") for row in ill.health.list.rows].index(True) == k
+
+
+def test_what_is_far_out_of_the_picture_is_brought_into_it(qtbot, ill):
+    view = ill.canvas.viewport
+    view.look_along("front")
+    view.zoom_at(QPointF(5, view.height() / 2), 8.0)
+    open_list(qtbot, ill)
+    stray = choose(qtbot, ill, "unreferenced vertices")
+    (x, y), area = view.project(document(ill).mesh.V[stray])[0], ill.health.list.geometry()
+    assert view.rect().contains(int(x), int(y))
+    assert not area.contains(int(x), int(y))
+    settle(qtbot, view)
+    picture = view.grab().toImage()
+    ratio = picture.width() / view.width()
+    dot = picture.pixelColor(int(x * ratio), int(y * ratio)).getRgb()
+    assert np.allclose(dot, MARK, atol=8), "a vertex without a face is seen too"
+
+
+@pytest.mark.parametrize("way", ["esc", "esc on the canvas", "click", "cross", "stroke", "mesh", "field"])
+def test_the_marks_go_with_the_list(qtbot, ill, way):
+    view, mouse = ill.canvas.viewport, Mouse(ill.canvas.viewport)
+    open_list(qtbot, ill)
+    choose(qtbot, ill, "open borders")
+    assert not plain(ill)
+    if way == "esc":
+        qtbot.keyClick(ill.health.list.rows[0], Qt.Key.Key_Escape)
+        assert ill.canvas.tool is Tool.BASE, "the tool stays in the hand"
+    elif way == "esc on the canvas":
+        view.setFocus()
+        assert ill.health.list.isVisible()
+        qtbot.keyClick(view, Qt.Key.Key_Escape)
+        assert ill.canvas.tool is Tool.BASE
+    elif way == "click":
+        mouse.drag((5, 5), (5, 5))
+    elif way == "cross":
+        ill.health.list._close.click()
+    elif way == "stroke":
+        ill.take(Tool.BASE)
+        view.look_along("side")
+        view.frame(document(ill).mesh.V)
+        mouse.drag(view.project(np.zeros((1, 3)))[0], view.project(np.array([[0.0, 0.2, 0.0]]))[0])
+        assert (document(ill).labels == BASE).any()
+    elif way == "mesh":
+        ill.open_sample("duck")
+        idle(qtbot, ill)
+        assert ill.health.badge.text() == "No findings"
+    else:
+        ill.activateWindow()
+        qtbot.waitUntil(ill.isActiveWindow)
+        ill.panel.area.target.field.setFocus()
+    assert not ill.health.list.isVisible()
+    assert not ill.health.badge.isChecked()
+    assert plain(ill)
+
+
+def test_the_camera_is_free_while_the_list_is_open(qtbot, ill):
+    view, mouse = ill.canvas.viewport, Mouse(ill.canvas.viewport)
+    open_list(qtbot, ill)
+    shown = choose(qtbot, ill, "open borders")
+    before = view.eye.key
+    mouse.drag((5, 5), (60, 20), (90, 40))
+    mouse.wheel((30, 30), 2)
+    assert view.eye.key != before
+    assert ill.health.list.isVisible()
+    assert np.array_equal(marked(ill), shown)
+
+
+def test_the_list_is_used_by_keys_alone(qtbot, ill):
+    badge, rows = ill.health.badge, ill.health.list
+    badge.setFocus()
+    qtbot.keyClick(badge, Qt.Key.Key_Space)
+    assert rows.isVisible()
+    qtbot.keyClick(rows.rows[0], Qt.Key.Key_Return)
+    assert set(findings(ill)[0].vertices) == set(marked(ill))
+    qtbot.keyClick(rows.rows[0], Qt.Key.Key_Down)
+    assert set(findings(ill)[1].vertices) == set(marked(ill))
+    qtbot.keyClick(rows.rows[1], Qt.Key.Key_Escape)
+    assert not rows.isVisible()
+    qtbot.keyClick(badge, Qt.Key.Key_Return)
+    assert rows.isVisible()
+    ill.actions_.findings.trigger()
+    assert not rows.isVisible()
+
+
+def test_marks_move_with_the_mesh_and_outlast_a_change_of_paint(qtbot, ill):
+    session, V = ill.session, document(ill).mesh.V
+    session.begin_gesture()
+    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.end_stroke("Paint")
+    open_list(qtbot, ill)
+    shown = choose(qtbot, ill, "open borders")
+    session.begin_gesture()
+    pose = np.eye(4)
+    pose[1, 3] = 0.4
+    session.move_handle(pose)
+    session.end_gesture("Move handle")
+    idle(qtbot, ill)
+    assert not np.allclose(ill.canvas.surface.U[shown], V[shown])
+    assert np.array_equal(marked(ill), shown)
+    choose(qtbot, ill, "unreferenced vertices")
+    choose(qtbot, ill, "open borders")
+    assert np.array_equal(marked(ill), shown)
+    session.undo()
+    session.undo()
+    assert (document(ill).labels == FREE).all()
+    assert np.array_equal(marked(ill), shown)
+    ill.health.close()
+    assert plain(ill)
+
+
+def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, window):
+    V, F = meshes.soup(*meshes.sphere(2))
+    window.show_mesh(Mesh(V * 1e-5, F[2:]))
+    idle(qtbot, window)
+    open_list(qtbot, window)
+    border = choose(qtbot, window, "open borders")
+    weld = document(window).mesh.weld
+    assert set(marked(window)) == set(np.flatnonzero(np.isin(weld.inverse, weld.inverse[border])))
+    assert len(marked(window)) > len(border)
+    assert not len(choose(qtbot, window, "tiny"))
+    assert len(marked(window)) == len(V)
+
+
+@pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
+def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
+    ill.resize(*size)
+    qtbot.wait(30)
+    open_list(qtbot, ill)
+    choose(qtbot, ill, "open borders")
+    view, area = ill.canvas.viewport, ill.health.list.geometry()
+    assert view.rect().contains(area)
+    assert area.height() <= 0.6 * view.height()
+    badge, bar = ill.health.badge, ill.status
+    assert bar.rect().contains(badge.geometry())
+    places = view.project(document(ill).mesh.V[marked(ill)])
+    free = [not area.contains(int(x), int(y)) and view.rect().contains(int(x), int(y)) for x, y in places]
+    assert np.mean(free) >= 0.8

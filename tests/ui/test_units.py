@@ -1,0 +1,208 @@
+"""The unit of length: chosen where sizes are read, used wherever one is written, remembered by file."""
+
+import re
+
+import meshes
+import numpy as np
+import pytest
+from driving import document, idle
+from PySide6.QtCore import QPoint, Qt, QTimer
+
+from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.samples import resource
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.units import Unit
+from apd_viewer.ui import memory
+from apd_viewer.ui.memory import Memory
+from apd_viewer.ui.units import Units
+
+MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Three files of the user's."""
+    paths = [tmp_path / f"part {name}.obj" for name in "abc"]
+    for path in paths:
+        mesh = Mesh(*meshes.sphere(2))
+        save_mesh(mesh, mesh.V, path)
+    return paths
+
+
+def open_file(qtbot, window, path):
+    window.open_path(path)
+    idle(qtbot, window)
+
+
+def choose(window, unit):
+    """Take a unit from the menu, as a hand does."""
+    actions = {action.data(): action for action in window.panel.area.unit.menu().actions()}
+    actions[unit.value].trigger()
+
+
+def readings(window):
+    """All that is written of areas, volumes and lengths."""
+    panel = window.panel
+    return {
+        "area": panel.area.area.text(),
+        "volume": panel.volume.volume.text(),
+        "drift": panel.handles.drift.text(),
+        "moved": panel.handles.list.rows[0].details.text().split(",")[0],
+        "region": panel.regions.list.rows[0].reading.toolTip(),
+        "extent": window.status._size.toolTip().split(" at rest")[0],
+    }
+
+
+POWERS = {"area": 2, "volume": 3, "drift": 1, "moved": 1, "region": 2, "extent": 1}
+
+
+@pytest.fixture
+def twisted(qtbot, bottle):
+    """The bottle with a region, moved a little by the method that lets the handle drift."""
+    session = bottle.session
+    session.set_method("paper")
+    session.add_region()
+    session.begin_gesture()
+    session.paint_region(np.flatnonzero(abs(document(bottle).mesh.V[:, 1] - 10) < 2), 1)
+    session.end_stroke("Paint")
+    session.begin_gesture()
+    pose = np.eye(4)
+    pose[0, 3] = 0.2
+    session.move_handle(pose)
+    session.end_gesture("Move handle")
+    idle(qtbot, bottle)
+    return bottle
+
+
+def test_every_reading_with_a_dimension_has_the_unit_and_keeps_its_figures(twisted):
+    bare = readings(twisted)
+    percentages = twisted.panel.area.percent.text(), twisted.panel.area.verdict.text()
+    assert not any(re.search(r"\d\s*(mm|cm|m)\b", text) for text in bare.values())
+    for unit in (MM, CM, M):
+        choose(twisted, unit)
+        for name, text in readings(twisted).items():
+            ending = unit.value + {1: "", 2: "²", 3: "³"}[POWERS[name]]
+            assert text == f"{bare[name]}\u00a0{ending}"
+    assert (twisted.panel.area.percent.text(), twisted.panel.area.verdict.text()) == percentages
+    choose(twisted, NONE)
+    assert readings(twisted) == bare
+
+
+def test_readings_of_new_frames_and_exports_have_the_unit_too(qtbot, twisted, tmp_path):
+    choose(twisted, CM)
+    before = readings(twisted)
+    session = twisted.session
+    session.begin_gesture()
+    pose = np.eye(4)
+    pose[0, 3] = 0.4
+    session.move_handle(pose)
+    session.end_gesture("Move handle")
+    idle(qtbot, twisted)
+    assert readings(twisted)["area"] != before["area"]
+    assert readings(twisted)["area"].endswith("cm²")
+    assert readings(twisted)["moved"] == "moved 0.4000\u00a0cm"
+    session.export(tmp_path / "out.obj")
+    idle(qtbot, twisted)
+    assert re.search(r"area [\d.]+\u00a0cm²", twisted.notice.text)
+
+
+def test_the_choice_is_made_with_the_mouse_or_the_keys(qtbot, bottle):
+    button = bottle.panel.area.unit
+    assert (button.text(), button.accessibleName()) == ("no unit", "Unit of length: no unit")
+    assert button.isVisible()
+    menu = button.menu()
+    for use in (
+        lambda: qtbot.mouseClick(button, Qt.MouseButton.LeftButton),
+        lambda: qtbot.keyClick(button, Qt.Key.Key_Space),
+    ):
+        seen = []
+
+        def take(seen=seen):
+            seen.append(menu.isVisible())
+            menu.setActiveAction(menu.actions()[1])
+            qtbot.keyClick(menu, Qt.Key.Key_Return)
+
+        choose(bottle, NONE)
+        QTimer.singleShot(100, take)
+        use()
+        qtbot.waitUntil(lambda seen=seen: bool(seen), timeout=3_000)
+        assert seen == [True]
+        assert (button.text(), button.accessibleName()) == ("mm", "Unit of length: mm")
+        assert [action.isChecked() for action in menu.actions()] == [False, True, False, False]
+
+
+def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files, settings):
+    open_file(qtbot, window, files[0])
+    choose(window, CM)
+    open_file(qtbot, window, files[1])
+    assert window.panel.unit is window.session.unit is NONE, "one choice is no habit"
+    open_file(qtbot, window, files[0])
+    assert window.panel.unit is window.session.unit is CM
+    window.session.undo()
+    assert window.panel.unit is window.session.unit is NONE, "undo brings back the mesh and its unit"
+    assert Memory(settings).units == {files[0].resolve(): CM}
+    assert Units(Memory(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
+
+
+def test_the_same_unit_twice_running_is_what_the_next_file_begins_with(settings, files):
+    V, F = meshes.sphere(1)
+    a, b, c = (Mesh(V, F, path=path) for path in files)
+    units = Units(Memory(settings))
+    units.choose(a, MM)
+    assert units.of(b) is NONE
+    units.choose(b, MM)
+    assert units.of(c) is MM
+    units.choose(a, CM)
+    assert Units(Memory(settings)).of(c) is MM, "what a file began with it keeps"
+    assert units.of(Mesh(V, F, path=files[0].with_name("d.obj"))) is NONE
+
+
+def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, files):
+    units = Units(Memory(settings))
+    V, F = meshes.sphere(1)
+    for path in files[:2]:
+        units.choose(Mesh(V, F, path=path), MM)
+    assert units.of(Mesh(V, F)) is NONE
+    assert units.of(Mesh(V, F, path=resource("duck.obj"))) is NONE
+    choose(bottle, M)
+    assert set(Memory(settings).units.values()) == {MM}
+    bottle.open_sample("bottle")
+    idle(qtbot, bottle)
+    assert bottle.panel.unit is NONE
+    bottle.session.undo()
+    assert bottle.panel.unit is M
+
+
+def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_path):
+    remembered = Memory(settings)
+    for k in range(memory._MOST_UNITS + 5):
+        remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
+    units = remembered.units
+    assert len(units) == memory._MOST_UNITS
+    last = memory._MOST_UNITS + 4
+    assert next(iter(units)) == (tmp_path / f"part, {last} mm.obj").resolve()
+    assert units[(tmp_path / "part, 6 mm.obj").resolve()] is CM
+    settings.setValue("units", ["furlong /a.obj", "mm", "", "cm /b c.obj"])
+    assert {str(path): unit for path, unit in remembered.units.items()} == {"/b c.obj": CM}
+    settings.setValue("units", "m /one.obj")
+    assert list(remembered.units.values()) == [M]
+
+
+@pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
+@pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
+def test_the_choice_stands_beside_the_area_whatever_its_size(qtbot, window, size, scheme):
+    window.resize(*size)
+    window._set_scheme(scheme)
+    V, F = meshes.sphere(2)
+    window.show_mesh(Mesh(V * 3.3e5, F))
+    idle(qtbot, window)
+    choose(window, MM)
+    qtbot.wait(30)
+    panel, button = window.panel, window.panel.area.unit
+    assert panel.widget().width() <= panel.viewport().width()
+    place = button.mapTo(panel.viewport(), QPoint(0, 0))
+    assert panel.viewport().rect().contains(place)
+    assert place.x() + button.width() <= panel.viewport().width()
+    beside = panel.area.area
+    assert beside.geometry().right() < button.geometry().left()
+    assert beside.height() >= beside.heightForWidth(beside.width())
