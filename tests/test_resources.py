@@ -13,7 +13,19 @@ SAMPLES = ["bottle", "duck"]
 TRANSFORMS = ["bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"]
 TOOLS = ["orbit", "paint-base", "paint-handle", "paint-region", "erase", "move"]
 ACTIONS = ["undo", "redo", "reset", "open", "export", "add", "remove", "next-handle", "frame"]
-ICONS = [*TOOLS, *ACTIONS, "sample", "about", "folded", "unfolded", "warning", "panel", "cancel", "info"]
+ICONS = [
+    *TOOLS,
+    *ACTIONS,
+    "sample",
+    "about",
+    "folded",
+    "unfolded",
+    "panel",
+    "cancel",
+    "info",
+    "warning",
+    "sound",
+]
 
 
 def read_mesh(path):

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import json
+import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
+from urllib.parse import unquote
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.parsed import Parsed, turned
+from apd_viewer.files.scene import a_list, carried, one, parts, placed, whole
 from apd_viewer.files.spans import spans
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.normals import turned_normals
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_NAMES = {1: "SCALAR", 3: "VEC3"}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
-_MOST = 1 << 28  # numbers of an accessor
 
 
 class _Block(NamedTuple):
@@ -49,11 +49,9 @@ class GltfFile:
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
         has = [what for what in ("materials", "textures", "animations", "skins") if self.document.get(what)]
+        meshes = {_mesh_of(self.document, node) for node in placed(self.document)}
         attributes = {
-            name
-            for mesh in self.document.get("meshes", [])
-            for part in mesh["primitives"]
-            for name in part["attributes"]
+            name for mesh in meshes for part in parts(self.document, mesh) for name in part["attributes"]
         }
         kinds = {"NORMAL": "normals", "TEXCOORD_0": "texture coordinates", "COLOR_0": "vertex colours"}
         return (*has, *(what for name, what in kinds.items() if name in attributes))
@@ -65,10 +63,12 @@ class GltfFile:
         touched: list[int] = []
         for block in self.blocks:
             old = self._array(self.buffers, block.position).astype(np.float64)
+            if not len(old):
+                continue
             mine = slice(block.first, block.first + len(old))
             new, moved = old.copy(), (U[mine] != mesh.V[mine]).any(axis=1)
-            inverse = np.linalg.pinv(block.matrix[:3, :3])
-            new[moved] = (U[mine][moved] - block.matrix[:3, 3]) @ inverse.T
+            if moved.any():
+                new[moved] = _local(block.matrix, U[mine][moved])
             if block.position in written:
                 if np.abs(written[block.position] - new).max() > 1e-6 * np.ptp(old, axis=0).max():
                     raise InputError(
@@ -76,39 +76,41 @@ class GltfFile:
                         "choose another format to write."
                     )
                 continue
-            if self._kind(block.position) != "<f4":
+            if self._array(self.buffers, block.position).dtype != np.float32:
                 raise InputError("The file holds rounded positions; choose another format to write.")
             written[block.position] = new
             if not moved.any():
                 continue
             touched.append(block.position)
             self._array(buffers, block.position)[moved] = new[moved]
-            if block.normal is not None and block.normal not in written and self._kind(block.normal) == "<f4":
+            if block.normal is None or block.normal in written:
+                continue
+            N = self._array(self.buffers, block.normal)
+            if len(N) != len(old):
+                raise ValueError("there are not as many as positions")
+            if N.dtype == np.float32:
                 F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
-                N = self._array(self.buffers, block.normal).astype(np.float64)
-                turned = turned_normals(old, new, F, N, F)
-                self._array(buffers, block.normal)[...] = np.where(turned == N, N, turned)
-                written[block.normal] = turned
+                written[block.normal] = turned(old, new, F, N.astype(np.float64), F)
+                self._array(buffers, block.normal)[...] = written[block.normal]
+        if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
+            raise InputError("The file keeps several things in one place; choose another format to write.")
         return self._packed(buffers, touched)
 
-    def _kind(self, accessor: int) -> str:
-        return _TYPES[self.document["accessors"][accessor]["componentType"]]
-
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
-        return _array(self.document, buffers, accessor)
+        return _array(self.document, buffers, accessor, 3)
 
     def _packed(self, buffers: list[bytearray], touched: list[int]) -> bytes:
         text, changes = self.text, []
         for accessor in touched:
             told = self.document["accessors"][accessor]
-            array = self._array(buffers, accessor)
-            for bound, value in (("min", array.min(axis=0)), ("max", array.max(axis=0))):
-                if bound in told and not np.array_equal(np.float32(told[bound]), value):
+            before, after = self._array(self.buffers, accessor), self._array(buffers, accessor)
+            for bound, of in (("min", np.min), ("max", np.max)):
+                value = of(after, axis=0)
+                if bound in told and not np.array_equal(of(before, axis=0), value):
                     changes.append((("accessors", accessor, bound), json.dumps(value.astype(float).tolist())))
-        if self.suffix == ".gltf":
-            for k, buffer in enumerate(buffers):
-                if buffer != self.buffers[k]:
-                    changes.append((("buffers", k, "uri"), json.dumps(self._uri(k, buffer))))
+        for k, buffer in enumerate(buffers):
+            if buffer != self.buffers[k] and "uri" in self.document["buffers"][k]:
+                changes.append((("buffers", k, "uri"), json.dumps(self._uri(k, buffer))))
         found = spans(text, [path for path, _ in changes])
         for path, new in sorted(changes, key=lambda change: -found[change[0]][0]):
             begin, end = found[path]
@@ -121,7 +123,7 @@ class GltfFile:
         if said != self.text.encode():
             said += b" " * (-len(said) % 4)
         rest = bytearray(self.content[head + old :])
-        if buffers and rest:
+        if buffers and rest and "uri" not in self.document["buffers"][0]:
             rest[8 : 8 + len(buffers[0])] = buffers[0]
         start = struct.pack("<4sIII4s", b"glTF", 2, head + len(said) + len(rest), len(said), b"JSON")
         return start + said + bytes(rest)
@@ -135,6 +137,16 @@ class GltfFile:
         return uri.partition(",")[0] + "," + base64.b64encode(buffer).decode()
 
 
+def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
+    """The positions (n, 3) that a matrix takes to ``U``."""
+    new = (U - matrix[:3, 3]) @ np.linalg.pinv(matrix[:3, :3]).T
+    if np.abs(new).max() > np.finfo(np.float32).max:
+        raise InputError("A node of the file shrinks a mesh to nothing; choose another format to write.")
+    if np.abs(carried(matrix, new) - U).max() > 1e-6 * np.abs(U).max():
+        raise InputError("A node of the file flattens a mesh; choose another format to write.")
+    return new
+
+
 def read_gltf(content: bytes, path: Path) -> Parsed:
     """Positions (n, 3) and triangles (m, 3) of the scene in a GLB or glTF file.
 
@@ -143,44 +155,63 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    try:
-        return _read(content, path)
-    except (KeyError, IndexError, TypeError, AttributeError, struct.error, binascii.Error) as error:
-        raise ValueError(f"something in it is missing or out of place: {error}") from error
-
-
-def _read(content: bytes, path: Path) -> Parsed:
     is_binary = path.suffix.lower() == ".glb"
     said, blob = _chunks(content) if is_binary else (content, None)
-    text = said.decode("utf-8-sig")
-    document = json.loads(text)
-    compressed = [name for name in _COMPRESSED if name in document.get("extensionsRequired", [])]
+    text, document = _document(said)
+    compressed = [name for name in _COMPRESSED if name in a_list(document, "extensionsRequired")]
     if compressed:
         raise ValueError(f"it is compressed ({compressed[0]}), which is not supported")
-    buffers = [_buffer(buffer, blob, path) for buffer in document.get("buffers", [])]
+    buffers = [
+        _buffer(one(document, "buffers", k), None if k else blob, path)
+        for k in range(len(a_list(document, "buffers")))
+    ]
     V, F, blocks, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
-    placed = _placed(document)
     for node, matrix in sorted(
-        placed.items(), key=lambda item: (document["nodes"][item[0]]["mesh"], item[0])
+        placed(document).items(), key=lambda item: (_mesh_of(document, item[0]), item[0])
     ):
         first: dict[int, int] = {}
-        for part in document["meshes"][document["nodes"][node]["mesh"]]["primitives"]:
+        for part in parts(document, _mesh_of(document, node)):
             mode = part.get("mode", _TRIANGLES)
             if mode not in (_TRIANGLES, _STRIP, _FAN):
                 continue
-            position, normal = part["attributes"]["POSITION"], part["attributes"].get("NORMAL")
+            position, normal = whole(part["attributes"], "POSITION"), part["attributes"].get("NORMAL")
             if position not in first:
-                local = _array(document, buffers, position).astype(np.float64)
+                local = _positions(document, buffers, position)
                 first[position] = count
+                normal = None if normal is None else whole(part["attributes"], "NORMAL")
                 blocks.append(_Block(count, position, normal, matrix))
-                V.append(local @ matrix[:3, :3].T + matrix[:3, 3])
+                V.append(carried(matrix, local))
                 count += len(local)
             F.append(_triangles(document, buffers, part, mode) + first[position])
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, blocks)
     return Parsed(np.vstack(V), np.vstack(F), file)
 
 
+def _mesh_of(document: dict[str, Any], node: int) -> int:
+    return whole(document["nodes"][node], "mesh")
+
+
+def _document(said: bytes) -> tuple[str, dict[str, Any]]:
+    """The JSON as text, and what it says."""
+    try:
+        text = said.decode("utf-8-sig")
+        document = json.loads(text)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"its text is damaged at byte {error.start:,}") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(f"its JSON is damaged at line {error.lineno:,}, column {error.colno:,}") from None
+    except ValueError:  # a number of thousands of digits
+        raise ValueError("its JSON has an absurd number") from None
+    except RecursionError:
+        raise ValueError("its JSON is nested without end") from None
+    if not isinstance(document, dict):
+        raise ValueError("its JSON is no document of glTF")
+    return text, document
+
+
 def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
+    if len(content) < 20:
+        raise ValueError("it ends too early")
     magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
     if magic != b"glTF" or kind != b"JSON":
         raise ValueError("it does not begin as a GLB")
@@ -201,78 +232,58 @@ def _buffer(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
         if blob is None:
             raise ValueError("its binary part is missing")
         return blob
+    if not isinstance(uri, str):
+        raise ValueError("it does not say where its coordinates are")
     if uri.startswith("data:"):
-        return base64.b64decode(uri.partition(",")[2])
-    beside = path.parent / uri
-    if not beside.is_file():
+        try:
+            return base64.b64decode(uri.partition(",")[2])
+        except ValueError:
+            raise ValueError("the coordinates within it are damaged") from None
+    beside = path.parent / unquote(uri)
+    # os.path and not Path: it says no where Path raises.
+    if not os.path.isfile(beside):  # noqa: PTH113
         raise ValueError(f"it needs the file {uri} beside it")
     return beside.read_bytes()
 
 
-def _placed(document: dict[str, Any]) -> dict[int, np.ndarray]:
-    """The nodes of the scene that show a mesh, and their matrices to the world."""
-    nodes = document.get("nodes", [])
-    scenes = document.get("scenes")
-    children = {child for node in nodes for child in node.get("children", [])}
-    roots = (
-        scenes[document.get("scene", 0)].get("nodes", [])
-        if scenes
-        else sorted({*range(len(nodes))} - children)
-    )
-    found: dict[int, np.ndarray] = {}
-    seen: set[int] = set()
-    todo = [(root, np.eye(4)) for root in reversed(roots)]
-    while todo:
-        k, above = todo.pop()
-        if k in seen or not 0 <= k < len(nodes):
-            raise ValueError("its nodes are no tree")
-        seen.add(k)
-        matrix = above @ _matrix(nodes[k])
-        if "mesh" in nodes[k]:
-            found[k] = matrix
-        todo += [(child, matrix) for child in reversed(nodes[k].get("children", []))]
-    return found
+def _positions(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
+    """The positions (n, 3) of an accessor as they are meant, as doubles."""
+    array = _array(document, buffers, accessor, 3)
+    if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
+        return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
+    with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+        return array.astype(np.float64)
 
 
-def _matrix(node: dict[str, Any]) -> np.ndarray:
-    if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
-    M = np.eye(4)
-    x, y, z, w = (float(number) for number in node.get("rotation", (0, 0, 0, 1)))
-    R = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    M[:3, :3] = R * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
-    M[:3, 3] = node.get("translation", (0, 0, 0))
-    return M
-
-
-def _array(document: dict[str, Any], buffers: list[Any], accessor: int) -> np.ndarray:
+def _array(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
     """The numbers of an accessor, (count, width): they lie in the buffer."""
-    told = document["accessors"][accessor]
-    if accessor < 0 or "sparse" in told or "bufferView" not in told:
+    told = one(document, "accessors", accessor)
+    if "sparse" in told or "bufferView" not in told:
         raise ValueError("it has sparse accessors, which are not supported")
-    view = document["bufferViews"][told["bufferView"]]
-    kind, width, count = np.dtype(_TYPES[told["componentType"]]), _WIDTHS[told["type"]], int(told["count"])
-    buffer = buffers[view["buffer"]]
-    start = view.get("byteOffset", 0) + told.get("byteOffset", 0)
-    stride = view.get("byteStride") or kind.itemsize * width
-    if count < 0 or count > _MOST or start < 0 or stride < kind.itemsize * width:
-        raise ValueError("an accessor is absurd")
-    if count and start + stride * (count - 1) + kind.itemsize * width > len(buffer):
+    view = one(document, "bufferViews", told["bufferView"])
+    code = whole(told, "componentType")
+    if code not in _TYPES or told.get("type") != _NAMES[width]:
+        raise ValueError("an accessor is of another type than it should be")
+    one(document, "buffers", view.get("buffer"))
+    kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
+    start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
+    row = kind.itemsize * width
+    stride = whole(view, "byteStride", 0) or row
+    if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
         raise ValueError("it ends within an accessor")
-    return np.ndarray((count, width), kind, buffer, start if count else 0, (stride, kind.itemsize))
+    return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
 
 
 def _triangles(document: dict[str, Any], buffers: list[Any], part: dict[str, Any], mode: int) -> np.ndarray:
+    count = whole(one(document, "accessors", part["attributes"]["POSITION"]), "count")
+    corners = np.arange(count)
     if "indices" in part:
-        corners = _array(document, buffers, part["indices"])[:, 0].astype(np.int64)
-    else:
-        corners = np.arange(int(document["accessors"][part["attributes"]["POSITION"]]["count"]))
+        indices = _array(document, buffers, part["indices"], 1)
+        if indices.dtype.kind != "u":
+            raise ValueError("its triangles are of another type than they should be")
+        corners = indices[:, 0].astype(np.int64)
+        if len(corners) and corners.max() >= count:
+            raise ValueError(f"a triangle refers to vertex {corners.max():,} of {count:,}")
     if mode == _TRIANGLES:
         if len(corners) % 3:
             raise ValueError("a triangle is not whole")

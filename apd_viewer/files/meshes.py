@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.gltf import read_gltf
 from apd_viewer.files.obj import read_obj
 from apd_viewer.files.off import read_off
-from apd_viewer.files.parsed import Parsed, check_single
+from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.ply import read_ply
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.stl import read_stl
@@ -24,7 +24,7 @@ WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf")
 _NAMES = "OBJ, PLY, STL, OFF, GLB or glTF"
 _LONGEST = 160  # characters of what an error says
-_LARGEST = 1e38  # coordinate: beyond that areas overflow, and single precision
+_LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off}
 
 
@@ -165,6 +165,8 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         raise InputError(f"There must be {len(mesh.V):,} positions, one for each vertex of the mesh.")
     if not np.isfinite(U).all():
         raise InputError("A position is not a finite number; nothing was written.")
+    if _largest(U) > _LARGEST:
+        raise InputError(f"A position is as large as {_largest(U):.3g}; nothing was written.")
     from apd_viewer.geometry.operators import area  # loads what the first picture must not wait for
 
     content = _content(mesh, U, path)
@@ -191,11 +193,9 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
             ) from error
     if kind not in WRITTEN:
         raise InputError(f"{path.name}: only what was opened as glTF is written as glTF; choose GLB.")
-    largest = _largest(U)
-    if kind not in (".obj", ".off"):
-        check_single(U)
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 
+    largest = _largest(U)
     decimals = min(300, max(0, 15 - math.ceil(math.log10(largest)))) if largest > 0 else 1
     digits = {"digits": decimals} if kind in (".obj", ".off") else {}
     # To memory first: trimesh leaves its file open when the disk is full.

@@ -9,20 +9,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits, plain
+from apd_viewer.files.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.normals import turned_normals
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"
-_VECTOR = rb"^[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
-_POSITION, _NORMAL = (re.compile(_VECTOR % word, re.MULTILINE) for word in (b"v", b"vn"))
-_ANY_POSITION = re.compile(rb"^[ \t]*v[ \t\r\n\\]", re.MULTILINE)
-_FACE_LINE = re.compile(rb"^f[ \t]([^\n]*)", re.MULTILINE)
+# A line end in front is looked for much faster than the begin of a line.
+_VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
+_POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
+_ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
+_FACE = re.compile(rb"\nf[ \t]([^\n]*)")
+_FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
+_CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
 _EXTRAS = {
     "texture coordinates": rb"vt",
     "normals": rb"vn",
@@ -51,22 +54,28 @@ class ObjFile:
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3), and normals that have turned along."""
-        text, edits = plain(self.content), Edits(self.content)
+        text, edits = _lines(self.content), Edits(self.content)
         edits.numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())
-        normals = [match.groups() for match in _NORMAL.finditer(text)]
+        normals = [word for words in _NORMAL.findall(text) for word in words]
         if normals:
-            N = np.array([[float(word) for word in words] for words in normals])
+            N = numbers(normals).reshape(-1, 3)
             corners = list(_corners(text))
             polygons = Polygons.of([face for face, _ in corners])
-            own = np.array([k for _, normals in corners for k in normals])[polygons.split(mesh.V)]
-            turned = turned_normals(mesh.V, U, mesh.F, N, np.where(own < len(N), own, -1))
-            edits.numbers(_spans(_NORMAL, text), N.ravel(), turned.ravel())
+            own = np.array([k if k < len(N) else -1 for _, normals in corners for k in normals])
+            new = turned(mesh.V, U, mesh.F, N, own[polygons.split(mesh.V)])
+            edits.numbers(_spans(_NORMAL, text), N.ravel(), new.ravel())
         return edits.done()
 
 
+def _lines(content: bytes) -> bytes:
+    """Plain content that begins and ends with a line end."""
+    return b"\n%s\n" % plain(content)
+
+
 def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]:
+    """Where the numbers stand in the content, which begins after the first line end."""
     for match in pattern.finditer(text):
-        yield from (match.span(1), match.span(2), match.span(3))
+        yield from ((match.start(k) - 1, match.end(k) - 1) for k in (1, 2, 3))
 
 
 def read_obj(content: bytes) -> Parsed:
@@ -77,12 +86,12 @@ def read_obj(content: bytes) -> Parsed:
     ValueError
         If a ``v`` or ``f`` line cannot be understood; the message says which.
     """
-    text = plain(content)
+    text = _lines(content)
     words = _POSITION.findall(text)
     if len(words) != len(_ANY_POSITION.findall(text)):
         raise ValueError("a vertex has fewer than three coordinates")
     try:
-        V = np.array([float(word) for three in words for word in three]).reshape(-1, 3)
+        V = np.fromiter(map(float, chain.from_iterable(words)), np.float64, 3 * len(words)).reshape(-1, 3)
     except ValueError as error:
         raise ValueError(_not_understood(text)) from error
     alike = _faces_alike(text)
@@ -97,36 +106,30 @@ def _not_understood(text: bytes) -> str:
             [float(word) for word in match.groups()]
         except ValueError:
             break
-    line = text.count(b"\n", 0, match.start()) + 1
-    return f"line {line} is not understood: {match[0].decode(errors='replace')[:60]}"
+    line = text.count(b"\n", 0, match.start() + 1)
+    return f"line {line} is not understood: {match[0].strip().decode(errors='replace')[:60]}"
 
 
 def _faces_alike(text: bytes) -> np.ndarray | None:
     """The vertices (p, k) of all faces from 0, if all are written alike; None if that takes a closer look."""
-    if re.search(rb"\\\r?\n|^[ \t]+f[ \t]", text, re.MULTILINE):
+    face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
+    corners = face[1].split() if face else []
+    if not corners or not _CORNER.fullmatch(corners[0]):
         return None
-    faces = _FACE_LINE.findall(text)
-    joined = b" ; ".join(faces)
-    if not faces or any(sign in joined for sign in (b"#", b"-", b".")):
+    alike = rb"\nf" + (rb"[ \t]+" + _NUMBER.sub(rb"\\d+", corners[0])) * len(corners) + rb"(?=[ \t]*\r?\n)"
+    faces = re.findall(alike, text)
+    if len(faces) != len(_FACE_BEGINS.findall(text)):
         return None
-    first = faces[0].split()
-    k, values = len(first), len(first[0].replace(b"/", b" ").split()) if first else 0
-    words = joined.replace(b"/", b" ").split()
-    width = k * values + 1
-    ends = words[width - 1 :: width]
-    if not values or len(words) != len(faces) * width - 1 or ends.count(b";") != len(faces) - 1:
-        return None
-    # As many slashes in every face: 1//2 has as many numbers as 1/2.
-    if joined.count(b"/") != len(faces) * faces[0].count(b"/"):
-        return None
-    del words[width - 1 :: width]
-    return np.array([int(word) for word in words[::values]]).reshape(-1, k) - 1
+    joined = b"".join(faces).replace(b"/", b" ").replace(b"\nf", b"")
+    values = len(_NUMBER.findall(corners[0]))
+    # Numbers that are too large for it end up as the largest, and no file has so many vertices.
+    return np.fromstring(joined, np.int64, sep=" ")[::values].reshape(-1, len(corners)) - 1
 
 
 def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
     """Vertices and normals from 0 of the corners of every face; what is missing is -1."""
     positions = normals = 0
-    for number, line in _statements(text.decode("utf-8", errors="replace")):
+    for number, line in _statements(text[1:].decode("utf-8", errors="replace")):
         kind, _, rest = line.partition(" ")
         if kind == "v":
             positions += 1

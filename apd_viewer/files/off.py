@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits, lines, plain
+from apd_viewer.files.text import Edits, lines, numbers, plain, shown, whole_numbers
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.normals import turned_normals
 
 _HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)
 
@@ -36,16 +35,18 @@ class OffFile:
         edits = Edits(self.content)
         edits.numbers(self._spans(0), mesh.V.ravel(), U.ravel())
         if self.has_normals:
-            N = np.array([[float(word) for word in row.split()[3:6]] for _, row in self.rows]).reshape(-1, 3)
-            edits.numbers(self._spans(3), N.ravel(), turned_normals(mesh.V, U, mesh.F, N, mesh.F).ravel())
+            N = numbers([word for _, row in self.rows for word in row.split()[3:6]]).reshape(-1, 3)
+            edits.numbers(self._spans(3), N.ravel(), turned(mesh.V, U, mesh.F, N, mesh.F).ravel())
         return edits.done()
 
     def _spans(self, first: int) -> list[tuple[int, int]]:
         """Where three words of every row stand."""
+        pattern = re.compile(rb"\s*(?:\S+\s+){%d}(\S+)\s+(\S+)\s+(\S+)" % first)
         spans = []
         for start, row in self.rows:
-            words = [(start + word.start(), start + word.end()) for word in re.finditer(rb"\S+", row)]
-            spans += words[first : first + 3]
+            match = pattern.match(row)
+            assert match is not None  # it was read
+            spans += [(start + match.start(k), start + match.end(k)) for k in (1, 2, 3)]
         return spans
 
 
@@ -68,22 +69,21 @@ def read_off(content: bytes) -> Parsed:
         counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
     if len(counts) < 2:
         raise ValueError("the numbers of vertices and faces are missing")
-    n, m = int(counts[0]), int(counts[1])
+    n, m = whole_numbers(counts[:2])
     if n < 0 or m < 0 or len(rows) < 1 + n + m:
         raise ValueError(f"it ends before its last face: {n:,} vertices and {m:,} faces were announced")
     vertices, has_normals = rows[1 : 1 + n], bool(head[3])
-    positions = [[float(word) for word in row.split()[:3]] for _, row in vertices]
     if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
         raise ValueError("a vertex has too few numbers")
     polygons = Polygons.of([_polygon(row) for _, row in rows[1 + n : 1 + n + m]])
-    V = np.array(positions).reshape(-1, 3)
+    V = numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
     return Parsed(V, polygons.triangles(V), OffFile(content, vertices, bool(head[2]), has_normals))
 
 
 def _polygon(line: bytes) -> list[int]:
     """Vertices of a face: their number, then they; a colour may follow."""
     words = line.split()
-    count = int(words[0])
+    (count,) = whole_numbers(words[:1])
     if count < 0 or len(words) < 1 + count:
-        raise ValueError(f"a face is not whole: {line[:60].decode(errors='replace')}")
-    return [int(word) for word in words[1 : 1 + count]]
+        raise ValueError(f"a face is not whole: {shown(line)}")
+    return whole_numbers(words[1 : 1 + count])

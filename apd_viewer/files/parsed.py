@@ -1,4 +1,4 @@
-"""What a reader makes of a file."""
+"""What a reader makes of a file, and how normals of a file turn."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.mesh import Origin
+from apd_viewer.geometry.normals import turned_normals
+
+_LONGEST = 1e30  # of a normal; beyond that its square overflows
 
 
 class Parsed(NamedTuple):
@@ -15,3 +18,12 @@ class Parsed(NamedTuple):
     V: np.ndarray
     F: np.ndarray
     origin: Origin | None
+
+
+def turned(V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray) -> np.ndarray:
+    """The normals ``N`` of a file, turned as the surface; those that are none stay as they are."""
+    good = (np.abs(N) < _LONGEST).all(axis=1)
+    if good.all():
+        return turned_normals(V, U, F, N, normal_of)
+    sane = np.where(good[:, None], N, 0.0)
+    return np.where(good[:, None], turned_normals(V, U, F, sane, normal_of), N)

@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits
+from apd_viewer.files.text import Edits, numbers, shown, whole_numbers
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.normals import turned_normals
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 _TYPES |= {"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2"}
@@ -23,6 +22,7 @@ _CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8"
 _CODES |= {"f4": "f", "f8": "d"}
 _ORDER = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _AXES, _NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
+_LINE, _WORD = re.compile(rb"[^\r\n]+"), re.compile(rb"\S+")
 _INDICES = ("vertex_indices", "vertex_index")
 _MOST_CORNERS = 1 << 16  # of a face; more is a broken file
 _EXTRAS = {"colours": "red", "normals": "nx", "texture coordinates": "s", "transparency": "alpha"}
@@ -82,13 +82,13 @@ class PlyFile:
         """The file with the positions ``U`` (n, 3), and normals that have turned along."""
         at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
         element, start = self.elements[at], self.starts[at]
-        kinds = {name: kind for name, _, kind in element.properties}
+        kinds = {name: kind for name, length, kind in element.properties if length is None}
         if any(kinds[axis][0] != "f" for axis in _AXES):
             raise InputError("The file holds whole numbers only; choose another format to write.")
         new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self._columns(at, _NORMAL)
-            new[_NORMAL] = turned_normals(mesh.V, U, mesh.F, N, mesh.F)
+            new[_NORMAL] = turned(mesh.V, U, mesh.F, N, mesh.F)
         if not self.order:
             return self._text(at, new)
         body = bytearray(self.content)
@@ -115,11 +115,15 @@ class PlyFile:
         element, start = self.elements[at], self.starts[at]
         if not self.order:
             rows = _text_rows(self.content, start, element)
-            columns = [element.names.index(name) for name in names]
-            return np.array([[float(row[c][0]) for c in columns] for row in rows]).reshape(-1, len(names))
+            places = [element.names.index(name) for name in names]
+            return numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
         if not element.has_lists:
             table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
-            return np.column_stack([table[name].astype(np.float64) for name in names])
+            columns = np.empty((element.rows, len(names)))
+            with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+                for k, name in enumerate(names):
+                    columns[:, k] = table[name]
+            return columns
         codes = {name: self.order + _CODES[kind] for name, _, kind in element.properties}
         return np.array(
             [
@@ -135,7 +139,7 @@ class PlyFile:
         for names, values in new.items():
             columns = [element.names.index(name) for name in names]
             cells = [row[c] for row in rows for c in columns]
-            old = np.array([float(word) for word, _ in cells])
+            old = numbers([word for word, _ in cells])
             edits.numbers([span for _, span in cells], old, values.ravel())
         return edits.done()
 
@@ -160,6 +164,8 @@ def read_ply(content: bytes) -> Parsed:
             missing = [axis for axis in _AXES if axis not in element.names]
             if missing:
                 raise ValueError(f"its vertices have no {missing[0]}")
+            if any(length and name in _AXES for name, length, _ in element.properties):
+                raise ValueError("its vertices have lists of coordinates")
             V = file._columns(at, _AXES)
             if not order:
                 start = _after_text(content, start, element)
@@ -179,14 +185,14 @@ def read_ply(content: bytes) -> Parsed:
 
 def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[Polygons, int]:
     """The faces, and where the next element begins."""
-    name = next((name for name in element.names if name in _INDICES), None)
+    name = next((name for name, length, _ in element.properties if length and name in _INDICES), None)
     if name is None:
-        raise ValueError("its faces have no vertex_indices")
+        raise ValueError("its faces have no list of vertex_indices")
+    if any(name == other and kind[0] == "f" for other, _, kind in element.properties):
+        raise ValueError("its faces name vertices by fractions")
     if not order:
         column = element.names.index(name)
-        faces = [
-            [int(word) for word in row[column][0].split()] for row in _text_rows(content, start, element)
-        ]
+        faces = [whole_numbers(row[column][0].split()) for row in _text_rows(content, start, element)]
         return Polygons.of(faces), _after_text(content, start, element)
     alike = _faces_alike(content, start, element, order, name)
     if alike is not None:
@@ -263,11 +269,8 @@ def _text_rows(
 ) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
     """The words of every row by property, those of a list together, and where they stand."""
     rows = 0
-    for line in re.finditer(rb"[^\r\n]*\S[^\r\n]*", content[start:]) if element.rows else ():
-        begin = start + line.start()
-        words = [
-            (word[0], word.start() + begin, word.end() + begin) for word in re.finditer(rb"\S+", line[0])
-        ]
+    for begin, end in _text_lines(content, start) if element.rows else ():
+        words = [(word[0], *word.span()) for word in _WORD.finditer(content, begin, end)]
         yield _row(words, element)
         rows += 1
         if rows == element.rows:
@@ -276,12 +279,19 @@ def _text_rows(
         raise ValueError(_ends_within(element))
 
 
+def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
+    """Begin and end of the lines that are not empty."""
+    for line in _LINE.finditer(content, start):
+        if not line[0].isspace():
+            yield line.span()
+
+
 def _row(words: list[tuple[bytes, int, int]], element: _Element) -> list[tuple[bytes, tuple[int, int]]]:
     cells, k = [], 0
     for _, length, _ in element.properties:
         count = 1
         if length is not None:
-            count = int(words[k][0]) if k < len(words) else 0
+            (count,) = whole_numbers([words[k][0]]) if k < len(words) else (0,)
             k += 1
         if count < 0 or k + count > len(words):
             raise ValueError(_ends_within(element))
@@ -294,10 +304,12 @@ def _row(words: list[tuple[bytes, int, int]], element: _Element) -> list[tuple[b
 
 def _after_text(content: bytes, start: int, element: _Element) -> int:
     """Where the line after the rows of an element begins."""
-    for row, line in enumerate(re.finditer(rb"[^\r\n]*\S[^\r\n]*", content[start:])):
-        if row + 1 >= element.rows:
-            return start + (line.end() if element.rows else 0)
-    return len(content) if element.rows else start
+    if not element.rows:
+        return start
+    for row, (_, end) in enumerate(_text_lines(content, start)):
+        if row + 1 == element.rows:
+            return end
+    return len(content)
 
 
 def _head(content: bytes) -> tuple[str, list[_Element], int]:
@@ -305,19 +317,27 @@ def _head(content: bytes) -> tuple[str, list[_Element], int]:
     head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
     if not content.startswith(b"ply") or head is None:
         raise ValueError("it has no PLY header")
-    order, elements = None, []
-    for line in content[: head.start()].decode("utf-8", errors="replace").splitlines():
-        match line.split():
-            case ["format", kind, *_]:
+    order: str | None = None
+    elements: list[_Element] = []
+    for line in _LINE.findall(content[: head.start()]):
+        match line.decode("utf-8", errors="replace").split():
+            case ["format", kind, *_] if kind in _ORDER:
                 order = _ORDER[kind]
             case ["element", name, rows]:
-                elements.append(_Element(name, int(rows)))
-            case ["property", "list", length, kind, name]:
+                elements.append(_Element(name, whole_numbers([rows.encode()])[0]))
+            case ["property", "list", length, kind, name] if elements and {length, kind} <= _TYPES.keys():
                 elements[-1].properties.append((name, _TYPES[length], _TYPES[kind]))
-            case ["property", kind, name]:
+            case ["property", kind, name] if elements and kind in _TYPES:
                 elements[-1].properties.append((name, None, _TYPES[kind]))
+            case ["format" | "element" | "property", *_]:
+                raise ValueError(f"its header has a line that is not understood: {shown(line)}")
     if order is None:
         raise ValueError("its header does not say whether it is text or binary")
-    if any(element.rows < 0 or len(set(element.names)) < len(element.names) for element in elements):
-        raise ValueError("its header contradicts itself")
+    for names in ([element.name for element in elements], *(element.names for element in elements)):
+        if len(set(names)) < len(names):
+            raise ValueError("its header gives one name twice")
+    if any(element.rows < 0 for element in elements):
+        raise ValueError("its header announces less than nothing")
+    if any(length and length[0] == "f" for element in elements for _, length, _ in element.properties):
+        raise ValueError("its header announces lists of fractional lengths")
     return order, elements, head.end()

@@ -10,7 +10,8 @@ import numpy as np
 
 # Faces with more corners than that are left as fans, however they look.
 _MOST_TO_CLIP = 100
-_MOST_FOLDED = 10_000
+# Corners that are tried as ears, of all faces together; then the rest are left as fans too.
+_MOST_TRIES = 100_000
 
 
 class Polygons(NamedTuple):
@@ -21,10 +22,14 @@ class Polygons(NamedTuple):
 
     @classmethod
     def of(cls, faces: Sequence[Sequence[int]]) -> Polygons:
-        """Faces of any lengths."""
+        """Faces of any lengths; raises ValueError if one names a vertex that no file can have."""
         sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
         start = np.concatenate([[0], np.cumsum(sizes)])
-        return cls(np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1])), start)
+        try:
+            corner = np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1]))
+        except OverflowError:
+            raise ValueError("a face names a vertex by an absurd number") from None
+        return cls(corner, start)
 
     @classmethod
     def alike(cls, faces: np.ndarray) -> Polygons:
@@ -51,10 +56,13 @@ class Polygons(NamedTuple):
         begin = self.start[face]
         T = np.column_stack([begin, begin + k + 1, begin + k + 2])
         if len(self.corner) and self.corner.min() >= 0 and self.corner.max() < len(V):
-            # Faces that fold are rare; thousands of them are a broken file.
-            for folded in np.unique(face[_folds(V[self.corner], T, face)])[:_MOST_FOLDED]:
+            tries = 0
+            for folded in np.unique(face[_folds(V[self.corner], T, face)]):
                 a, b = self.start[folded], self.start[folded + 1]
-                T[first[folded] : first[folded + 1]] = a + _ears(V[self.corner[a:b]])
+                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # more that fold are a broken file
+                    ears, tried = _ears(V[self.corner[a:b]])
+                    T[first[folded] : first[folded + 1]] = a + ears
+                    tries += tried
         return T
 
 
@@ -69,17 +77,18 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
         return np.flatnonzero((cross * whole[face]).sum(axis=1) < 0.0)
 
 
-def _ears(X: np.ndarray) -> np.ndarray:
-    """Triangles (k - 2, 3) of a polygon (k, 3) by clipping ears, seen along its area vector."""
-    left, found = np.arange(len(X)), []
-    if len(X) <= _MOST_TO_CLIP:
+def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
+    """Triangles (k - 2, 3) of a polygon (k, 3) by clipping ears, seen along its area; and the tries."""
+    left, found, tries = np.arange(len(X)), [], 0
+    with np.errstate(all="ignore"):  # absurd coordinates are refused later
         x = _flattened(X)
         while len(left) > 3:
-            ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), 0)
+            ear = next((k for k in range(len(left)) if _is_ear(x, left, k)), None)
+            tries += len(left) if ear is None else ear + 1
+            ear = ear or 0
             found.append([left[ear - 1], left[ear], left[(ear + 1) % len(left)]])
             left = np.delete(left, ear)
-    fan = [[left[0], left[k], left[k + 1]] for k in range(1, len(left) - 1)]
-    return np.array([*found, *fan])
+    return np.array([*found, left]), tries
 
 
 def _flattened(X: np.ndarray) -> np.ndarray:

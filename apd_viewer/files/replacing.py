@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import os
 import tempfile
+import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +15,10 @@ from apd_viewer.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+_PART = ".part"
+_MOST_OF_A_NAME = 40  # a scratch file's name must not be too long where its target's is not
+_LONG_AGO = 3600.0  # s
 
 
 @contextmanager
@@ -28,8 +35,10 @@ def replacing(path: Path) -> Iterator[Path]:
     scratch: Path | None = None
     path = Path(os.path.realpath(path))  # a link stays a link
     try:
+        _clear_away(path)
         # The suffix is kept because writers choose the format by it.
-        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+        suffix = _PART + path.suffix
+        handle, name = tempfile.mkstemp(prefix=_prefix(path), suffix=suffix, dir=path.parent)
         scratch = Path(name)
         os.close(handle)
         yield scratch
@@ -44,6 +53,18 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if scratch is not None:
             scratch.unlink(missing_ok=True)
+
+
+def _prefix(path: Path) -> str:
+    return f".{path.name[:_MOST_OF_A_NAME]}-"
+
+
+def _clear_away(path: Path) -> None:
+    """Remove what writers of ``path`` have left that were killed long ago."""
+    for scratch in path.parent.glob(f"{glob.escape(_prefix(path))}*{_PART}{glob.escape(path.suffix)}"):
+        with contextlib.suppress(OSError):
+            if time.time() - scratch.stat().st_mtime > _LONG_AGO:
+                scratch.unlink()
 
 
 def _flush_to_disk(path: Path) -> None:

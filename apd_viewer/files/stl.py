@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.files.parsed import Parsed
-from apd_viewer.files.text import Edits, plain
+from apd_viewer.files.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh import Mesh
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
@@ -67,7 +67,7 @@ def _spans(pattern: re.Pattern[bytes], content: bytes) -> list[tuple[int, int]]:
 
 
 def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
-    return np.array([float(word) for words in pattern.findall(content) for word in words]).reshape(-1, 3)
+    return numbers([word for words in pattern.findall(content) for word in words]).reshape(-1, 3)
 
 
 def read_stl(content: bytes) -> Parsed:
@@ -82,7 +82,9 @@ def read_stl(content: bytes) -> Parsed:
     m = int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
     is_binary = len(content) >= _HEAD and len(content) == _HEAD + m * _FACET.itemsize
     if is_binary:
-        V = np.frombuffer(content, _FACET, offset=_HEAD)["corners"].reshape(-1, 3).astype(np.float64)
+        V = np.empty((3 * m, 3))
+        with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+            V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, offset=_HEAD)["corners"]
     else:
         V = _text(plain(content))
     return Parsed(V, np.arange(len(V)).reshape(-1, 3), StlFile(content, is_binary))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
 _BOM = b"\xef\xbb\xbf"
+_LONGEST = 40  # characters of what is shown of a file
 
 
 def plain(content: bytes) -> bytes:
@@ -26,24 +27,55 @@ def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
         start += len(line) + 1
 
 
+def numbers(words: Sequence[bytes]) -> np.ndarray:
+    """The numbers that words of a file name, (k,) floats; raises ValueError that says which is none."""
+    try:
+        return np.array([float(word) for word in words], dtype=np.float64)
+    except ValueError:
+        bad = next(word for word in words if not _names(float, word))
+        raise ValueError(f"{shown(bad)} is no number") from None
+
+
+def whole_numbers(words: Sequence[bytes]) -> list[int]:
+    """The whole numbers that words of a file name; raises ValueError that says which is none."""
+    try:
+        return [int(word) for word in words]
+    except ValueError:
+        bad = next(word for word in words if not _names(int, word))
+        raise ValueError(f"{shown(bad)} is no whole number") from None
+
+
+def shown(said: bytes) -> str:
+    """The beginning of a part of a file, within a sentence."""
+    return "“" + said.strip().decode(errors="replace")[:_LONGEST] + "”"
+
+
+def _names(kind: Callable[[bytes], object], word: bytes) -> bool:
+    try:
+        kind(word)
+    except ValueError:
+        return False
+    return True
+
+
 class Edits:
     """New words for some places of a file."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
-        self._new: dict[tuple[int, int], bytes] = {}
+        self._new: list[tuple[int, int, float]] = []
 
     def numbers(self, spans: Iterable[tuple[int, int]], old: np.ndarray, new: np.ndarray) -> None:
         """Write ``new`` over the numbers at ``spans``; what is as it was stays as it stands."""
         changed = ~((new == old) | (np.isnan(new) & np.isnan(old)))
-        for span, number, differs in zip(spans, new.tolist(), changed.tolist(), strict=True):
+        for (start, end), number, differs in zip(spans, new.tolist(), changed.tolist(), strict=True):
             if differs:
-                self._new[span] = repr(number).encode()
+                self._new.append((start, end, number))
 
     def done(self) -> bytes:
         """The file with all of them."""
         pieces, last = [], 0
-        for (start, end), word in sorted(self._new.items()):
-            pieces += [self._content[last:start], word]
+        for start, end, number in sorted(self._new):
+            pieces += [self._content[last:start], b"%r" % number]
             last = end
         return b"".join([*pieces, self._content[last:]])

@@ -201,7 +201,7 @@ def _of_size(mesh: Mesh) -> Iterator[Finding]:
         yield _found("tiny", f"The mesh is only {size:.3g} across; check its unit.")
     if size > _HUGE:
         yield _found("huge", f"The mesh is {size:.3g} across; check its unit.")
-    if away > _FAR * size:
+    if away > _FAR * size > 0.0:
         yield _found(
             "far away",
             f"The mesh lies {away:.3g} from the origin, {away / size:,.0f} times its size; "

@@ -3,8 +3,8 @@
     python tests/benchmarks/defects.py
 
 Each is deformed by ARAP with base and handle held, 30 iterations (here until it has settled, by "arap" and
-"exact"). A mesh is survived if every position is finite, the held vertices are on their targets (to 1e-9 of the
-size), a piece that nothing holds has not moved, and no vertex has been flung farther than three sizes away.
+"exact"). A mesh is survived if every position is finite, the held vertices are on their targets (to 1e-9 of
+the size), a piece that nothing holds has not moved, and no vertex is flung farther than three sizes away.
 """
 
 import contextlib

@@ -211,6 +211,11 @@ def test_objects_in_one_obj_share_their_numbering(opened):
     assert_holds(opened("two.obj", text), np.vstack([V, V + 5]), np.vstack([F, F + len(V)]))
 
 
+def test_faces_whose_corners_are_written_differently(opened):
+    text = "".join(f"v {row}\n" for row in rows(CORNERS)) + "f 1/1/1 2 3/1\nf 3/1 5 6/1/1\nf 3//1 5// 6\n"
+    assert_holds(opened("mixed.obj", text), CORNERS, [[0, 1, 2], [2, 4, 5], [2, 4, 5]])
+
+
 def test_negative_numbers_count_back_from_where_they_stand(opened):
     V, F = box(1, 1, 1)
     text = "".join(obj(V + 5 * k, F, offset=-len(V)) for k in range(2))

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,30 @@ def test_a_file_that_was_not_there(path):
         scratch.write_text("new")
         assert not path.exists()
     assert path.read_text() == "new"
+
+
+def test_what_a_killed_writer_left_long_ago_is_cleared_away(path):
+    def left(name, age):
+        scratch = path.with_name(name)
+        scratch.write_text("half")
+        os.utime(scratch, times=(time.time() - age,) * 2)
+        return scratch
+
+    left(".a file.txt-abcd.part.txt", 7200.0)
+    kept = [left(".a file.txt-abce.part.txt", 60.0), left(".another.txt-abcd.part.txt", 7200.0)]
+    kept += [left("a file.txt.part.txt", 7200.0), left(".a file.txt-abcd.part.png", 7200.0)]
+    with replacing(path) as scratch:
+        scratch.write_text("new")
+    assert sorted(path.parent.iterdir()) == sorted([path, *kept])
+
+
+@pytest.mark.parametrize("name", ["ü" * 120 + ".txt", "[a]*?.txt", "-.txt"])
+def test_names_that_need_care(tmp_path, name):
+    for said in ("old", "new"):
+        with replacing(tmp_path / name) as scratch:
+            scratch.write_text(said)
+    assert (tmp_path / name).read_text() == "new"
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_the_scratch_file_is_beside_it_and_of_its_kind(path):

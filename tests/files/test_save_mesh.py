@@ -3,8 +3,6 @@
 import errno
 import os
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -123,9 +121,9 @@ def test_positions_that_are_no_numbers(value, ball, target):
         save_mesh(ball, U, target)
 
 
-@pytest.mark.parametrize("suffix", [".ply", ".stl", ".glb"])
+@pytest.mark.parametrize("suffix", WRITTEN)
 def test_positions_beyond_single_precision(suffix, ball, tmp_path):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=r"A position is as large as [23](\.\d+)?e\+39; nothing was written"):
         save_mesh(ball, 1e39 * ball.V, tmp_path / f"out{suffix}")
     assert list(tmp_path.iterdir()) == []
 
@@ -191,9 +189,9 @@ def test_a_writer_that_breaks_off_in_the_middle(error, ball, target, monkeypatch
         save_mesh(ball, ball.V, target)
 
 
-# ---- permissions and sudden death
+# ---- permissions
 
-posix = pytest.mark.skipif(os.name != "posix", reason="POSIX permissions and signals")
+posix = pytest.mark.skipif(os.name != "posix", reason="POSIX permissions")
 
 
 @posix
@@ -217,56 +215,3 @@ def test_a_new_file_gets_the_usual_permissions(umask, ball, tmp_path):
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "out.off").stat().st_mode) == 0o666 & ~umask
-
-
-KILLED = """
-import os, signal, sys, time
-from pathlib import Path
-import numpy as np
-from meshes import grid
-from apd_viewer.files.meshes import save_mesh
-from apd_viewer.geometry.mesh import Mesh
-
-folder = Path(sys.argv[1])
-mesh = Mesh(*grid(40, 40))
-whole = []
-for k in range(2):
-    save_mesh(mesh, mesh.V + k, folder / "whole.obj")
-    whole.append((folder / "whole.obj").read_bytes())
-(folder / "whole.obj").unlink()
-path = folder / "out.obj"
-path.write_bytes(whole[0])
-seen = set()
-for trial in range(12):
-    child = os.fork()
-    if not child:
-        k = trial
-        while True:
-            k += 1
-            save_mesh(mesh, mesh.V + k % 2, path)
-    time.sleep(0.02 + 0.0171 * trial)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    content = path.read_bytes()
-    assert content in whole, f"trial {trial}: {len(content)} bytes are neither the old file nor the new one"
-    seen.add(content)
-    (folder / "left.txt").write_text(str(len(list(folder.glob(".*.obj")))))
-assert len(seen) == 2, "nothing was written before the kill: the test is blind"
-save_mesh(mesh, mesh.V, path)
-"""
-
-
-@posix
-def test_a_killed_writer_leaves_the_old_file_or_the_new_one(tmp_path):
-    folders = os.pathsep.join(str(folder) for folder in sys.path if folder)
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", KILLED, str(tmp_path)],
-        env={**os.environ, "PYTHONPATH": folders},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stderr
-    # Only a kill leaves a scratch file behind; the writers that came through left none.
-    assert int((tmp_path / "left.txt").read_text()) <= 12

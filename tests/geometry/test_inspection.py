@@ -18,6 +18,12 @@ def test_of_a_clean_mesh_there_is_nothing_to_say():
     assert found.findings == ()
 
 
+def test_a_mesh_without_any_extent_is_inspected_all_the_same():
+    found = inspect(Mesh(np.ones((3, 3)), np.array([[0, 1, 2]])))
+    assert found.area == 0.0
+    assert "faces without area" in [finding.kind for finding in found.findings]
+
+
 def test_a_soup_is_one_closed_piece_of_repeated_vertices():
     found = inspect(Mesh(*soup(*box(1, 1, 1))))
     assert (found.vertices, found.pieces) == (36, 1)

@@ -1,0 +1,18 @@
+"""Some hundred damaged files of all formats; ``python tests/files/fuzz.py`` tries as many as wanted."""
+
+from fuzz import NAMES, damaged, fuzz
+
+COUNT = 40 * len(NAMES)
+
+
+def test_damaged_files_open_and_can_be_written_or_are_refused_in_one_sentence():
+    outcomes, failures = fuzz(COUNT, seed=0, report=lambda _: None)
+    assert failures == []
+    # Or the damage is too great, or too small, to tell anything.
+    assert outcomes["opened"] > COUNT / 10
+    assert outcomes["refused"] > COUNT / 10
+
+
+def test_the_same_damage_can_be_done_again():
+    assert damaged(7, seed=3) == damaged(7, seed=3)
+    assert damaged(7, seed=3) != damaged(7 + len(NAMES), seed=3)
