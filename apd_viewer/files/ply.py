@@ -114,8 +114,11 @@ class PlyFile:
         """Columns of an element, (rows, len(names)) float array."""
         element, start = self.elements[at], self.starts[at]
         if not self.order:
-            rows = _text_rows(self.content, start, element)
             places = [element.names.index(name) for name in names]
+            words = None if element.has_lists else _rows_alike(self.content, start, element)
+            if words is not None and len(words[0]) >= len(element.names):
+                return numbers([row[c] for row in words for c in places]).reshape(-1, len(names))
+            rows = _text_rows(self.content, start, element)
             return numbers([row[c][0] for row in rows for c in places]).reshape(-1, len(names))
         if not element.has_lists:
             table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
@@ -192,11 +195,18 @@ def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[P
         raise ValueError("its faces name vertices by fractions")
     if not order:
         column = element.names.index(name)
+        words = _rows_alike(content, start, element) if len(element.names) == 1 else None
+        if words is not None and all(row[0] == words[0][0] for row in words):
+            (k,) = whole_numbers([words[0][0]])
+            if 0 < k < len(words[0]):
+                corners = whole_numbers([word for row in words for word in row[1 : 1 + k]])
+                alike = [corners[at : at + k] for at in range(0, len(corners), k)]
+                return Polygons.of(alike), _after_text(content, start, element)
         faces = [whole_numbers(row[column][0].split()) for row in _text_rows(content, start, element)]
         return Polygons.of(faces), _after_text(content, start, element)
-    alike = _faces_alike(content, start, element, order, name)
-    if alike is not None:
-        return alike
+    binary = _faces_alike(content, start, element, order, name)
+    if binary is not None:
+        return binary
     (code,) = (order, next(_CODES[kind] for other, _, kind in element.properties if other == name))[1:]
     size = struct.calcsize(code)
     faces = []
@@ -284,6 +294,14 @@ def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
     for line in _LINE.finditer(content, start):
         if not line[0].isspace():
             yield line.span()
+
+
+def _rows_alike(content: bytes, start: int, element: _Element) -> list[list[bytes]] | None:
+    """The words of all rows, if there are as many in each; None if that takes a closer look."""
+    end = _after_text(content, start, element)
+    rows = [words for line in content[start:end].split(b"\n") if (words := line.split())]
+    alike = len(rows) == element.rows and all(len(row) == len(rows[0]) for row in rows)
+    return rows if rows and alike else None
 
 
 def _row(words: list[tuple[bytes, int, int]], element: _Element) -> list[tuple[bytes, tuple[int, int]]]:
