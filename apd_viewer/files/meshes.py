@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.foreign import read_3mf
 from apd_viewer.files.gltf import read_gltf
 from apd_viewer.files.obj import read_obj
 from apd_viewer.files.off import read_off
@@ -21,11 +22,11 @@ from apd_viewer.geometry.mesh import Mesh
 
 # In which any mesh can be written; a glTF only where it came from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
-FORMATS = (*WRITTEN, ".gltf")
-_NAMES = "OBJ, PLY, STL, OFF, GLB or glTF"
+FORMATS = (*WRITTEN, ".gltf", ".3mf")
+_NAMES = "OBJ, PLY, STL, OFF, GLB, glTF or 3MF"
 _LONGEST = 160  # characters of what an error says
 _LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
-_READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off}
+_READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 
 
 def open_mesh(path: str | Path) -> Mesh:
@@ -34,7 +35,7 @@ def open_mesh(path: str | Path) -> Mesh:
     Parameters
     ----------
     path : path
-        OBJ, PLY, STL, OFF, GLB or glTF. Polygons are split into triangles.
+        OBJ, PLY, STL, OFF, GLB, glTF or 3MF. Polygons are split into triangles.
 
     Raises
     ------
@@ -192,7 +193,7 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
                 "choose another format to write."
             ) from error
     if kind not in WRITTEN:
-        raise InputError(f"{path.name}: only what was opened as glTF is written as glTF; choose GLB.")
+        raise InputError(f"{path.name} is of a kind that is not written anew; choose OBJ or PLY.")
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 
     largest = _largest(U)

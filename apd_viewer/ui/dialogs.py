@@ -21,7 +21,7 @@ def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write the deformed mesh; asks again by itself before a file is replaced."""
-    suffix = mesh.path.suffix.lower() if mesh.path else ".obj"
+    suffix = mesh.origin.suffix if mesh.origin else ".obj"
     stem = mesh.path.stem if mesh.path else "mesh"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(

@@ -59,7 +59,7 @@ REFUSED = {
     "really an off.stl": (OFF, "no faces|not a readable STL file"),
     "really a stl.off": (STL_BINARY, "not a readable OFF file"),
     "really an obj.glb": (OBJ, "not a readable GLB file"),
-    "other.xyz": (OFF, r"of a kind that cannot be opened; use OBJ, PLY, STL, OFF, GLB or glTF"),
+    "other.xyz": (OFF, r"of a kind that cannot be opened; use OBJ, PLY, STL, OFF, GLB, glTF or 3MF"),
     "no suffix": (OBJ, "of a kind that cannot be opened"),
     "points.obj": (OBJ.split("f ")[0], "no faces"),
     "lines.obj": (OBJ.split("f ")[0] + "l 1 2\n", "no faces"),

@@ -1,0 +1,46 @@
+"""Formats that a library reads: what it makes of them is taken as it is, and cannot be written back."""
+
+from __future__ import annotations
+
+import io
+import warnings
+import zipfile
+
+import numpy as np
+
+from apd_viewer.files.parsed import Parsed
+
+_MOST = 1 << 31  # bytes; beyond that an archive is broken, or meant to do harm
+
+
+def read_3mf(content: bytes) -> Parsed:
+    """Positions (n, 3) and triangles (m, 3) of all objects that a 3MF file builds, each in its place.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be understood.
+    """
+    import trimesh  # here, because it takes longer to import than all the rest of a headless run
+
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+    except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
+        raise ValueError("it is no archive, or a damaged one") from error
+    if size > _MOST:
+        raise ValueError(f"it would unfold to {size / 2**30:.0f} GiB")
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            scene = trimesh.load_scene(io.BytesIO(content), file_type="3mf", process=False)
+            placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
+            V, F, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+            for M, name in placed:
+                part = scene.geometry[name]
+                V.append(np.asarray(part.vertices, dtype=np.float64) @ M[:3, :3].T + M[:3, 3])
+                F.append(np.asarray(part.faces, dtype=np.int64) + count)
+                count += len(part.vertices)
+    except Exception as error:  # it raises whatever it stumbles over
+        raise ValueError("what its archive holds is damaged") from error
+    return Parsed(np.vstack(V), np.vstack(F), None)

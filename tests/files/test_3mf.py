@@ -1,0 +1,93 @@
+"""3MF, which a library reads: every object where the build puts it."""
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from meshes import box
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import open_mesh, save_mesh
+
+V, F = box(1, 2, 1)
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+TYPES = """<?xml version="1.0"?><Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
+<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>"""
+VERTICES = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in V.tolist())
+TRIANGLES = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in F.tolist())
+MODEL = f"""<?xml version="1.0" encoding="UTF-8"?>
+<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}"><resources>
+<object id="1" type="model">
+<mesh><vertices>{VERTICES}</vertices><triangles>{TRIANGLES}</triangles></mesh>
+</object></resources>
+<build><item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></build></model>"""
+
+
+def archive(model):
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("[Content_Types].xml", TYPES)
+        file.writestr("3D/3dmodel.model", model)
+    return content.getvalue()
+
+
+def test_what_is_built_twice_is_there_twice(tmp_path):
+    path = tmp_path / "two.3mf"
+    path.write_bytes(archive(MODEL))
+    mesh = open_mesh(path)
+    first = np.argmin(mesh.V[mesh.F].mean(axis=(1, 2)))
+    assert len(mesh.V) == 2 * len(V)
+    assert len(mesh.F) == 2 * len(F)
+    assert first < len(mesh.F)
+    for part in (slice(0, len(V)), slice(len(V), None)):
+        shift = mesh.V[part].min(axis=0) - V.min(axis=0)
+        assert np.abs(mesh.V[part] - shift - V).max() < 1e-6
+    assert np.ptp(mesh.V[:, 0]) == pytest.approx(11.0)
+    save_mesh(mesh, mesh.V, tmp_path / "two.obj")
+    with pytest.raises(InputError, match="choose OBJ or PLY"):
+        save_mesh(mesh, mesh.V, tmp_path / "again.3mf")
+
+
+@pytest.mark.parametrize("content", [b"PK\3\4 and no more", b"no archive", archive("<model"), archive("")])
+def test_what_is_damaged_is_refused(content, tmp_path):
+    path = tmp_path / "bad.3mf"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"bad.3mf is not a readable 3MF file \(.*\); export it again\."):
+        open_mesh(path)
+
+
+def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
+    monkeypatch.setattr("apd_viewer.files.foreign._MOST", 1000)
+    path = tmp_path / "bomb.3mf"
+    path.write_bytes(archive(MODEL))
+    with pytest.raises(InputError, match="would unfold to"):
+        open_mesh(path)
+
+
+cut = st.tuples(
+    st.floats(0, 1),
+    st.floats(0, 0.05),
+    st.sampled_from(["", "9" * 30, "nan", "-1", "<", '"', "1e400", "&a;"]),
+)
+
+
+@settings(max_examples=60)
+@given(cuts=st.lists(cut, min_size=1, max_size=3), outside=st.booleans())
+def test_whatever_stands_in_it_it_opens_or_is_refused(cuts, outside, tmp_path_factory):
+    content = archive(MODEL) if outside else MODEL.encode()
+    for where, length, instead in cuts:
+        begin = int(where * len(content))
+        content = content[:begin] + instead.encode() + content[begin + int(length * len(content)) :]
+    path = tmp_path_factory.getbasetemp() / "any.3mf"
+    path.write_bytes(content if outside else archive(content))
+    refusal = "."
+    try:
+        assert len(open_mesh(path).F)
+    except InputError as error:
+        refusal = str(error)
+    assert refusal.endswith(".")
+    assert len(refusal.splitlines()) == 1
