@@ -24,6 +24,7 @@ from apd_viewer.geometry.mesh import Mesh
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf", ".3mf")
 _NAMES = "OBJ, PLY, STL, OFF, GLB, glTF or 3MF"
+_ROUNDING = 1e-4  # of what is written, relative to its size: beyond that it is another shape
 _LONGEST = 160  # characters of what an error says
 _LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
@@ -171,12 +172,24 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     from apd_viewer.geometry.operators import area  # loads what the first picture must not wait for
 
     content = _content(mesh, U, path)
-    V, F, _ = _parsed(content, path)
-    if len(F) != len(mesh.F):
-        raise InputError(f"{path.name} would not hold every face; choose another format to write.")
+    try:
+        V, F, _ = _parsed(content, path)
+    except ValueError:
+        V, F = U[:0], mesh.F[:0]
+    if not _holds(V, F, mesh, U):
+        raise InputError(f"{path.name} would not hold the shape as it is; choose another format to write.")
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return Written(area(V, F), dropped(mesh, path))
+
+
+def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
+    """Whether what was read from a file is the mesh at ``U``; formats may name the corners otherwise."""
+    if len(F) != len(mesh.F):
+        return False
+    there, here = (V, U) if V.shape == U.shape else (V[F], U[mesh.F])
+    rounding = _ROUNDING * max(_largest(U), float(np.ptp(U, axis=0).max()))
+    return bool(np.abs(there - here).max() <= rounding)
 
 
 def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:

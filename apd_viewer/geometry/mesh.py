@@ -123,8 +123,11 @@ class Weld:
     @classmethod
     def between(cls, V: np.ndarray, first: np.ndarray, inverse: np.ndarray) -> Weld:
         """The weld with these maps of the positions ``V`` (n, 3)."""
+        first, inverse = frozen(first), frozen(inverse)
+        if len(first) == len(inverse):
+            return cls(first, inverse)
         offset = V - V[first[inverse]]
-        return cls(frozen(first), frozen(inverse), frozen(offset) if offset.any() else None)
+        return cls(first, inverse, frozen(offset) if offset.any() else None)
 
     @property
     def slack(self) -> float:

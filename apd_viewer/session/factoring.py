@@ -35,7 +35,7 @@ class FarFactor:
     elsewhere = True
 
     def __init__(self, A: Matrix) -> None:
-        self._matrix = rows_of(A)
+        self._matrix = A
         self._process: Process | None = None
         self._thread: threading.Thread | None = None
         self._error: Exception | None = None
@@ -104,7 +104,7 @@ class FarFactor:
             self._thread.join()
 
     def _send(self) -> None:
-        word = self._answer_to(*self._matrix)
+        word = self._answer_to(*rows_of(self._matrix))
         if word:
             self._error = ValueError(word.decode())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -20,6 +21,8 @@ sys.path[:] = sys.argv[1:]
 from apd_viewer.session.{module} import main
 main(replies)
 """
+# Large arrays come and go here. glibc would give their memory back each time, and have it cleared anew.
+_KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
 
 
@@ -39,7 +42,13 @@ class Process(Protocol):
 def started(script: str) -> Process:
     """Start a process that runs ``script``; raises OSError if it cannot be started."""
     command = [sys.executable, "-c", script, *sys.path]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, creationflags=_FLAGS)
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        creationflags=_FLAGS,
+        env={**os.environ, **_KEEP_MEMORY},
+    )
     return cast("Process", process)
 
 
