@@ -41,6 +41,8 @@ def read_3mf(content: bytes) -> Parsed:
                 V.append(np.asarray(part.vertices, dtype=np.float64) @ M[:3, :3].T + M[:3, 3])
                 F.append(np.asarray(part.faces, dtype=np.int64) + count)
                 count += len(part.vertices)
+    except MemoryError:
+        raise
     except Exception as error:  # it raises whatever it stumbles over
         raise ValueError("what its archive holds is damaged") from error
     return Parsed(np.vstack(V), np.vstack(F), None)

@@ -207,7 +207,7 @@ def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[P
     binary = _faces_alike(content, start, element, order, name)
     if binary is not None:
         return binary
-    (code,) = (order, next(_CODES[kind] for other, _, kind in element.properties if other == name))[1:]
+    code = next(_CODES[kind] for other, _, kind in element.properties if other == name)
     size = struct.calcsize(code)
     faces = []
     for offsets in _walk(content, start, element, order):
