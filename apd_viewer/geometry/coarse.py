@@ -156,7 +156,7 @@ def _with_held(rest: RestShape, thinning: Thinning, fixed: np.ndarray) -> np.nda
     while True:
         heard = vertices[np.isin(vertices, fixed)]
         away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
-        same = np.isin(rest.piece[fixed], rest.piece[np.setdiff1d(vertices, fixed)])
+        same = np.isin(rest.piece[fixed], rest.piece[vertices[~np.isin(vertices, fixed)]])
         farthest = int(np.argmax(np.where(same, away, 0.0)))
         if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
             return vertices

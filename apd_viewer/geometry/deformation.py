@@ -133,7 +133,7 @@ class Deformation:
     rest : RestMesh, optional
         Of the same V and F, to save computing it again.
     factored : callable, optional
-        Makes the factor of a matrix: see :class:`apd_viewer.geometry.linear_solver.Factor`.
+        Makes a factor: see :class:`apd_viewer.geometry.elastic.Elastic`.
 
     Raises
     ------

@@ -11,6 +11,7 @@ its matrix is always the same:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +23,9 @@ from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.rotations import turn_rotations
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.linear_solver import Factored
+    from collections.abc import Callable
+
+    from apd_viewer.geometry.linear_solver import Factored, Matrix
 
 _MINUS = np.array([-1.0])
 _NOTHING = np.empty((0, 3))
@@ -52,6 +55,10 @@ class Material:
     coupling: float = 0.0
 
 
+def _here_and_now(matrix: Callable[[], Matrix]) -> LinearSolver:
+    return LinearSolver(matrix())
+
+
 class Elastic:
     """Local and global steps with some vertices held.
 
@@ -62,7 +69,7 @@ class Elastic:
         Held vertices, each once.
     material : Material
     factored : callable, optional
-        Makes the factor of a matrix; here and now without it.
+        Makes the factor of the matrix that a callable returns; here and now without it.
 
     Attributes
     ----------
@@ -71,10 +78,8 @@ class Elastic:
     free : (f,) int array
         Vertices that are solved for. A piece without any held vertex is not: nothing says where
         it belongs, so it stays where it is.
-    K_ff : (f, f) csr_array
-        The matrix's rows and columns of the free vertices.
     factor : Factor
-        Of ``K_ff``.
+        Of :attr:`K_ff`.
     """
 
     def __init__(
@@ -86,37 +91,55 @@ class Elastic:
     ) -> None:
         self.rest = rest
         self.fixed = fixed
-        self.factored = factored or LinearSolver
+        self.factored = factored or _here_and_now
         self.material = material = material or Material()
         moves = np.isin(rest.piece, rest.piece[fixed])
         moves[fixed] = False
         self.free = np.flatnonzero(moves)
-        K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
         self._membrane = None
         if material.shear > 0.0 or material.area > 0.0:
             self._membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
-            K = K + self._membrane.K
         self._bending = rest.bending if material.bending > 0.0 else None
-        if self._bending is not None:
-            K = K + material.bending * self._bending.K
-        rows = K.tocsr()[self.free]
-        self.K_ff = rows[:, self.free].tocsr()
-        self._K_fc = rows[:, fixed].tocsr()
-        self.factor = self.factored(self.K_ff)
+        self.factor = self.factored(lambda: self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
         self._targets = np.empty((0, 3))
+        self._q: np.ndarray | None
         self.restart(rest.V)
+
+    @cached_property
+    def _blocks(self) -> tuple[Matrix, Matrix]:
+        rest, material = self.rest, self.material
+        K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
+        if self._membrane is not None:
+            K = K + self._membrane.K
+        if self._bending is not None:
+            K = K + material.bending * self._bending.K
+        rows = K.tocsr()[self.free]
+        return rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
+
+    @property
+    def K_ff(self) -> Matrix:
+        """The matrix's rows and columns of the free vertices, (f, f)."""
+        return self._blocks[0]
+
+    @property
+    def q(self) -> np.ndarray:
+        """Rotations of the cells, (n, 4) unit quaternions."""
+        if self._q is None:
+            q = self.rest.identity()
+            if self.U is not self.rest.V:
+                self._turn_cells(self.U, q)
+            self._q = q
+        return self._q
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self.q = self.rest.identity()
         self.U = U
-        if U is not self.rest.V:
-            self.local_step(U)
-        elif self._membrane is not None:
+        self._q = None  # nobody may ask for long
+        if self._membrane is not None:
             self._membrane.local_step(U)
 
     def pull(
@@ -143,7 +166,7 @@ class Elastic:
     def from_held(self, targets: np.ndarray) -> np.ndarray:
         """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
         if targets is not self._targets:
-            self._targets, self._from_held = targets, vectors.product(self._K_fc, targets)
+            self._targets, self._from_held = targets, vectors.product(self._blocks[1], targets)
         return self._from_held
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
@@ -168,16 +191,19 @@ class Elastic:
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
-        self.U = U
-        rest, material, S0 = self.rest, self.material, cells.FLAT
+        q, self.U = self.q, U
         if self._membrane is not None:
             self._membrane.local_step(U)
+        self._turn_cells(U, q)
+
+    def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
+        rest, material, S0 = self.rest, self.material, cells.FLAT
         if self._bending is not None:
             S0 = self._bending.moments(U, material.bending / material.rigidity)
         if self._coupling > 0.0:
-            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, self.q)
+            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, q)
         else:
-            cells.local_step(*rest.graph, rest.V, U, S0, self.q)
+            cells.local_step(*rest.graph, rest.V, U, S0, q)
 
     def turn(self, turns: np.ndarray) -> None:
         """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""

@@ -52,7 +52,9 @@ class LiHui:
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
         self.tolerance = tolerance
         self._m = elastic.rest.masses[elastic.free][:, None]
-        self._blend = elastic.factored((diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr())
+        self._blend = elastic.factored(
+            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr()
+        )
         self.U = elastic.U
         self.keep(goals)
 

@@ -31,7 +31,7 @@ class Factor(Protocol):
 
 if TYPE_CHECKING:
     Matrix: TypeAlias = csr_array
-    Factored: TypeAlias = Callable[[Matrix], Factor]
+    Factored: TypeAlias = Callable[[Callable[[], Matrix]], Factor]
 
 
 class LinearSolver:

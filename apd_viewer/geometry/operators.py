@@ -87,18 +87,48 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
 
     A surface is closed when every edge is used once in each direction.
     """
-    proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    a, b = proper.ravel(), np.roll(proper, -1, axis=1).ravel()
-    forward, backward = np.sort(a * n + b), np.sort(b * n + a)
-    if np.array_equal(forward, backward) and (np.diff(forward) > 0).all():
-        return None
-    uses = np.unique(np.minimum(a, b) * n + np.maximum(a, b), return_counts=True)[1]
-    border = int((uses == 1).sum())
+    border, crowded, one_way = _odd_edges(F, n)
     if border:
         return f"the surface is open ({border:,} border edges)"
-    if (uses > 2).any():
-        return f"the surface is not manifold ({int((uses > 2).sum()):,} edges with more than two faces)"
-    return "the faces are not oriented alike"
+    if crowded:
+        return f"the surface is not manifold ({crowded:,} edges with more than two faces)"
+    return "the faces are not oriented alike" if one_way else None
+
+
+@njit(cache=True, nogil=True)
+def _odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
+    """How many edges one triangle has, how many more than two, and how many two have in the same direction.
+
+    Triangles with a corner twice do not count.
+    """
+    start = np.zeros(n + 1, dtype=np.int64)
+    for t in range(len(F)):
+        if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:
+            for c in range(3):
+                start[min(F[t, c], F[t, (c + 1) % 3]) + 1] += 1
+    for v in range(n):
+        start[v + 1] += start[v]
+    # By its lower end; where it is passed the other way round the upper end is told apart by its sign.
+    following, upper = start[:-1].copy(), np.empty(start[n], dtype=np.int64)
+    for t in range(len(F)):
+        if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:
+            for c in range(3):
+                a, b = F[t, c], F[t, (c + 1) % 3]
+                upper[following[min(a, b)]] = b if a < b else -a
+                following[min(a, b)] += 1
+    border = crowded = one_way = 0
+    uses, forward = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    for v in range(n):
+        for e in range(start[v], start[v + 1]):
+            uses[abs(upper[e])] += 1
+            forward[abs(upper[e])] += upper[e] > 0
+        for e in range(start[v], start[v + 1]):
+            w = abs(upper[e])
+            border += uses[w] == 1
+            crowded += uses[w] > 2
+            one_way += uses[w] == 2 and forward[w] != 1
+            uses[w] = forward[w] = 0
+    return border, crowded, one_way
 
 
 @njit(cache=True, nogil=True)

@@ -48,9 +48,17 @@ class RestMesh:
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
         self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))
-        self.why_no_volume = why_no_volume(self.shape.F, len(self.shape.V))
+
+    @cached_property
+    def why_no_volume(self) -> str | None:
+        """Why there is no volume, as a phrase; None if there is one."""
+        return why_no_volume(self.shape.F, len(self.shape.V))
+
+    @cached_property
+    def volume(self) -> float | None:
+        """Enclosed volume at rest; None if the mesh is not closed."""
         with cores_for(len(self.shape.V)):
-            self.volume = self.survey(self.shape.V)[1]
+            return self.survey(self.shape.V)[1]
 
     @cached_property
     def _attached(self) -> Attached | None:

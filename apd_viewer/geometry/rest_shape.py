@@ -43,8 +43,6 @@ class RestShape:
 
     Attributes
     ----------
-    W, L : (n, n) csr_array
-        Edge weights, and their Laplacian (positive semi-definite, ``L_ij = -w_ij``).
     piece : (n,) int array
         The connected piece of every vertex.
     """
@@ -53,9 +51,17 @@ class RestShape:
         self.V = np.ascontiguousarray(V)
         self.F = F
         self._thinnings = thinnings
-        self.W = edge_weights(self.V, F)
-        self.L = laplacian(self.W)
         self.piece = pieces(F, len(V))
+
+    @cached_property
+    def W(self) -> sp.csr_array:
+        """Weights of the edges, (n, n)."""
+        return edge_weights(self.V, self.F)
+
+    @cached_property
+    def L(self) -> sp.csr_array:
+        """Their Laplacian (positive semi-definite, ``L_ij = -w_ij``), (n, n)."""
+        return laplacian(self.W)
 
     @cached_property
     def vertex_areas(self) -> np.ndarray:

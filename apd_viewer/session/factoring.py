@@ -13,6 +13,8 @@ from apd_viewer.session import wire
 from apd_viewer.session.processes import START, Process, started
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from apd_viewer.geometry.linear_solver import Matrix
 
 _START = START.format(module="factor_process")
@@ -28,14 +30,15 @@ class FarFactor:
 
     Parameters
     ----------
-    A : (n, n) csr_array
-        Symmetric positive definite.
+    matrix : callable
+        Returns what to factor, a symmetric positive definite (n, n) csr_array. It is called on another
+        thread, so without kernels that run in parallel, and again if the process dies.
     """
 
     elsewhere = True
 
-    def __init__(self, A: Matrix) -> None:
-        self._matrix = A
+    def __init__(self, matrix: Callable[[], Matrix]) -> None:
+        self._matrix = matrix
         self._process: Process | None = None
         self._thread: threading.Thread | None = None
         self._error: Exception | None = None
@@ -104,7 +107,11 @@ class FarFactor:
             self._thread.join()
 
     def _send(self) -> None:
-        word = self._answer_to(*rows_of(self._matrix))
+        try:
+            word = self._answer_to(*rows_of(self._matrix()))
+        except Exception as error:  # told to whoever waits for it
+            self._error = error
+            return
         if word:
             self._error = ValueError(word.decode())
 

@@ -42,9 +42,14 @@ class Slot(Generic[T]):
     def wait(self) -> T | None:
         """Take the value away as soon as there is one; None once the slot is closed."""
         with self._filled:
-            self._filled.wait_for(lambda: self._value is not None or self._closed)
+            self._filled.wait_for(lambda: self.waiting)
             value, self._value = self._value, None
         return None if self._closed else value
+
+    def comes_within(self, seconds: float) -> bool:
+        """Whether within so many seconds the taker has something to turn to."""
+        with self._filled:
+            return self._filled.wait_for(lambda: self.waiting, seconds)
 
     @property
     def waiting(self) -> bool:

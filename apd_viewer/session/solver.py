@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
+_SOON = 1.0  # s
 # Matrices with so many rows take more than half a second to factor.
 _LARGE = 100_000
 
@@ -63,8 +64,10 @@ class Solver:
         self._generation: int | None = None
 
     def run(self, at_leisure: Callable[[], object] = lambda: None) -> None:
-        """Answer orders until there are no more; ``at_leisure()`` is called once, between two of them."""
-        idle = False
+        """Answer orders until there are no more; ``at_leisure()`` is called once, while there are none."""
+        idle = not self._orders.comes_within(_SOON)
+        if idle:
+            at_leisure()
         while (order := self._orders.wait()) is not None:
             self._tell(Progress(order.number, Step.TURNED_TO))
             try:
@@ -181,8 +184,8 @@ class Solver:
             factored=self._factored if _is_large(rest) else None,
         )
 
-    def _factored(self, A: Matrix) -> Factor:
-        self._factors.append(FarFactor(A))
+    def _factored(self, matrix: Callable[[], Matrix]) -> Factor:
+        self._factors.append(FarFactor(matrix))
         return self._factors[-1]
 
     def _have_factored(self) -> None:

@@ -19,8 +19,8 @@ class Elsewhere:
     elsewhere = True
     there = False
 
-    def __init__(self, A):
-        self._matrix = A
+    def __init__(self, matrix):
+        self._matrix = matrix
 
     @property
     def ready(self):
@@ -28,7 +28,7 @@ class Elsewhere:
 
     def solve(self, B):
         assert self.there, "nobody can solve yet"
-        return LinearSolver(self._matrix).solve(B)
+        return LinearSolver(self._matrix()).solve(B)
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def far(matrix=A):
-    return FarFactor(matrix)
+    return FarFactor(lambda: matrix)
 
 
 @pytest.fixture

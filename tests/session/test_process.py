@@ -25,6 +25,7 @@ from apd_viewer.session.requests import Request
 from apd_viewer.session.session import Activity
 
 pytestmark = pytest.mark.usefixtures("process")
+SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
 ROOT = Path(__file__).parents[2]
 
@@ -37,7 +38,7 @@ def pid_of(session: Driven) -> int | None:
 def kill(session: Driven) -> None:
     """Kill the process, and wait until there is another."""
     before = pid_of(session)
-    os.kill(before, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+    os.kill(before, SIGKILL)
     session.until(lambda: pid_of(session) not in (before, None), 3.0)
 
 
@@ -294,7 +295,7 @@ def test_a_killed_process_takes_its_factorization_along(factoring):
 def test_a_factorization_that_dies_is_begun_again(factoring):
     factoring.drag(pose(0.1))
     (before,) = children_of(factoring)
-    os.kill(before, signal.SIGKILL)
+    os.kill(before, SIGKILL)
     factoring.until(lambda: children_of(factoring) not in ([], [before]))
     assert factoring.failed == factoring.told == []
 
@@ -328,6 +329,69 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
     energies = [near.rest.energy(shape) for shape in (U, frame.U)]
     assert energies[0] == pytest.approx(energies[1], rel=1e-3)
     assert empty.state.frame.converged
+
+
+@pytest.fixture
+def large(empty, altered):
+    """A session with a mesh that counts as large, painted."""
+    altered("from apd_viewer.session import solver; solver._LARGE = 2500\n")
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.1))
+    empty.until(lambda: empty._worker._spare)
+    return empty
+
+
+def pid_of_spare(session: Driven) -> int:
+    return session._worker._spare._process.pid
+
+
+@linux
+def test_a_spare_process_takes_over_and_is_replaced(large):
+    for k in range(3):
+        spare = pid_of_spare(large)
+        kill(large)
+        assert pid_of(large) == spare
+        large.drag(pose(0.1 * k + 0.2))
+        next_frame(large, 10.0)
+        large.drag(pose(0.1 * k + 0.25))
+        large.until(lambda: large._worker._spare)
+        assert pid_of_spare(large) != spare
+    assert large.failed == []
+
+
+@linux
+def test_a_spare_process_that_dies_is_nobodys_business(large):
+    spare = large._worker._spare
+    os.kill(pid_of_spare(large), SIGKILL)
+    large.until(lambda: not spare.alive)
+    large.drag(pose(0.3))
+    next_frame(large, 10.0)
+    assert large._worker._spare is spare, "or one for which there is no memory would be started for ever"
+    assert large.failed == large.told == []
+    kill(large)
+    large.drag(pose(0.4))
+    next_frame(large, 10.0)
+    assert len(large.told) == 1
+    assert large.failed == []
+
+
+@linux
+def test_a_small_mesh_needs_no_spare(large):
+    spare = pid_of_spare(large)
+    large.show_now(bar())
+    large.paint_ends()
+    large.drag(BENT)
+    large.settle()
+    large.until(lambda: gone(spare))
+    assert large._worker._spare is None
+
+
+@linux
+def test_closing_ends_a_spare_process(large):
+    spare = pid_of_spare(large)
+    large.close()
+    large.until(lambda: gone(spare), 1.0)
 
 
 def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
