@@ -103,7 +103,7 @@ def iterations(edge, count):
     arap, factor = timed(lambda: ours(rest, held, "arap"))
     exact = ours(rest, held, "exact")
     times = {"libigl": [], "arap": [], "exact": [], "solve": []}
-    factor_of = arap._method._elastic._solver
+    factor_of = arap._method._elastic.factor
     solve = factor_of.solve
 
     def timed_solve(B):
