@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
@@ -73,6 +74,12 @@ class Mesh:
     def joined_F(self) -> np.ndarray:
         """Triangles with every vertex named by the first at its position: connected across seams."""
         return self.weld.first[self.weld.inverse[self.F]]
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the positions and the triangles, in hexadecimal: tells whether two meshes are the same."""
+        V, F = self.V.astype("<f8"), self.F.astype("<i8")
+        return hashlib.sha256(str(V.shape).encode() + V.tobytes() + F.tobytes()).hexdigest()
 
     @property
     def name(self) -> str:
