@@ -1,0 +1,152 @@
+"""Motions as (4, 4) float matrices that act on columns (x, y, z, 1); angles in radians.
+
+Rotations are counter-clockwise seen from the tip of their axis.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from apd_viewer.errors import InputError
+
+# Of the matrix of a rigid pose: far more than products of many rotations lose, far less than can be seen.
+_RIGID = 1e-9
+# Of the coordinates: the difference of two centres that are nearer is rounding, and so is its direction.
+_APART = 1e-12
+
+
+class Motion(NamedTuple):
+    """A rigid motion as a readout shows it: a rotation about a centre, then a displacement.
+
+    Attributes
+    ----------
+    displacement : (3,) float array
+        Way of the centre, mesh units.
+    axis : (3,) float array
+        Unit vector; (0, 0, 1) where nothing turns.
+    angle : float
+        From 0 to pi.
+    """
+
+    displacement: np.ndarray
+    axis: np.ndarray
+    angle: float
+
+
+def shifted(vector: npt.ArrayLike) -> np.ndarray:
+    """The translation by ``vector`` (3,), mesh units."""
+    pose = np.eye(4)
+    pose[:3, 3] = vector
+    return pose
+
+
+def turned_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
+    """The rotation about the line through ``point`` (3,) along ``axis`` (3,) of any length but zero."""
+    return _about(point, _rotation(_direction(axis), angle))
+
+
+def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
+    """The scaling that ``point`` (3,) stays at, by one factor or by one along each of x, y and z."""
+    each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
+    if not np.isfinite(each).all() or not each.all():
+        raise InputError("A scale must be a finite number other than 0; give one such as 1.5.")
+    return _about(point, np.diag(each))
+
+
+def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarray:
+    """The rotation about the line from the centre of the base (3,) to that of the handle (3,)."""
+    start, end = np.asarray(base, dtype=float), np.asarray(handle, dtype=float)
+    if np.abs(end - start).max() <= _APART * max(np.abs(start).max(), np.abs(end).max()):
+        raise InputError(
+            "The centres of the base and the handle coincide, so there is no line to twist about; "
+            "bend about an axis instead."
+        )
+    return turned_about(start, end - start, angle)
+
+
+def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
+    """The rotation about the line through the centre of the base (3,) along ``axis`` (3,)."""
+    return turned_about(base, axis, angle)
+
+
+def composed(
+    displacement: npt.ArrayLike, axis: npt.ArrayLike, angle: float, centre: npt.ArrayLike
+) -> np.ndarray:
+    """The rotation about ``centre`` (3,) followed by the translation: what :func:`decomposed` undoes."""
+    return shifted(displacement) @ turned_about(centre, axis, angle)
+
+
+def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
+    """The rigid ``pose`` (4, 4) as a rotation about ``centre`` (3,) and a translation.
+
+    The axis of half a turn may be either of two.
+    """
+    start, R = np.asarray(centre, dtype=float), pose[:3, :3]
+    w, *xyz = _quaternion(R)
+    half = np.array(xyz)
+    axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
+    # (R - I) c is small where little turns; R c is not, and its rounding would be shown as a displacement.
+    displacement = (R - np.eye(3)) @ start + pose[:3, 3]
+    return Motion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
+
+
+def is_rigid(pose: np.ndarray) -> bool:
+    """Whether the (4, 4) matrix is a rotation and a translation and nothing else."""
+    if not np.isfinite(pose).all() or not np.array_equal(pose[3], [0.0, 0.0, 0.0, 1.0]):
+        return False
+    R = pose[:3, :3]
+    # Before the product, which could overflow.
+    if np.abs(R).max() > 2.0:
+        return False
+    return bool(np.abs(R.T @ R - np.eye(3)).max() <= _RIGID and np.linalg.det(R) > 0)
+
+
+def _about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
+    """The pose with the linear part ``A`` (3, 3) that ``point`` (3,) stays at."""
+    place = np.asarray(point, dtype=float)
+    pose = np.eye(4)
+    pose[:3, :3] = A
+    pose[:3, 3] = place - A @ place
+    return pose
+
+
+def _direction(axis: npt.ArrayLike) -> np.ndarray:
+    """The unit vector along ``axis`` (3,)."""
+    way = np.asarray(axis, dtype=float)
+    longest = np.abs(way).max()
+    if not 0.0 < longest < np.inf:
+        raise InputError("The axis has no direction; give three finite numbers that are not all 0.")
+    # Squares of numbers such as 1e-200 would be 0.
+    way = way / longest
+    return way / np.linalg.norm(way)
+
+
+def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    """(3, 3) rotation about a unit axis, by Rodrigues' formula; exactly the identity at angle 0."""
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # 1 - cos, which would lose the digits of small angles.
+    versine = 2.0 * np.sin(angle / 2) ** 2
+    return np.eye(3) + np.sin(angle) * K + versine * (K @ K)
+
+
+def _quaternion(R: np.ndarray) -> np.ndarray:
+    """The unit quaternion (w, x, y, z), w >= 0, of a rotation (3, 3).
+
+    ``4 q q^T`` is linear in R. Its row with the largest entry on the diagonal has all digits, at half a turn
+    too [Shepperd 1978, Quaternion from Rotation Matrix].
+    """
+    (a, b, c), (d, e, f), (g, h, i) = R
+    rows = np.array(
+        [
+            [1 + a + e + i, h - f, c - g, d - b],
+            [h - f, 1 + a - e - i, b + d, c + g],
+            [c - g, b + d, 1 + e - a - i, f + h],
+            [d - b, c + g, f + h, 1 + i - a - e],
+        ]
+    )
+    q = rows[np.argmax(np.diag(rows))]
+    return q / np.copysign(np.linalg.norm(q), q[0])
