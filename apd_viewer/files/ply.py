@@ -87,13 +87,13 @@ class PlyFile:
             raise InputError("The file holds whole numbers only; choose another format to write.")
         new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
-            N = self._columns(at, _NORMAL)
+            N = self.columns(at, _NORMAL)
             new[_NORMAL] = turned(mesh.V, U, mesh.F, N, mesh.F)
         if not self.order:
             return self._text(at, new)
         body = bytearray(self.content)
         for names, values in new.items():
-            old = self._columns(at, names)
+            old = self.columns(at, names)
             for axis, name in enumerate(names):
                 self._put(body, element, start, name, values[:, axis], values[:, axis] != old[:, axis])
         return bytes(body)
@@ -110,7 +110,7 @@ class PlyFile:
             if which[row]:
                 struct.pack_into(kind[0] + _CODES[kind[1:]], body, offsets[name], values[row])
 
-    def _columns(self, at: int, names: tuple[str, ...]) -> np.ndarray:
+    def columns(self, at: int, names: tuple[str, ...]) -> np.ndarray:
         """Columns of an element, (rows, len(names)) float array."""
         element, start = self.elements[at], self.starts[at]
         if not self.order:
@@ -169,7 +169,7 @@ def read_ply(content: bytes) -> Parsed:
                 raise ValueError(f"its vertices have no {missing[0]}")
             if any(length and name in _AXES for name, length, _ in element.properties):
                 raise ValueError("its vertices have lists of coordinates")
-            V = file._columns(at, _AXES)
+            V = file.columns(at, _AXES)
             if not order:
                 start = _after_text(content, start, element)
         if element.name == "face" and element.rows:

@@ -36,6 +36,13 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
     return frozen(labels.astype(np.uint8))
 
 
+def sel_of(labels: np.ndarray) -> bytes:
+    """The file of the labels (n,), as :func:`read_selection` reads it."""
+    head = [f"# {len(labels)} vertices, one a line in the order of the mesh's file"]
+    head += ["# 0 held (base), 1 free, 2 handle, 3 the next handle and so on"]
+    return "\n".join([*head, *map(str, labels.tolist()), ""]).encode()
+
+
 def read_region(path: str | Path, n: int) -> np.ndarray:
     """Ids of the vertices that a file of one number a vertex marks with anything but 0.
 

@@ -1,0 +1,131 @@
+"""What is painted on a mesh: base, handles and named regions, apart from any motion."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
+from apd_viewer.geometry.mesh import frozen
+
+MOST_REGIONS = 8
+# Percent; what geometry.goals takes.
+LEAST_AREA, MOST_AREA = 1.0, 1000.0
+# Control characters and halves of characters, which no text should hold.
+_UNFIT = ("Cc", "Cs")
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """Labels and regions of the vertices of a mesh, with their names.
+
+    Attributes
+    ----------
+    labels : (n,) uint8 array of BASE, FREE, and HANDLE + k for ``handles[k]``, read-only
+    member : (n,) uint8 array, read-only
+        k + 1 for the vertices of ``regions[k]``, 0 for those in none.
+    handles : tuple of str, never empty
+        Names; a handle may hold no vertex.
+    regions : tuple of str
+        Names; a region may hold no vertex.
+    areas : tuple of float or None, one for each region
+        What its area should be, in percent of its area at rest; None only measures it.
+    same_mesh : bool
+        False if its file says that it was made for other positions or triangles than those of the mesh that
+        it was read for, although for as many: for another shape of the mesh, as a rule.
+    """
+
+    labels: np.ndarray
+    member: np.ndarray
+    handles: tuple[str, ...]
+    regions: tuple[str, ...] = ()
+    areas: tuple[float | None, ...] = ()
+    same_mesh: bool = True
+
+    def __post_init__(self) -> None:
+        _check_names("handle", self.handles, MOST_HANDLES)
+        _check_names("region", self.regions, MOST_REGIONS)
+        if len(self.areas) != len(self.regions) or not all(map(_is_area, self.areas)):
+            raise InputError(
+                f"The area of a region is no percentage from {LEAST_AREA:g} to {MOST_AREA:g}; correct it."
+            )
+        if not self.handles or _last(self.labels) >= HANDLE + len(self.handles):
+            raise InputError("It has a handle without a name; name all of them.")
+        if _last(self.member) > len(self.regions):
+            raise InputError("It has a region without a name; name all of them.")
+        for name in ("labels", "member"):
+            array = getattr(self, name)
+            object.__setattr__(self, name, frozen(array.copy()) if array.flags.writeable else array)
+
+    @classmethod
+    def of(
+        cls,
+        labels: np.ndarray,
+        member: np.ndarray | None = None,
+        handles: Sequence[str] = (),
+        regions: Sequence[str] = (),
+        areas: Sequence[float | None] = (),
+        same_mesh: bool = True,
+    ) -> Selection:
+        """The selection with "Handle 1", "Region 1" and so on where no names are given."""
+        if member is None:
+            member = np.zeros(len(labels), dtype=np.uint8)
+        handles = handles or [f"Handle {k + 1}" for k in range(max(1, _last(labels) - HANDLE + 1))]
+        regions = regions or [f"Region {k + 1}" for k in range(_last(member))]
+        areas = areas or [None] * len(regions)
+        return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
+
+
+def labels_of(numbers: np.ndarray, n: int) -> np.ndarray:
+    """The numbers of a file as labels of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
+    last = HANDLE + MOST_HANDLES - 1
+    return _codes(numbers, n, last, f"label other than 0 (held), 1 (free) and 2 to {last} (handles)")
+
+
+def member_of(numbers: np.ndarray, n: int) -> np.ndarray:
+    """The numbers of a file as regions of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
+    return _codes(numbers, n, MOST_REGIONS, f"region other than 0 (none) and 1 to {MOST_REGIONS}")
+
+
+def check_count(found: int, n: int) -> None:
+    """Raise InputError unless a file for ``found`` vertices is one for ``n``."""
+    if found != n:
+        raise InputError(
+            f"It is for a mesh of {found:,} vertices, but this one has {n:,}; "
+            "use the file that was made for it."
+        )
+
+
+def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray:
+    if numbers.ndim != 1 or numbers.dtype.kind not in "iuf":
+        raise ValueError("it has something other than one number a vertex")
+    check_count(len(numbers), n)
+    if not np.isin(numbers, np.arange(last + 1)).all():
+        raise InputError(f"It has a {otherwise}; correct it.")
+    return numbers.astype(np.uint8)
+
+
+def _last(codes: np.ndarray) -> int:
+    return int(codes.max(initial=0))
+
+
+def _is_area(area: object) -> bool:
+    if area is None:
+        return True
+    return isinstance(area, int | float) and not isinstance(area, bool) and LEAST_AREA <= area <= MOST_AREA
+
+
+def _check_names(what: str, names: Sequence[str], most: int) -> None:
+    if len(names) > most:
+        raise InputError(f"It has {len(names):,} {what}s, but there can be {most}; remove some.")
+    for name in names:
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"It has a {what} without a name; name all of them.")
+        if any(unicodedata.category(sign) in _UNFIT for sign in name):
+            raise InputError(f"The name of a {what} has signs that are no text; correct it.")
+    if len(set(names)) < len(names):
+        raise InputError(f"It has two {what}s of one name; give each its own.")

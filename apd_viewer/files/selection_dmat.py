@@ -1,0 +1,71 @@
+"""Selections as libigl's dense matrices (.dmat): one column with a group for each vertex.
+
+As in libigl's tutorial -1 is free. Of the other groups the lowest is the base, and the others are the
+handles in order. We write 0 for the base and 1, 2 and so on for the handles. The first line has the numbers
+of columns and rows; where both are 0, another such line and the numbers in binary follow.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selection import Selection, check_count
+from apd_viewer.files.text import numbers
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
+from apd_viewer.geometry.mesh import Mesh
+
+_HEAD = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})[ \t]*(?:\r\n|\n|\r)")
+_FREE = -1
+_LARGEST = 2.0**31  # beyond it there are no groups, but something went wrong
+
+
+def dmat_of(labels: np.ndarray) -> bytes:
+    """The file of the labels (n,), as text."""
+    groups = np.arange(256) - 1
+    groups[FREE], groups[BASE] = _FREE, 0
+    return "\n".join([f"1 {len(labels)}", *map(str, groups[labels].tolist()), ""]).encode()
+
+
+def read_dmat(content: bytes, mesh: Mesh) -> Selection:
+    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    columns, rows, start = _head(content, 0)
+    binary = columns == rows == 0 and len(content) > start
+    if binary:
+        columns, rows, start = _head(content, start)
+    if columns != 1:
+        raise ValueError(f"it has {columns:,} columns instead of one")
+    check_count(rows, len(mesh.V))
+    if binary:
+        groups = np.frombuffer(content[start:], "<f8", (len(content) - start) // 8)
+    else:
+        groups = numbers(content[start:].split())
+    if len(groups) != rows:
+        raise ValueError(f"it has {len(groups):,} numbers, but announces {rows:,}")
+    return Selection.of(_labels(groups))
+
+
+def _head(content: bytes, start: int) -> tuple[int, int, int]:
+    """Numbers of columns and rows, and where the line after them begins."""
+    head = _HEAD.match(content, start)
+    if head is None:
+        raise ValueError("it does not begin with the numbers of columns and rows")
+    return int(head[1]), int(head[2]), head.end()
+
+
+def _labels(groups: np.ndarray) -> np.ndarray:
+    """Labels (n,) for the group of each vertex, (n,) floats."""
+    whole = np.isfinite(groups) & (groups == np.rint(groups))
+    if not (whole & (groups >= _FREE) & (groups < _LARGEST)).all():
+        raise InputError("It has a number that is neither -1 (free) nor 0, 1, 2 and so on; correct it.")
+    held = groups != _FREE
+    present, order = np.unique(groups[held], return_inverse=True)
+    if len(present) > 1 + MOST_HANDLES:
+        raise InputError(
+            f"It has {len(present):,} groups, but there can be a base and {MOST_HANDLES} handles; join some."
+        )
+    labels = np.full(len(groups), FREE, dtype=np.uint8)
+    labels[held] = np.array([BASE, *range(HANDLE, HANDLE + MOST_HANDLES)])[order]
+    return labels

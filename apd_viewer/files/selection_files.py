@@ -1,0 +1,160 @@
+"""Selections on disk, in five formats that are told apart by the name of the file.
+
+=======  ==================================================  =========================================
+suffix   what it is                                          what it holds
+=======  ==================================================  =========================================
+.json    our own: ids of vertices, by part                   everything
+.npz     NumPy's: an array a thing                           everything
+.ply     PLY with the vertex properties of selection_ply     labels and regions, no names, no areas
+.sel     the survey's: a number a line                       labels
+.dmat    libigl's dense matrix: a group a vertex             labels, of handles that hold a vertex
+=======  ==================================================  =========================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.replacing import replacing
+from apd_viewer.files.selection import Selection
+from apd_viewer.files.selection_dmat import dmat_of, read_dmat
+from apd_viewer.files.selection_json import json_of, read_json
+from apd_viewer.files.selection_npz import npz_of, read_npz
+from apd_viewer.files.selection_ply import ply_of, read_selection_ply
+from apd_viewer.files.selections import read_selection, sel_of
+from apd_viewer.geometry.mesh import Mesh
+
+_READERS: dict[str, Callable[[bytes, Mesh], Selection]] = {
+    ".json": read_json,
+    ".npz": read_npz,
+    ".ply": read_selection_ply,
+    ".dmat": read_dmat,
+}
+_WRITERS: dict[str, Callable[[Mesh, Selection], bytes]] = {
+    ".json": json_of,
+    ".npz": npz_of,
+    ".ply": ply_of,
+    ".sel": lambda _, selection: sel_of(selection.labels),
+    ".dmat": lambda _, selection: dmat_of(selection.labels),
+}
+SELECTION_FORMATS = tuple(_WRITERS)
+_LONGEST = 160  # characters of what an error says
+
+
+def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
+    """Read what is painted on ``mesh``; a name with another suffix than these five is taken for a ``.sel``.
+
+    A file for another number of vertices is refused, and so is one that names another number of triangles.
+    One that was made for other positions is not, for a deformed copy keeps its selection: see
+    :attr:`Selection.same_mesh`.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it does not hold a selection for ``mesh``.
+    """
+    path = Path(path)
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        return Selection.of(read_selection(path, len(mesh.V)))
+    content = _content(path)
+    try:
+        return read(content, mesh)
+    except InputError as error:
+        raise InputError(f"{path.name}: {_in_one_line(error)}") from error
+    except MemoryError as error:
+        raise InputError(f"{path.name} is too large for the memory; choose another file.") from error
+    except ValueError as error:
+        raise InputError(
+            f"{path.name} is not a readable selection ({_in_one_line(error)}); choose another file."
+        ) from error
+
+
+def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple[str, ...]:
+    """Write what is painted on ``mesh``; the format follows the name.
+
+    Parameters
+    ----------
+    path : path
+        Replaced only once the new file is whole and was read again.
+    mesh : Mesh
+    selection : Selection
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written, or would be read with other labels.
+
+    Returns
+    -------
+    tuple of str
+        What the format cannot hold of this selection and was left out, in words.
+    """
+    path = Path(path)
+    write = _WRITERS.get(path.suffix.lower())
+    if write is None:
+        raise InputError(
+            f"{path.name} does not name a format to write; end it in {', '.join(SELECTION_FORMATS)}."
+        )
+    if _is_file_of(mesh, path):
+        raise InputError(f"{path.name} is the file of the mesh; choose another name.")
+    if len(selection.labels) != len(mesh.V):
+        raise InputError(
+            f"The selection is of {len(selection.labels):,} vertices, but the mesh has {len(mesh.V):,}; "
+            "nothing was written."
+        )
+    content = write(mesh, selection)
+    with replacing(path) as scratch:
+        scratch.write_bytes(content)
+        there = read_selection_file(scratch, mesh)
+        if not np.array_equal(there.labels, selection.labels):
+            raise InputError(
+                f"{path.name} would be read with other labels, for it counts only what holds a vertex; "
+                "choose .json, which holds all."
+            )
+    return _dropped(selection, there)
+
+
+def _is_file_of(mesh: Mesh, path: Path) -> bool:
+    try:
+        return mesh.path is not None and path.samefile(mesh.path)
+    except OSError:  # one of them is not there
+        return False
+
+
+def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
+    """What the selection has, and ``there`` has not."""
+    lost = _lost("handles", selection.handles, there.handles)
+    if not np.array_equal(selection.member, there.member):
+        return (*lost, "regions")
+    lost += _lost("regions", selection.regions, there.regions)
+    if selection.areas[: len(there.areas)] != there.areas:
+        lost += ("areas of the regions",)
+    return lost
+
+
+def _lost(what: str, names: tuple[str, ...], there: tuple[str, ...]) -> tuple[str, ...]:
+    renamed = names[: len(there)] != there
+    fewer = len(there) < len(names)
+    return (f"names of the {what}",) * renamed + (f"{what} that hold no vertex",) * fewer
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise InputError(f"There is no file {path}; check the name.") from error
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror or error}); check the file.") from error
+    except MemoryError as error:
+        raise InputError(f"{path.name} is too large for the memory; choose another file.") from error
+
+
+def _in_one_line(error: Exception) -> str:
+    """What an error says, without what a broken file may have put into it."""
+    said = "".join(sign if sign.isprintable() else " " for sign in str(error))
+    return said if len(said) <= _LONGEST else said[:_LONGEST] + "…"

@@ -1,0 +1,159 @@
+"""Selections as JSON: everything, in a text that people and scripts can read.
+
+A vertex is named by its id in the order of the mesh's file, from 0, a run of them by the first and the last::
+
+    {"format": "apd-selection", "version": 1,
+     "mesh": {"vertices": 162, "faces": 320, "digest": "9f86d0…"},
+     "base": [[0, 11], 17],
+     "handles": [{"name": "Handle 1", "vertices": [[40, 52]]}],
+     "regions": [{"name": "Label", "area": 100.0, "vertices": [[60, 99], 104]}]}
+
+What is in none of the parts is free. ``digest`` is :attr:`Mesh.digest`; it may be left out, and so may empty
+parts. An ``area`` that is null is only measured.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selection import MOST_REGIONS, Selection, check_count
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
+from apd_viewer.geometry.mesh import Mesh
+
+_FORMAT, _VERSION = "apd-selection", 1
+
+
+def json_of(mesh: Mesh, selection: Selection) -> bytes:
+    """The file of a selection, with a line for each part."""
+    labels, member = selection.labels, selection.member
+    about = {"vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
+    handles = [
+        {"name": name, "vertices": _runs(labels == HANDLE + k)} for k, name in enumerate(selection.handles)
+    ]
+    regions = [
+        {"name": name, "area": area, "vertices": _runs(member == k)}
+        for k, (name, area) in enumerate(zip(selection.regions, selection.areas, strict=True), start=1)
+    ]
+    lines = [
+        f'{{"format": "{_FORMAT}", "version": {_VERSION},',
+        f' "mesh": {_text(about)},',
+        f' "base": {_text(_runs(labels == BASE))},',
+        f' "handles": {_list(handles)},',
+        f' "regions": {_list(regions)}}}\n',
+    ]
+    return "\n".join(lines).encode()
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _list(parts: Sequence[Mapping[str, object]]) -> str:
+    return "[" + ",\n  ".join(map(_text, parts)) + "]"
+
+
+def _runs(chosen: np.ndarray) -> list[int | list[int]]:
+    """The ids of the vertices that are chosen, (n,) bool: runs as [first, last], others alone."""
+    edges = np.diff(chosen.astype(np.int8), prepend=0, append=0)
+    first, last = np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()
+    return [a if a == b else [a, b] for a, b in zip(first, last, strict=True)]
+
+
+def read_json(content: bytes, mesh: Mesh) -> Selection:
+    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    said = _object(_loaded(content), "it")
+    if said.get("format") != _FORMAT:
+        raise ValueError(f"it does not say that its format is “{_FORMAT}”")
+    if said.get("version") != _VERSION:
+        raise InputError("It is of a version that this program does not know; write it again as version 1.")
+    same_mesh = _is_for(_object(said.get("mesh"), "its “mesh”"), mesh)
+    n = len(mesh.V)
+    handles = _parts(said, "handles", MOST_HANDLES)
+    regions = _parts(said, "regions", MOST_REGIONS)
+    held = [said.get("base", []), *(part.get("vertices") for part in handles)]
+    inside = [part.get("vertices") for part in regions]
+    return Selection.of(
+        _codes(held, n, FREE, [BASE, *range(HANDLE, HANDLE + len(handles))]),
+        _codes(inside, n, 0, list(range(1, 1 + len(regions)))),
+        [part.get("name", "") for part in handles],
+        [part.get("name", "") for part in regions],
+        [part.get("area") for part in regions],
+        same_mesh,
+    )
+
+
+def _loaded(content: bytes) -> object:
+    try:
+        return json.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise ValueError("it is not text in UTF-8") from None
+    except json.JSONDecodeError as error:
+        raise ValueError(f"its line {error.lineno:,} is no JSON") from None
+    except (ValueError, RecursionError):  # a number of thousands of digits, brackets in brackets
+        raise ValueError("it is no JSON that can be read") from None
+
+
+def _object(value: object, what: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{what} is no object with keys")
+    return value
+
+
+def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
+    parts = said.get(key, [])
+    if not isinstance(parts, list):
+        raise ValueError(f"its “{key}” are no list")
+    if len(parts) > most:
+        raise InputError(f"It has {len(parts):,} {key}, but there can be {most}; remove some.")
+    return [_object(part, f"one of its “{key}”") for part in parts]
+
+
+def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
+    """Whether it was made for this very mesh; raises InputError if for one of other numbers."""
+    n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
+    if type(n) is not int or type(m) is not int or not isinstance(digest, str):
+        raise ValueError("it does not say how many vertices and faces its mesh has")
+    check_count(n, len(mesh.V))
+    if m != len(mesh.F):
+        raise InputError(
+            f"It is for a mesh of {m:,} triangles, but this one has {len(mesh.F):,}; "
+            "use the file that was made for it."
+        )
+    return digest == mesh.digest
+
+
+def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndarray:
+    """Each of ``codes`` for the vertices of its part and ``other`` for the rest, (n,) uint8 array."""
+    result = np.full(n, other, dtype=np.uint8)
+    taken = np.zeros(n, dtype=bool)
+    for part, code in zip(parts, codes, strict=True):
+        ids = _ids(part, n)
+        if taken[ids].any():
+            raise InputError(
+                f"Vertex {ids[taken[ids]][0]} is in two parts that exclude each other; correct one."
+            )
+        taken[ids] = True
+        result[ids] = code
+    return result
+
+
+def _ids(runs: object, n: int) -> np.ndarray:
+    """The vertices that ids and runs of them name, (k,) int array."""
+    if not isinstance(runs, list):
+        raise ValueError("a part of it has no list of vertices")
+    pairs = [run if isinstance(run, list) else [run, run] for run in runs]
+    if not all(len(pair) == 2 and type(pair[0]) is int and type(pair[1]) is int for pair in pairs):
+        raise ValueError("its vertices are not all ids and pairs of ids")
+    if not all(0 <= first <= last < n for first, last in pairs):
+        raise InputError(f"It names a vertex that does not exist (they go from 0 to {n - 1:,}); correct it.")
+    first, last = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    lengths = last - first + 1
+    if lengths.sum() > n:  # before what they name takes more memory than there is
+        raise InputError("A part of it names a vertex twice; correct it.")
+    ends = np.cumsum(lengths)
+    return np.arange(lengths.sum()) + np.repeat(last + 1 - ends, lengths)

@@ -1,0 +1,84 @@
+"""Selections as arrays of NumPy: everything, for scripts.
+
+``labels`` (n,) and ``member`` (n,) are as in :class:`Selection`, ``handles`` and ``regions`` are names,
+``areas`` are percentages, nan where an area is only measured, and ``digest`` is :attr:`Mesh.digest`. Only
+``labels`` must be there.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import zipfile
+
+import numpy as np
+
+from apd_viewer.files.selection import Selection, labels_of, member_of
+from apd_viewer.geometry.mesh import Mesh
+
+_KEYS = ("labels", "member", "handles", "regions", "areas", "digest")
+_MOST_NAMES = 100
+
+
+def npz_of(mesh: Mesh, selection: Selection) -> bytes:
+    """The file of a selection."""
+    stream = io.BytesIO()
+    np.savez_compressed(
+        stream,
+        labels=selection.labels,
+        member=selection.member,
+        handles=np.array(selection.handles, dtype=np.str_),
+        regions=np.array(selection.regions, dtype=np.str_),
+        areas=np.array([np.nan if area is None else area for area in selection.areas], dtype=np.float64),
+        digest=np.array(mesh.digest),
+    )
+    return stream.getvalue()
+
+
+def read_npz(content: bytes, mesh: Mesh) -> Selection:
+    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    n = len(mesh.V)
+    arrays = _arrays(content, 32 * n + (1 << 23))
+    if "labels" not in arrays:
+        raise ValueError("it has no array “labels”")
+    labels = labels_of(arrays["labels"], n)
+    member = member_of(arrays["member"], n) if "member" in arrays else None
+    handles, regions = (_names(arrays, key) for key in ("handles", "regions"))
+    digest = arrays.get("digest", np.array(mesh.digest))
+    return Selection.of(labels, member, handles, regions, _areas(arrays), _is(digest, mesh.digest))
+
+
+def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
+    """What the file has of the arrays of a selection, if it unfolds to no more than so many bytes."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size <= most:
+            with np.load(io.BytesIO(content), allow_pickle=False) as file:
+                return {key: np.asarray(file[key]) for key in _KEYS if key in file.files}
+    except Exception as error:  # zipfile and NumPy raise whatever they stumble over
+        raise ValueError("it is no archive of arrays, or a damaged one") from error
+    raise ValueError(f"it would unfold to {size:,} bytes")
+
+
+def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
+    names = arrays.get(key, np.array([], dtype=np.str_))
+    if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
+        raise ValueError(f"its “{key}” are no list of names")
+    codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
+    if codes.max(initial=0) > sys.maxunicode:  # Python would make broken texts of them
+        raise ValueError(f"its “{key}” are damaged")
+    return [str(name) for name in names]
+
+
+def _areas(arrays: dict[str, np.ndarray]) -> list[float | None]:
+    areas = arrays.get("areas", np.array([]))
+    if areas.dtype.kind not in "iuf" or areas.ndim != 1 or len(areas) > _MOST_NAMES:
+        raise ValueError("its “areas” are no list of numbers")
+    return [None if np.isnan(area) else float(area) for area in areas]
+
+
+def _is(digest: np.ndarray, expected: str) -> bool:
+    if digest.dtype.kind != "U" or digest.ndim != 0:
+        raise ValueError("its “digest” is no text")
+    return bool(digest == expected)

@@ -1,0 +1,57 @@
+"""Selections as whole-number properties of the vertices of a PLY: labels and regions, on the mesh itself.
+
+``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left
+out, is 0 in no region, 1 in the first one and so on. Any program that keeps the properties of vertices may
+have written the file; positions and faces are not looked at.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.ply import PlyFile, read_ply
+from apd_viewer.files.selection import Selection, check_count, labels_of, member_of
+from apd_viewer.geometry.mesh import Mesh
+
+_LABEL, _REGION = "apd_label", "apd_region"
+_HEAD = f"""ply
+format binary_little_endian 1.0
+comment {_LABEL}: 0 base, 1 free, 2 handle, 3 the next handle; {_REGION}: 0 none
+element vertex {{}}
+property double x
+property double y
+property double z
+property uchar {_LABEL}
+property uchar {_REGION}
+element face {{}}
+property list uchar int vertex_indices
+end_header
+"""
+
+
+def ply_of(mesh: Mesh, selection: Selection) -> bytes:
+    """The triangles of ``mesh``, with the labels and the regions at its vertices."""
+    rows = np.empty(len(mesh.V), dtype=[("V", "<f8", (3,)), (_LABEL, "u1"), (_REGION, "u1")])
+    rows["V"], rows[_LABEL], rows[_REGION] = mesh.V, selection.labels, selection.member
+    faces = np.empty(len(mesh.F), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
+    faces["count"], faces["corners"] = 3, mesh.F
+    return _HEAD.format(len(rows), len(faces)).encode() + rows.tobytes() + faces.tobytes()
+
+
+def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
+    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    file = read_ply(content).origin
+    if not isinstance(file, PlyFile):
+        raise ValueError("it has no vertices")
+    at = next(k for k, element in enumerate(file.elements) if element.name == "vertex")
+    there = {name for name, length, kind in file.elements[at].properties if not length and kind[0] in "iu"}
+    if _LABEL not in there:
+        raise InputError(
+            f"Its vertices have no whole-number property “{_LABEL}”; choose a file with a selection."
+        )
+    n = len(mesh.V)
+    check_count(file.elements[at].rows, n)
+    labels = labels_of(file.columns(at, (_LABEL,))[:, 0], n)
+    member = member_of(file.columns(at, (_REGION,))[:, 0], n) if _REGION in there else None
+    return Selection.of(labels, member)
