@@ -79,6 +79,37 @@ def tube(around: int = 12, along: int = 16, *, height: float | None = None, shea
     return V, np.vstack([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
 
 
+def rabbit(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Ball with two ears, a dent and two holes, one in front and one below: no side is like another."""
+    V, F = sphere(subdivisions)
+    size = np.ones(len(V))
+    for height, *at in ((0.7, 0.45, 0.85, -0.1), (0.6, -0.5, 0.8, 0.2), (-0.25, 0.7, 0.0, 0.7)):
+        size += height * np.exp(-9.0 * ((V - at / np.linalg.norm(at)) ** 2).sum(axis=1))
+    middle = V[F].mean(axis=1)
+    open_at = np.array([[-0.5, -0.3, 0.8], [0.3, -0.95, 0.1]])
+    open_at /= np.linalg.norm(open_at, axis=1, keepdims=True)
+    F = F[(middle @ open_at.T < [0.96, 0.93]).all(axis=1)]
+    kept, F = np.unique(F, return_inverse=True)
+    return (V * size[:, None] * [1.0, 0.9, 0.8])[kept], F.reshape(-1, 3)
+
+
+def cup(around: int = 32, wall: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of a cup about the y axis with a thin wall, of radius 1 and height 1.5."""
+    side, inner = np.linspace(0.0, 1.5, 10), 1.0 - wall
+    out = [(r, 0.0) for r in (0.4, 0.7)] + [(1.0, y) for y in side]
+    into = [(inner, y) for y in np.linspace(1.5, wall, 10)] + [(r, wall) for r in (0.7, 0.4)]
+    turn = 2 * np.pi / around * np.arange(around)
+    rings = [np.column_stack([r * np.sin(turn), np.full(around, y), r * np.cos(turn)]) for r, y in out + into]
+    V = np.vstack([*rings, [[0.0, 0.0, 0.0], [0.0, wall, 0.0]]])
+    k, after = np.arange(around), (np.arange(around) + 1) % around
+    F = [np.column_stack([np.full(around, len(V) - 2), after, k])]
+    for i in range(0, around * (len(rings) - 1), around):
+        F += [np.column_stack([i + k, i + after, i + around + after])]
+        F += [np.column_stack([i + k, i + around + after, i + around + k])]
+    last = around * (len(rings) - 1)
+    return V, np.vstack([*F, np.column_stack([last + k, last + after, np.full(around, len(V) - 1)])])
+
+
 def soup(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same surface with three vertices of its own for every triangle, as in an STL file."""
     return V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)

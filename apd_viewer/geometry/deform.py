@@ -123,6 +123,26 @@ def deform(
         plain=iterations is not None,
     )
     solver.aim(targets)
+    return iterated(solver, started, iterations, progress)
+
+
+def iterated(
+    solver: Deformation,
+    started: float,
+    iterations: int | None = None,
+    progress: Callable[[Frame], None] | None = None,
+) -> Result:
+    """Iterate from where the solver is until the shape has settled, or ``iterations`` times.
+
+    Parameters
+    ----------
+    solver : Deformation
+        Aimed.
+    started : float
+        When work began, by ``time.perf_counter()``.
+    iterations, progress
+        See :func:`deform`.
+    """
     iterating = time.perf_counter()
     count = 0
     while count < (iterations or MOST_ITERATIONS) and (iterations is not None or not solver.settled):
@@ -132,10 +152,11 @@ def deform(
             progress(solver.frame())
     frame = solver.frame()
     ended = time.perf_counter()
-    return _result(solver, frame, ended - started, (ended - iterating) / frame.iteration)
+    return result_of(solver, frame, ended - started, (ended - iterating) / frame.iteration)
 
 
-def _result(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+    """What came of the iterations that end with ``frame``."""
     unsettled: tuple[str, ...] = ()
     if frame.unreached:
         unsettled = (frame.unreached,)

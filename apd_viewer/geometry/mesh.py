@@ -77,7 +77,7 @@ class Mesh:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the positions and the triangles, in hexadecimal: tells whether two meshes are the same."""
+        """SHA-256 of positions and triangles, in hexadecimal: tells whether two meshes are the same."""
         V, F = self.V.astype("<f8"), self.F.astype("<i8")
         return hashlib.sha256(str(V.shape).encode() + V.tobytes() + F.tobytes()).hexdigest()
 
@@ -144,6 +144,14 @@ class Weld:
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
         """How far the file vertices ``ids`` lie from the positions that they are joined at."""
         return 0.0 if self.offset is None else self.offset[ids]
+
+    def everywhere(self, ids: np.ndarray) -> np.ndarray:
+        """The file vertices ``ids``, and those at the same places; where there are any, ascending."""
+        if len(self.first) == len(self.inverse):
+            return ids
+        covered = np.zeros(len(self.first), dtype=bool)
+        covered[self.inverse[ids]] = True
+        return np.flatnonzero(covered[self.inverse])
 
     def spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` (k, 3) of the vertices of the solve, for all vertices of the file, (n, 3)."""

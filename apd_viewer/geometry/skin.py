@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
 
+from apd_viewer.geometry.adjacency import filled, opposite_corners
 from apd_viewer.geometry.mesh import frozen
 from apd_viewer.geometry.operators import vertex_neighbours
 from apd_viewer.geometry.picking import boxes, brush, ray_hit
+from apd_viewer.geometry.selecting import border_loop, inside, piece_of
+from apd_viewer.geometry.visibility import Boxes, boxes_in_boxes, visible
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +62,13 @@ class Skin:
         used[own] = True
         return cls(*map(frozen, (own, joined, source, used, *vertex_neighbours(joined, n))))
 
+    @cached_property
+    def named(self) -> np.ndarray:
+        """The vertices that triangles have, those at a seam by one of them, ascending, (k,) int array."""
+        named = np.zeros(len(self.used), dtype=bool)
+        named[self.joined] = True
+        return np.flatnonzero(named)
+
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
         """All that it keeps."""
@@ -94,6 +105,35 @@ class Skin:
     ) -> tuple[int, float, float, float]:
         """What a ray meets of the shape ``U``, whose boxes are ``around``: see :func:`picking.ray_hit`."""
         return ray_hit(origin, direction, U, self.F, around)
+
+    def inside(self, points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+        """Which ``points`` (k, 2) lie within a ``polygon`` (p, 2), (k,) bool."""
+        return inside(points, polygon)
+
+    def sights(self, U: np.ndarray) -> Boxes:
+        """What :meth:`visible` needs once for each shape ``U``."""
+        return boxes_in_boxes(U, self.joined)
+
+    def visible(self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes) -> np.ndarray:
+        """Which of the vertices ``ids`` of the shape ``U`` are seen from ``eye`` (3,), (k,) bool."""
+        return visible(eye, U, ids=ids, boxes=sights)
+
+    def up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
+        """The vertices around a face, up to where the shape ``U`` is creased by more than so many radians."""
+        return np.flatnonzero(filled(self.joined, self._opposite, U, face, crease))
+
+    def piece(self, face: int) -> np.ndarray:
+        """The vertices that are connected with those of a face."""
+        return np.flatnonzero(piece_of(self.start, self.neighbour, self.joined[face, 0]))
+
+    def border_loop(self, face: int) -> np.ndarray:
+        """The vertices of the border that is nearest to a face; none if the surface is closed."""
+        F, seeds = self.joined, self.joined[face]
+        return np.flatnonzero(border_loop(F, self._opposite, self.start, self.neighbour, seeds))
+
+    @cached_property
+    def _opposite(self) -> np.ndarray:
+        return opposite_corners(self.joined, len(self.used))
 
     def under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
@@ -163,3 +203,8 @@ def warm_up() -> None:
     skin.drape(U, np.zeros(3), points, np.empty_like(points))
     skin.hit(np.zeros(3), np.ones(3), U, skin.boxes(U))
     skin.under_brush(U, (0, 0), np.zeros(3), np.zeros(3), 1.0)
+    skin.up_to_creases(U, 0, 0.5)
+    skin.piece(0)
+    skin.border_loop(0)
+    skin.inside(np.zeros((1, 2)), np.eye(3)[:, :2])
+    skin.visible(np.ones(3), U, np.array([0]), skin.sights(U))

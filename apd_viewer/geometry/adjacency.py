@@ -1,0 +1,132 @@
+"""Which triangles share an edge, and what can be reached across edges."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+ALONE = -1  # an edge of one triangle
+CROWDED = -2  # an edge of more than two, or of a triangle that has a corner twice
+# Twice the area of a triangle that has none, against the squares of its edges.
+_NO_AREA = 1e-9
+
+
+@njit(cache=True, nogil=True)
+def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
+    """Where each edge of a triangle is found in the triangle on its other side.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    n : int
+        Number of vertices.
+
+    Returns
+    -------
+    (m, 3) int32 array
+        ``3 * s + d`` for the edge from ``F[t, c]`` to ``F[t, (c + 1) % 3]`` if it is that of triangle ``s``
+        between its corners ``d`` and ``(d + 1) % 3``, in either direction; ``ALONE`` or ``CROWDED`` if there
+        is no triangle or more than one. A triangle that has a corner twice counts for nothing.
+    """
+    start, edges = _edges_by_lower_end(F, n)
+    opposite = np.full(F.size, CROWDED, dtype=np.int32)
+    seen_from, first = np.full(n, -1, dtype=np.int32), np.empty(n, dtype=np.int32)
+    for v in range(n):
+        for i in range(start[v], start[v + 1]):
+            h = edges[i]
+            t, c = h // 3, h % 3
+            w = max(F[t, c], F[t, (c + 1) % 3])
+            if seen_from[w] != v:
+                seen_from[w], first[w] = v, h
+                opposite[h] = ALONE
+            elif opposite[first[w]] == ALONE:
+                opposite[h], opposite[first[w]] = first[w], h
+            elif opposite[first[w]] >= 0:
+                opposite[opposite[first[w]]] = opposite[first[w]] = CROWDED
+    return opposite.reshape(F.shape)
+
+
+@njit(cache=True, nogil=True)
+def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Edges ``3 * t + c`` with the lower end ``v`` at ``start[v]:start[v + 1]``, if their ``t`` counts."""
+    start = np.zeros(n + 2, dtype=np.int32)
+    for t in range(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        if i != j and j != k and k != i:
+            start[min(i, j) + 2] += 1
+            start[min(j, k) + 2] += 1
+            start[min(k, i) + 2] += 1
+    for v in range(n):
+        start[v + 2] += start[v + 1]
+    edges = np.empty(start[n + 1], dtype=np.int32)
+    for t in range(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        if i != j and j != k and k != i:
+            for h, v in ((3 * t, min(i, j)), (3 * t + 1, min(j, k)), (3 * t + 2, min(k, i))):
+                edges[start[v + 1]] = h
+                start[v + 1] += 1
+    return start[:-1], edges
+
+
+@njit(cache=True, nogil=True)
+def filled(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease: float) -> np.ndarray:
+    """Vertices of all triangles that can be reached from one without crossing a crease.
+
+    Triangles without area (less than 1e-9 of the squares of their edges) are always entered, and left as if
+    they were part of the triangle from which they were entered.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    opposite : (m, 3) int array
+        Its :func:`opposite_corners`; edges of one triangle or of more than two are not crossed.
+    U : (n, 3) float array
+    face : int
+        Where to begin.
+    crease : float
+        Edges with a larger angle are not crossed; radians, 0 is flat. It does not matter which way the
+        triangles look.
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    reached, member = np.zeros(len(F), dtype=np.bool_), np.zeros(len(U), dtype=np.bool_)
+    front, normals = np.empty(len(F), dtype=np.int32), np.empty((len(F), 3))
+    least = np.cos(min(crease, np.pi)) - 1e-12  # rounding makes no crease
+    reached[face], front[0], head, count = True, face, 0, 1
+    normals[face] = _normal(U, F, face)
+    while head < count:
+        t = front[head]
+        head += 1
+        nx, ny, nz = normals[t, 0], normals[t, 1], normals[t, 2]
+        for c in range(3):
+            member[F[t, c]] = True
+            h = opposite[t, c]
+            if h < 0 or reached[h // 3]:
+                continue
+            s = h // 3
+            x, y, z = _normal(U, F, s)
+            side = -1.0 if F[s, h % 3] == F[t, c] else 1.0
+            if x == y == z == 0.0:
+                x, y, z = side * nx, side * ny, side * nz
+            elif side * (x * nx + y * ny + z * nz) < least and not nx == ny == nz == 0.0:
+                continue
+            normals[s, 0], normals[s, 1], normals[s, 2] = x, y, z
+            reached[s] = True
+            front[count] = s
+            count += 1
+    return member
+
+
+@njit(inline="always")
+def _normal(U: np.ndarray, F: np.ndarray, t: int) -> tuple[float, float, float]:
+    """Unit normal of triangle ``t``; zero if it has no area."""
+    i, j, k = F[t, 0], F[t, 1], F[t, 2]
+    ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+    bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+    x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    size = np.sqrt(x * x + y * y + z * z)
+    if size <= _NO_AREA * (ax * ax + ay * ay + az * az + bx * bx + by * by + bz * bz):
+        return 0.0, 0.0, 0.0
+    return x / size, y / size, z / size
