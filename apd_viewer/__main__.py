@@ -13,11 +13,12 @@ from apd_viewer.parser import Parser
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = "deform", "info", "paper"
+_COMMANDS = "deform", "info", "paper", "replay"
 _USAGE = """\
 apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
 apd-viewer deform MESH ... -o OUT    deform without a window
 apd-viewer info MESH                 say what is in a mesh file
+apd-viewer replay SESSION -o OUT     go on with a saved session without a window
 apd-viewer paper [-o DIR]            re-run the paper's tables on the sample bottle and duck
 """
 

@@ -1,4 +1,4 @@
-"""The commands that need no window and no display: deform, info and paper."""
+"""The commands that need no window and no display."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.replacing import make_folder, replacing
 from apd_viewer.files.report import write_report
-from apd_viewer.files.selections import read_region, read_selection, read_transform
+from apd_viewer.files.selection_files import read_selection_file
+from apd_viewer.files.selections import read_region, read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
 from apd_viewer.geometry.deformation import Frame
@@ -28,10 +29,13 @@ from apd_viewer.geometry.methods import (
     METHODS,
 )
 from apd_viewer.parser import Parser
+from apd_viewer.session.replaying import replay
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
+
+    from apd_viewer.geometry.mesh import Mesh
 
 _MOST_VERTICES = 100  # of a finding in a report
 _ROUNDED = 1e-6  # relative change of the area by the digits of a file that is worth a word
@@ -44,7 +48,7 @@ def _deform_parser() -> Parser:
         "--selection",
         metavar="SEL",
         required=True,
-        help="one number a vertex: 0 held, 1 free, 2 handle, 3 the next handle, ...",
+        help="one number a vertex: 0 held, 1 free, 2 handle, 3 the next, ...; or .json, .npz, .dmat, .ply",
     )
     parser.add_argument(
         "--transform",
@@ -129,6 +133,20 @@ def _paper_parser() -> Parser:
     return parser
 
 
+def _replay_parser() -> Parser:
+    parser = Parser(prog="apd-viewer replay", description="Go on with a saved session without a window.")
+    parser.add_argument("session", metavar="SESSION", help="file that the window has saved (.apd)")
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="mesh file to write")
+    parser.add_argument("--report", metavar="R.json", type=Path, help="write the readings as JSON")
+    parser.add_argument(
+        "--from-rest",
+        action="store_true",
+        help="begin with the rest shape; without, a saved shape that has settled stays as it is",
+    )
+    parser.set_defaults(run=_replay)
+    return parser
+
+
 def _deform(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     if options.picture:
@@ -136,7 +154,7 @@ def _deform(options: argparse.Namespace) -> None:
 
         check_picture(options.picture)
     mesh = open_mesh(options.mesh)
-    labels = read_selection(options.selection, len(mesh.V))
+    labels = read_selection_file(options.selection, mesh).labels
     held = constraints(labels, mesh.V, [read_transform(path) for path in options.transform])
     result = deform(
         mesh.V,
@@ -158,9 +176,22 @@ def _deform(options: argparse.Namespace) -> None:
     with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has
         if options.picture:
             draw(mesh, labels, result, beside.enter_context(replacing(options.picture)))
-        if options.report:
-            write_report(beside.enter_context(replacing(options.report)), mesh, result)
-        written = save_mesh(mesh, result.U, output)
+        written = _written(beside, mesh, result, options.report, output)
+    print(_summary(result, output, written))
+
+
+def _written(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
+    if report:
+        write_report(beside.enter_context(replacing(report)), mesh, result)
+    return save_mesh(mesh, result.U, output)
+
+
+def _replay(options: argparse.Namespace) -> None:
+    output = check_target(options.output)
+    progress = _progress(None) if sys.stderr.isatty() else None
+    mesh, result = replay(options.session, options.from_rest, progress)
+    with ExitStack() as beside:
+        written = _written(beside, mesh, result, options.report, output)
     print(_summary(result, output, written))
 
 
@@ -245,4 +276,5 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "deform": _deform_parser,
     "info": _info_parser,
     "paper": _paper_parser,
+    "replay": _replay_parser,
 }

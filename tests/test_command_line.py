@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,12 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
 from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.mesh import frozen
 from apd_viewer.geometry.methods import METHODS
+from apd_viewer.session.document import opened
+from apd_viewer.session.replaying import replay
+from apd_viewer.session.saved import open_session, save_session
+from apd_viewer.session.view import View
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"
@@ -526,6 +532,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
         (["deform"], "required: MESH, --selection, --transform, -o/--output; see apd-viewer deform --help"),
         (["deform", "a.obj"], "required: --selection, --transform, -o/--output"),
         (["info"], "required: MESH; see apd-viewer info --help"),
+        (["replay", "a.apd"], "required: -o/--output; see apd-viewer replay --help"),
         (["info", "a.obj", "b.obj"], "unrecognized arguments: b.obj"),
         (["--unknown"], "unrecognized arguments: --unknown; see apd-viewer --help"),
         (["a.obj", "b.obj"], "unrecognized arguments: b.obj"),
@@ -537,6 +544,131 @@ def test_wrong_words(words, said, command):
     assert (status, out) == (2, "")
     assert re.fullmatch(r"error: .+\n", err)
     assert said in err
+
+
+# ---- replay
+
+
+@pytest.fixture
+def saved(bar):
+    """A session on the bar with its handle moved, and its shape still at rest."""
+    state = opened(open_mesh(bar.mesh), frozen(bar.labels.astype(np.uint8)))
+    state = replace(state, document=state.document.moved(0, bar.M)).unsettled()
+    save_session(bar.folder / "a.apd", state, View())
+    return bar.folder / "a.apd"
+
+
+def test_a_replay_from_rest_is_what_deform_does(bar, saved, deformed, command):
+    expected, _, summary = deformed(bar)
+    content = bar.out.read_bytes()
+    bar.out.unlink()
+    status, out, err = command("replay", saved, "-o", bar.out, "--report", bar.report, "--from-rest")
+    assert (status, err) == (0, "")
+    assert bar.out.read_bytes() == content
+    report = json.loads(bar.report.read_text())
+    assert list(report) == list(expected)
+    assert set(PROMISED) <= set(report)
+    timed = {"seconds", "factor_seconds", "seconds_per_iteration"}
+    assert {key: report[key] for key in report if key not in timed} == {
+        key: expected[key] for key in expected if key not in timed
+    }
+    first, *others = out.splitlines()
+    assert first.startswith(f"{bar.out}: exact, converged after {report['iterations']} iterations in ")
+    assert others == summary.splitlines()[1:]
+
+
+def test_a_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command):
+    assert command("replay", saved, "-o", bar.out)[0] == 0
+    mesh = open_mesh(bar.mesh)
+    state, _ = open_session(saved)
+    settled, result = replay(saved)
+    frame = replace(state.frame, U=result.U, settled=True, converged=True)
+    save_session(saved, replace(state, frame=frame), View())
+    save_mesh(settled, result.U, bar.folder / "expected.obj")
+    assert bar.out.read_bytes() == (bar.folder / "expected.obj").read_bytes()
+    np.testing.assert_allclose(open_mesh(bar.out).V[bar.fixed], bar.targets, rtol=0, atol=1e-13)
+    again = bar.folder / "again.obj"
+    status, out, _ = command("replay", saved, "-o", again, "--report", bar.report)
+    assert status == 0
+    assert "converged after 0 iterations" in out
+    assert again.read_bytes() == bar.out.read_bytes()
+    assert json.loads(bar.report.read_text())["energy"] == pytest.approx(energy(mesh.V, mesh.F, result.U))
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_the_progress_of_a_replay_is_drawn_on_a_terminal_only(terminal, bar, saved, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    assert main(["replay", str(saved), "-o", str(bar.out)]) == 0
+    assert ("\riteration " in capsys.readouterr().err) is terminal
+
+
+def test_a_replay_needs_neither_a_display_nor_qt(bar, saved):
+    script = "import sys; from apd_viewer.__main__ import main; status = main(sys.argv[1:]);"
+    script += "sys.exit(status or any(name in sys.modules for name in ('PySide6', 'vtkmodules', 'pyvista')))"
+    words = ["replay", saved, "-o", bar.out]
+    status, out, err = process(sys.executable, "-c", script, *words, without=DISPLAY)
+    assert (status, err) == (0, "")
+    assert str(bar.out) in out
+
+
+def _gone(case, path):
+    path.unlink()
+
+
+def _empty(case, path):
+    path.write_bytes(b"")
+
+
+def _without_mesh(case, path):
+    case.mesh.unlink()
+
+
+def _other_mesh(case, path):
+    case.mesh.write_text(case.mesh.read_text().replace("v 0.0 0.0 0.0", "v 0.0 0.0 0.1"))
+
+
+def _unpainted(case, path):
+    save_session(path, opened(open_mesh(case.mesh)), View())
+
+
+WRONG_SESSIONS = {
+    "gone": (_gone, "There is no file .*a.apd; check the name"),
+    "empty": (_empty, "a.apd is not a readable session .its archive is broken.; save it again"),
+    "without its mesh": (_without_mesh, "in.obj, the mesh of a.apd, is missing"),
+    "with another mesh": (_other_mesh, "in.obj is not the mesh that a.apd was made with .it has changed"),
+    "not painted": (_unpainted, "a.apd: There is no base: paint the part"),
+}
+
+
+@pytest.fixture
+def refused_replay(bar, saved, command):
+    """Replay with something wrong; return the one line."""
+    bar.out.write_text("precious")
+    bar.report.write_text("precious too")
+
+    def run(*more, out=bar.out):
+        before = {path: path.read_bytes() for path in bar.folder.rglob("*") if path.is_file()}
+        status, said, err = command("replay", saved, "-o", out, "--report", bar.report, *more)
+        assert (status, said) == (2, "")
+        assert re.fullmatch(r"error: .+\n", err)
+        assert {path: path.read_bytes() for path in bar.folder.rglob("*") if path.is_file()} == before
+        return err
+
+    return run
+
+
+@pytest.mark.parametrize("case", WRONG_SESSIONS)
+def test_a_wrong_session(case, bar, saved, refused_replay):
+    change, words = WRONG_SESSIONS[case]
+    change(bar, saved)
+    assert re.search(words, refused_replay())
+
+
+def test_wrong_words_of_a_replay(bar, refused_replay):
+    assert "does not name a format to write" in refused_replay(out=bar.folder / "out.xyz")
+    assert "There is no folder" in refused_replay(out=bar.folder / "gone" / "out.obj")
+    assert "cannot be written" in refused_replay("--report", bar.folder / "gone" / "r.json")
+    assert "unrecognized arguments: --method" in refused_replay("--method", "arap")
 
 
 # ---- info
@@ -595,7 +727,10 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--help"], ["apd-viewer [FILE]", "apd-viewer deform", "apd-viewer info", "--version"]),
+        (
+            ["--help"],
+            ["apd-viewer [FILE]", "apd-viewer deform", "apd-viewer info", "apd-viewer replay", "--version"],
+        ),
         (["-h"], ["apd-viewer [FILE]"]),
         (
             ["deform", "--help"],
@@ -603,6 +738,7 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
             + ["--report", "--picture", "0 held, 1 free, 2 handle", "0.1 %"],
         ),
         (["info", "--help"], ["MESH", "--json"]),
+        (["replay", "--help"], ["SESSION", "--output", "--report", "--from-rest"]),
         (["--version"], [f"apd-viewer {apd_viewer.__version__}"]),
     ],
 )

@@ -45,8 +45,13 @@ def open_mesh(path: str | Path) -> Mesh:
     """
     path = Path(path)
     check_readable(path)
+    return read_mesh(path)
+
+
+def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
+    """Read the mesh in a file, or in the ``content`` that it would have; raises InputError like the above."""
     try:
-        V, F, origin = _parsed(_read(path), path)
+        V, F, origin = _parsed(_read(path) if content is None else content, path)
     except OSError as error:
         raise InputError(
             f"{path.name} cannot be read ({error.strerror or error}); check the file."

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.selection import Selection
 from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints
 from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
@@ -22,6 +23,7 @@ from apd_viewer.geometry.methods import (
 from apd_viewer.geometry.regions import region_areas
 from apd_viewer.geometry.skin import Skin
 from apd_viewer.session import derived
+from apd_viewer.session.names import next_name
 
 IDENTITY = frozen(np.eye(4))
 # These say nothing of the total area.
@@ -216,16 +218,35 @@ class Document:
         return self if member is self.member else replace(self, member=member)
 
     def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
-        weld = self.mesh.weld
-        if len(weld.first) < len(codes):
-            covered = np.zeros(len(weld.first), dtype=bool)
-            covered[weld.inverse[ids]] = True
-            ids = np.flatnonzero(covered[weld.inverse])
+        ids = self.mesh.weld.everywhere(ids)
         if (codes[ids] == code).all():
             return codes
         painted = codes.copy()
         painted[ids] = code
         return frozen(painted)
+
+    @property
+    def selection(self) -> Selection:
+        """What is painted, with its names."""
+        names = [handle.name for handle in self.handles], [region.name for region in self.regions]
+        areas = [region.area for region in self.regions]
+        return Selection.of(self.labels, self.member, *names, areas)
+
+    def with_selection(self, selection: Selection) -> Document:
+        """The same document, painted in another way."""
+        regions = map(NamedRegion, selection.regions, selection.areas)
+        weld = self.mesh.weld
+        codes = selection.labels, selection.member
+        if len(weld.first) < len(weld.inverse):  # both sides of a seam are painted alike
+            codes = frozen(codes[0][weld.first][weld.inverse]), frozen(codes[1][weld.first][weld.inverse])
+        labels, member = codes
+        return replace(
+            self,
+            labels=labels,
+            member=member,
+            handles=tuple(map(Handle, selection.handles)),
+            regions=tuple(regions),
+        )
 
     def moved(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""
@@ -238,6 +259,11 @@ class Document:
     def with_region(self, k: int, region: NamedRegion) -> Document:
         """The same document with another region ``k``, or one more."""
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
+
+    def with_next_region(self) -> Document:
+        """The same document with one more region, whose name is not in use."""
+        name = next_name("Region", [region.name for region in self.regions])
+        return self.with_region(len(self.regions), NamedRegion(name))
 
     def without_handle(self, k: int) -> Document:
         """The same document without handle ``k``; what it held is free."""

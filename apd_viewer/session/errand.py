@@ -38,7 +38,7 @@ class Errand:
         self,
         title: str,
         work: Callable[[], Any],
-        done: Callable[[Any], None],
+        done: Callable[[Any], object],
         deliver: Callable[[Outcome], None],
         can_be_cancelled: bool = True,
     ) -> None:
@@ -84,7 +84,11 @@ class Errands:
         self._closed = False
 
     def send(
-        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
+        self,
+        title: str,
+        work: Callable[[], object],
+        done: Callable[..., object],
+        can_be_cancelled: bool = True,
     ) -> None:
         """Begin to ``work()``, and call ``done`` with its value when that is received; one at a time."""
         if self.current is not None:

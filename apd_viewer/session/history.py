@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
+from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.document import State
 
 
@@ -39,9 +43,29 @@ class History:
         return self._redo[-1].gesture if self._redo else None
 
     @property
+    def done(self) -> list[str]:
+        """Names of the gestures that can be undone, the oldest first."""
+        return [entry.gesture for entry in self._undo]
+
+    @property
+    def undone(self) -> list[str]:
+        """Names of the gestures that can be done again, the next one first."""
+        return [entry.gesture for entry in reversed(self._redo)]
+
+    @property
     def past(self) -> list[State]:
         """The states that undo leads back to, the oldest first."""
         return [entry.state for entry in self._undo]
+
+    def unsaved(self, now: State | None, kept: Sequence[np.ndarray]) -> list[Mesh]:
+        """The meshes, ``now`` or in the past, whose latest shape is neither ``kept`` nor the one at rest."""
+        states = [*self.past, *([now] if now else [])]
+        latest = {id(state.document.mesh): state for state in states}
+        return [
+            state.document.mesh
+            for state in latest.values()
+            if not any(state.frame.U is shape for shape in (state.document.mesh.V, *kept))
+        ]
 
     def record(self, gesture: str, before: State) -> None:
         """Remember the state before a gesture that has just been finished."""

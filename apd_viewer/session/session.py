@@ -12,15 +12,31 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
+from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
+from apd_viewer.files.selection import Selection
+from apd_viewer.files.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import Document, Handle, NamedRegion, State, opened, rest_frame
+from apd_viewer.session.document import IDENTITY, Handle, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
+from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
 from apd_viewer.session.names import new_name, next_name
+from apd_viewer.session.part import Part
+from apd_viewer.session.posing import Motion, amount_of, moved
+from apd_viewer.session.reshaping import Change, reshaped
+from apd_viewer.session.saved import SUFFIX, open_session, save_session
+from apd_viewer.session.sentences import (
+    about_export,
+    about_findings,
+    about_loaded_selection,
+    about_selection,
+    about_session,
+)
+from apd_viewer.session.settings import Settings
 from apd_viewer.session.stage import Activity, Listener, Stage
 from apd_viewer.session.units import Unit
+from apd_viewer.session.view import View
 from apd_viewer.session.worker import Worker
 
 __all__ = ["MOST_HANDLES", "MOST_REGIONS", "Activity", "Listener", "Session"]
@@ -33,7 +49,7 @@ class Session:
 
     Attributes
     ----------
-    history : History
+    settings : Settings
     unit : Unit
         Of lengths, for what is told; the mesh that is open is in it.
     """
@@ -43,9 +59,9 @@ class Session:
         self._worker = Worker(listener.wake)
         self._stage = Stage(listener, self._worker)
         self._errands = Errands(listener.wake, listener.failed)
-        self._gesture: State | None = None
-        self._saved: list[np.ndarray] = []
-        self.history = History()
+        self._kept: list[np.ndarray] = []
+        self._gestures = Gestures(self._stage, listener)
+        self.settings = Settings(self._stage, self._gestures, listener)
         self.unit = Unit.NONE
 
     @property
@@ -76,8 +92,10 @@ class Session:
     # Opening and writing
 
     def open(self, path: str | Path) -> None:
-        """Open the mesh at ``path``, in the background; what is open stays until the new one is there."""
-        self._open(Path(path).name, lambda: opened(open_mesh(path)))
+        """Open a mesh or a session, in the background; what is open stays until the new one is there."""
+        path = Path(path)
+        saved = path.suffix.lower() == SUFFIX
+        self._open(path.name, lambda: open_session(path) if saved else opened(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
@@ -87,39 +105,79 @@ class Session:
         """Open a mesh that is in memory already."""
         self._open(mesh.name, lambda: opened(mesh))
 
-    def _open(self, name: str, work: Callable[[], State]) -> None:
-        self._send(f"Opening {name}", work, lambda state: self._opened(state, name))
+    def _open(self, name: str, work: Callable[[], State | tuple[State, View]]) -> None:
+        self._send(f"Opening {name}", work, lambda found: self._opened(found, name))
 
-    def _opened(self, state: State, name: str) -> None:
-        before, self._gesture = self._gesture or self.state, None
+    def _opened(self, found: State | tuple[State, View], name: str) -> None:
+        state, view = found if isinstance(found, tuple) else (found, None)
+        before, self._gestures.before = self._gestures.before or self.state, None
         if before is not None:
             self.history.record(f"Open {name}", before)
-            state = state.at(state.document.with_settings_of(before.document))
+            if view is None:  # a session has settings of its own
+                state = state.at(state.document.with_settings_of(before.document))
         self._stage.jump(state)
-        findings = state.inspection.findings
-        if len(findings) == 1:
-            self._listener.told(findings[0].sentence)
-        elif findings:
-            count = f"{len(findings)} findings"
-            self._listener.told(f"The mesh has {count}: the badge at the lower right lists and shows them.")
+        if view is not None:
+            self._kept.append(state.frame.U)
+            self._listener.viewed(view)
+        if findings := about_findings(state.inspection.findings):
+            self._listener.told(findings)
 
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
-        state = self._stage.required()
-        path, U, unit = Path(path), state.frame.U, self.unit
+        path, state, unit = Path(path), self._stage.required(), self.unit
 
-        def write() -> Written:
-            return save_mesh(state.document.mesh, U, check_target(path))
+        def write() -> str:
+            file = save_mesh(state.document.mesh, state.frame.U, check_target(path))
+            return about_export(path.name, file.area, state.inspection.area, unit)
 
-        def written(file: Written) -> None:
-            self._saved.append(U)
-            area, part = unit.area(f"{file.area:.6g}"), 100.0 * file.area / state.inspection.area
-            self._listener.told(f"Exported {path.name}: area {area}, {part:.3f} % of the rest area.")
+        self._write(f"Writing {path.name}", write, state)
 
-        self._send(f"Writing {path.name}", write, written, can_be_cancelled=False)
+    def save(self, path: str | Path, view: View, embed: bool = False) -> None:
+        """Save what was said and the shape as a session, in the background; no gesture that is under way."""
+        path, state = Path(path), self._gestures.before or self._stage.required()
+
+        def write() -> str:
+            return about_session(path.name, save_session(path, state, view, embed))
+
+        self._write(f"Saving {path.name}", write, state)
+
+    def load_selection(self, path: str | Path) -> None:
+        """Paint the mesh as a file says, in the background; what was painted gives way."""
+        path, mesh = Path(path), self._stage.required().document.mesh
+
+        def loaded(selection: Selection) -> None:
+            state = self._gestures.alone()
+            if state.document.mesh is mesh:  # another one may have been opened meanwhile
+                self._gestures.record("Load selection", state)
+                self._stage.regrip(state.document, state.document.with_selection(selection))
+                self._listener.told(about_loaded_selection(path.name, selection))
+
+        self._send(f"Loading {path.name}", lambda: read_selection_file(path, mesh), loaded)
+
+    def save_selection(self, path: str | Path) -> None:
+        """Write what is painted, in the background."""
+        path, document = Path(path), self._stage.required().document
+
+        def work() -> str:
+            return about_selection(path.name, write_selection(path, document.mesh, document.selection))
+
+        self._send(f"Saving {path.name}", work, self._listener.told, can_be_cancelled=False)
+
+    def _write(self, title: str, work: Callable[[], str], state: State) -> None:
+        """Do the ``work``, which says what it has done, and remember that the shape is in a file."""
+
+        def written(said: str) -> None:
+            self._kept.append(state.frame.U)
+            self._listener.told(said)
+
+        self._send(title, work, written, can_be_cancelled=False)
 
     def _send(
-        self, title: str, work: Callable[[], object], done: Callable[..., None], can_be_cancelled: bool = True
+        self,
+        title: str,
+        work: Callable[[], object],
+        done: Callable[..., object],
+        can_be_cancelled: bool = True,
     ) -> None:
         self._errands.send(title, work, done, can_be_cancelled)
         self._listener.status_changed()
@@ -132,14 +190,8 @@ class Session:
 
     @property
     def unsaved(self) -> list[Mesh]:
-        """The meshes, on screen or a few undos away, whose latest shape has not been exported."""
-        states = [*self.history.past, *([self.state] if self.state else [])]
-        latest = {id(state.document.mesh): state for state in states}
-        return [
-            state.document.mesh
-            for state in latest.values()
-            if not any(state.frame.U is kept for kept in (state.document.mesh.V, *self._saved))
-        ]
+        """The meshes, on screen or a few undos away, whose latest shape is in no file."""
+        return self.history.unsaved(self.state, self._kept)
 
     @property
     def moved(self) -> bool:
@@ -153,26 +205,22 @@ class Session:
 
     def begin_gesture(self) -> None:
         """Start what will be one step of undo, such as a stroke, a drag or the sweep of a slider."""
-        self._gesture = self._stage.required()
+        self._gestures.begin()
 
     def end_gesture(self, gesture: str) -> None:
         """Finish a drag or a sweep; the worker goes on until the shape has settled."""
-        before, self._gesture = self._gesture, None
-        if before is not None and before.document is not self._stage.required().document:
-            self._record(gesture, before)
+        self._gestures.end(gesture)
 
     def cancel_gesture(self) -> None:
         """Go back to where the gesture began."""
-        if self._gesture is not None:
-            before, self._gesture = self._gesture, None
-            self._stage.jump(before)
+        self._gestures.cancel()
 
     # Painting
 
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
         state = self._stage.required()
-        if self._gesture is not None:  # undo may have ended the stroke
+        if self._gestures.before is not None:  # undo may have ended the stroke
             self._stage.show(state.at(state.document.painted(ids, label)))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
@@ -181,53 +229,84 @@ class Session:
         One number past the last makes a region: the first stroke needs none to be there.
         """
         state = self._stage.required()
-        if self._gesture is not None:
+        if self._gestures.before is not None:
             document = state.document
             if number > len(document.regions):
-                document = document.with_region(number - 1, _next_region(document))
+                document = document.with_next_region()
             document = document.painted_region(ids, number)
             asks = any(region.area is not None for region in document.regions)
             (self._stage.say if asks else self._stage.note)(document)
 
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; under new labels, base and handles are gripped where they are now."""
-        before, document = self._gesture, self._stage.required().document
+        before, document = self._gestures.before, self._stage.required().document
         self.end_gesture(gesture)
         if before is not None and not np.array_equal(before.document.labels, document.labels):
             self._stage.regrip(before.document, document)
+
+    def set_part(self, part: Part, wanted: np.ndarray, gesture: str) -> None:
+        """Have the ``wanted`` vertices, (n,) bool, and no others, in a part: a step of undo."""
+        document = part.become(self._gestures.alone().document, wanted)
+        self.begin_gesture()
+        asks = part.is_region and any(region.area is not None for region in document.regions)
+        (self._stage.say if asks else self._stage.note)(document)
+        self.end_stroke(gesture)
+
+    def reshape(self, part: Part, change: str) -> None:
+        """Change a part as a whole, as a :class:`Change` by its name."""
+        self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), Change[change].value)
 
     # Handles
 
     def move_handle(self, pose: np.ndarray, which: int = 0) -> None:
         """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
         state = self._stage.required()
-        if self._gesture is not None:  # another mesh may have ended the drag
+        if self._gestures.before is not None:  # another mesh may have ended the drag
             self._stage.say(state.document.moved(which, pose))
+
+    def pose_handle(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
+        """Put a handle at ``pose`` (4, 4) at once; what ``repeats`` the step before is part of it."""
+        state = self._gestures.alone()
+        if state.document.problem:
+            self._listener.failed(state.document.problem)
+        elif not np.array_equal(pose, state.document.handles[which].pose):
+            self._gestures.record(gesture, state, repeats)
+            self._stage.say(state.document.moved(which, pose))
+
+    def type_motion(self, motion: str, text: str, which: int) -> None:
+        """Move a handle by what was typed; ``motion`` names a :class:`Motion`. Raises InputError."""
+        state, kind = self._gestures.alone(), Motion[motion]
+        amount = amount_of(kind, text, state, self.unit)
+        self.pose_handle(moved(state.document, which, kind, amount), which, kind.value)
+
+    def put_back_handle(self, which: int) -> None:
+        """Put one handle back where it was gripped; the mesh follows."""
+        self.pose_handle(IDENTITY, which, "Put handle back")
 
     def reset_handle(self) -> None:
         """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
-        state = self._alone()
+        state = self._gestures.alone()
         if self.moved:
-            self._record("Reset handle", state)
+            self._gestures.record("Reset handle", state)
             rest = rest_frame(state.document.mesh, state.inspection)
             self._stage.jump(state.at(state.document.at_rest(), rest))
 
     def add_handle(self) -> int:
         """One more handle, not painted yet; its number, or that of the last where there can be no more."""
-        state = self._alone()
+        state = self._gestures.alone()
         handles = state.document.handles
         if len(handles) >= MOST_HANDLES:
             self._listener.failed(f"There are {MOST_HANDLES} handles already; remove one of them first.")
             return len(handles) - 1
-        self._record("Add handle", state)
+        self._gestures.record("Add handle", state)
         name = next_name("Handle", [handle.name for handle in handles])
         self._stage.note(state.document.with_handle(len(handles), Handle(name)))
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
-        state = self._alone()
-        self._record("Remove handle", state)
+        state = self._gestures.alone()
+        self._gestures.record("Remove handle", state)
         self._stage.regrip(state.document, state.document.without_handle(k))
 
     def rename_handle(self, k: int, name: str) -> None:
@@ -236,27 +315,27 @@ class Session:
         handle = state.document.handles[k]
         name = new_name(name, handle.name, [other.name for other in state.document.handles])
         if name != handle.name:
-            state = self._alone()
-            self._record("Rename", state)
+            state = self._gestures.alone()
+            self._gestures.record("Rename", state)
             self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
 
     # Regions
 
     def add_region(self) -> int:
         """One more region, without a vertex; its number, or that of the last where there can be no more."""
-        state = self._alone()
+        state = self._gestures.alone()
         regions = state.document.regions
         if len(regions) >= MOST_REGIONS:
             self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
             return len(regions) - 1
-        self._record("Add region", state)
-        self._stage.note(state.document.with_region(len(regions), _next_region(state.document)))
+        self._gestures.record("Add region", state)
+        self._stage.note(state.document.with_next_region())
         return len(regions)
 
     def remove_region(self, k: int) -> None:
         """Remove region ``k``, and what is asked of its area."""
-        state = self._alone()
-        self._record("Remove region", state)
+        state = self._gestures.alone()
+        self._gestures.record("Remove region", state)
         asked = state.document.regions[k].area is not None
         (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
 
@@ -266,87 +345,28 @@ class Session:
         region = state.document.regions[k]
         name = new_name(name, region.name, [other.name for other in state.document.regions])
         if name != region.name:
-            state = self._alone()
-            self._record("Rename", state)
+            state = self._gestures.alone()
+            self._gestures.record("Rename", state)
             self._stage.note(state.document.with_region(k, replace(region, name=name)))
-
-    def set_region_area(self, k: int, percent: float | None) -> None:
-        """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
-        document = self._stage.required().document
-        region = document.regions[k]
-        if percent != region.area:
-            self._set("Change region", regions=document.with_region(k, replace(region, area=percent)).regions)
-
-    # Settings: outside a gesture each is one step of undo, within it they are part of it
-
-    def set_area(self, percent: float) -> None:
-        """Ask for another total area, in percent of the area at rest."""
-        self._set("Change area", area=percent)
-
-    def hold_area(self, on: bool) -> None:
-        """Have the method "local" keep the total area too, or not."""
-        self._set("Change area", hold_area=on)
-
-    def set_volume(self, percent: float | None) -> None:
-        """Ask for a volume, in percent of the volume at rest; None leaves it free."""
-        inspection = self._stage.required().inspection
-        if percent is not None and not inspection.volume:
-            why = inspection.why_no_volume or "the surface encloses nothing"
-            self._listener.failed(f"There is no volume to keep: {why}; leave the volume free.")
-        else:
-            self._set("Change volume", volume=percent)
-
-    def set_method(self, method: str) -> None:
-        """Deform by another method, from the shape on screen."""
-        self._set("Change method", method=method)
-
-    def set_tolerance(self, tolerance: float) -> None:
-        """Have "paper" accept another relative error of the area."""
-        self._set("Change tolerance", tolerance=tolerance)
-
-    def set_stiffness(self, stiffness: float) -> None:
-        """Resist bending by another weight."""
-        self._set("Change stiffness", stiffness=stiffness)
-
-    def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
-        """Have the method "local" resist changes of areas and of shapes by other weights."""
-        given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}
-        self._set("Change stiffness", **{name: x for name, x in given.items() if x is not None})
-
-    def _set(self, gesture: str, **what: object) -> None:
-        state = self._stage.required()
-        if all(getattr(state.document, name) == value for name, value in what.items()):
-            return
-        painted = self._gesture is not None and not state.document.painted_like(self._gesture.document)
-        if self._gesture is None or painted:
-            # What a stroke has painted is not gripped yet, and would leap.
-            state = self._alone()
-            self._record(gesture, state)
-        self._stage.say(replace(state.document, **what))  # type: ignore[arg-type]
 
     # Going back
 
+    @property
+    def history(self) -> History:
+        """What can be undone and redone."""
+        return self._gestures.history
+
     def undo(self) -> None:
         """Take the last gesture back: the very document and shape that were there before it."""
-        self._go(self.history.undo)
+        self._gestures.undo()
 
     def redo(self) -> None:
         """Do again what was undone last."""
-        self._go(self.history.redo)
+        self._gestures.redo()
 
-    def _go(self, swap: Callable[[State], State | None]) -> None:
-        target = swap(self._alone())
-        if target is not None:
-            self._stage.jump(target)
-
-    def _alone(self) -> State:
-        """The state, after going back to where a gesture under way began."""
-        self.cancel_gesture()
-        return self._stage.required()
-
-    def _record(self, gesture: str, before: State) -> None:
-        self.history.record(gesture, before)
-        self._listener.status_changed()
+    def travel(self, steps: int) -> None:
+        """Undo or redo until so many gestures are done."""
+        self._gestures.travel(steps)
 
     # The other threads
 
@@ -370,8 +390,3 @@ class Session:
         """Stop the worker; a file that is being written is finished first."""
         self._errands.close()
         self._worker.close()
-
-
-def _next_region(document: Document) -> NamedRegion:
-    """A region with a name that is not in use."""
-    return NamedRegion(next_name("Region", [region.name for region in document.regions]))

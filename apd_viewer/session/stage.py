@@ -12,6 +12,7 @@ from enum import Enum
 
 from apd_viewer.session.document import Document, State
 from apd_viewer.session.requests import Reply, Request, alike, factored_for
+from apd_viewer.session.view import View
 from apd_viewer.session.worker import Worker
 
 
@@ -40,6 +41,8 @@ class Listener:
         ``told(sentence)``: something the user should read.
     failed : callable
         ``failed(sentence)``: something the user asked for was not done, and why.
+    viewed : callable
+        ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
     """
 
     wake: Callable[[], object]
@@ -47,6 +50,7 @@ class Listener:
     status_changed: Callable[[], object]
     told: Callable[[str], object]
     failed: Callable[[str], object]
+    viewed: Callable[[View], object] = lambda _: None
 
 
 class Stage:

@@ -83,7 +83,7 @@ class User(Driven):
             self.end_gesture("Move handle")
 
     def other_method(self) -> None:
-        self.set_method(self.random.choice(METHODS))
+        self.settings.set_method(self.random.choice(METHODS))
 
     def pause(self) -> None:
         self.listen(self.random.choice([0.002, 0.02]))

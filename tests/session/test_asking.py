@@ -59,16 +59,16 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Add region": Driven.add_region,
     "Remove region": lambda session: session.remove_region(0),
     "Paint region": lambda session: region_stroke(session, layers(session, 1, 3), 1),
-    "Change region": lambda session: session.set_region_area(0, 105.0),
-    "Change area": lambda session: session.set_area(110.0),
-    "Change volume": lambda session: session.set_volume(100.0),
-    "Change stiffness": lambda session: session.set_stiffness(0.01),
+    "Change region": lambda session: session.settings.set_region_area(0, 105.0),
+    "Change area": lambda session: session.settings.set_area(110.0),
+    "Change volume": lambda session: session.settings.set_volume(100.0),
+    "Change stiffness": lambda session: session.settings.set_stiffness(0.01),
     "Reset handle": Driven.reset_handle,
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.rename_region(0, "Waist")),
-    "holding": ("Change area", lambda session: session.hold_area(True)),
-    "the material": ("Change stiffness", lambda session: session.set_material(shear_stiffness=0.5)),
+    "holding": ("Change area", lambda session: session.settings.hold_area(True)),
+    "the material": ("Change stiffness", lambda session: session.settings.set_material(shear_stiffness=0.5)),
 }
 
 
@@ -93,11 +93,11 @@ def test_every_verb_is_one_entry_and_undone_exactly(parted, name):
 
 
 SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
-    "area": (Driven.set_area, [101.0, 104.0, 108.0]),
-    "volume": (Driven.set_volume, [100.0, 102.0, 104.0]),
-    "region": (lambda session, x: session.set_region_area(0, x), [99.0, 98.0, 97.0]),
-    "stiffness": (Driven.set_stiffness, [0.01, 0.02, 0.03]),
-    "material": (lambda session, x: session.set_material(x, x), [1.0, 2.0, 3.0]),
+    "area": (lambda session, x: session.settings.set_area(x), [101.0, 104.0, 108.0]),
+    "volume": (lambda session, x: session.settings.set_volume(x), [100.0, 102.0, 104.0]),
+    "region": (lambda session, x: session.settings.set_region_area(0, x), [99.0, 98.0, 97.0]),
+    "stiffness": (lambda session, x: session.settings.set_stiffness(x), [0.01, 0.02, 0.03]),
+    "material": (lambda session, x: session.settings.set_material(x, x), [1.0, 2.0, 3.0]),
 }
 
 
@@ -123,8 +123,8 @@ def test_a_sweep_is_one_entry_and_single_settings_are_one_each(parted, what):
 def test_a_cancelled_sweep_leaves_no_trace(parted):
     before, undo = parted.state, parted.history.next_undo
     parted.begin_gesture()
-    parted.set_area(120.0)
-    parted.set_volume(110.0)
+    parted.settings.set_area(120.0)
+    parted.settings.set_volume(110.0)
     parted.until(lambda: parted.state.frame.iteration)
     parted.cancel_gesture()
     assert parted.state is before
@@ -137,7 +137,7 @@ def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
     before = parted.state
     parted.begin_gesture()
     parted.paint_region(layers(parted, 0, 6), 0)
-    parted.set_stiffness(0.01)
+    parted.settings.set_stiffness(0.01)
     parted.end_stroke("Paint region")
     assert parted.state.document.member is before.document.member
     parted.undo()
@@ -147,15 +147,15 @@ def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
 def test_a_setting_that_is_the_same_does_nothing(parted):
     state, changes = parted.state, len(parted.changes)
     document = state.document
-    parted.set_area(100)
-    parted.hold_area(False)
-    parted.set_volume(None)
-    parted.set_method(document.method)
-    parted.set_tolerance(document.tolerance)
-    parted.set_stiffness(0)
-    parted.set_material()
-    parted.set_material(document.area_stiffness, document.shear_stiffness)
-    parted.set_region_area(0, None)
+    parted.settings.set_area(100)
+    parted.settings.hold_area(False)
+    parted.settings.set_volume(None)
+    parted.settings.set_method(document.method)
+    parted.settings.set_tolerance(document.tolerance)
+    parted.settings.set_stiffness(0)
+    parted.settings.set_material()
+    parted.settings.set_material(document.area_stiffness, document.shear_stiffness)
+    parted.settings.set_region_area(0, None)
     parted.rename_handle(0, " ")
     parted.rename_region(0, "Region 1")
     assert parted.state is state
@@ -262,7 +262,7 @@ def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
     parted.settle()
     there = parted.handle_at
     for percent in (100.0, 90.0, 107.0):
-        parted.set_region_area(0, percent)
+        parted.settings.set_region_area(0, percent)
         assert parted.activity is Activity.REFINING
         parted.settle()
         assert parted.activity is Activity.SETTLED
@@ -273,7 +273,7 @@ def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
 
 @pytest.mark.parametrize("target", [None, 100.0])
 def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, target):
-    parted.set_region_area(0, target)
+    parted.settings.set_region_area(0, target)
     parted.drag(BENT)
     parted.settle()
     factored.count = 0
@@ -344,7 +344,7 @@ def test_every_frame_tells_the_regions_of_its_document(parted, slow):
 
 def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
     session.add_region()
-    session.set_region_area(0, 120.0)
+    session.settings.set_region_area(0, 120.0)
     assert session.activity is Activity.IDLE
     region_stroke(session, layers(session, 0, 0)[:1], 1)
     assert session.activity is Activity.IDLE
@@ -359,7 +359,7 @@ def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
 
 
 def test_a_removed_region_asks_for_nothing(parted):
-    parted.set_region_area(0, 120.0)
+    parted.settings.set_region_area(0, 120.0)
     parted.settle()
     assert np.abs(parted.U - parted.state.document.mesh.V).max() > 1e-2
     parted.remove_region(0)
@@ -372,12 +372,12 @@ def test_a_removed_region_asks_for_nothing(parted):
 
 @pytest.mark.parametrize("method", ["exact", "paper"])
 def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
-    session.set_method(method)
+    session.settings.set_method(method)
     ready(session)
     session.reset_handle()
     factored.count = 0
     assert not session.moved
-    session.set_area(120.0)
+    session.settings.set_area(120.0)
     assert session.activity is Activity.REFINING
     assert session.moved
     session.settle()
@@ -397,14 +397,14 @@ def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
 
 def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.add_region()
-    parted.set_region_area(0, 110.0)
-    parted.set_area(105.0)
+    parted.settings.set_region_area(0, 110.0)
+    parted.settings.set_area(105.0)
     parted.drag(BENT)
     parted.settle()
     parted.reset_handle()
     assert parted.state.document.targets == (100.0, None, 100.0, None)
     assert parted.state.frame.regions == parted.state.document.region_areas(parted.U)
-    parted.set_volume(110.0)
+    parted.settings.set_volume(110.0)
     parted.reset_handle()
     assert parted.state.document.volume == 100.0
     assert not parted.moved
@@ -417,16 +417,16 @@ def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
     ready(parted)
     parted.reset_handle()
     for verb in (
-        lambda: parted.set_volume(100.0),
-        lambda: parted.set_region_area(0, 100.0),
-        lambda: parted.set_stiffness(0.05),
-        lambda: parted.set_method("local"),
-        lambda: parted.set_material(5.0, 1.0),
-        lambda: parted.hold_area(True),
-        lambda: parted.set_method("paper"),
-        lambda: parted.set_tolerance(0.01),
-        lambda: parted.set_method("arap"),
-        lambda: parted.set_area(130.0),  # which this method is not asked for
+        lambda: parted.settings.set_volume(100.0),
+        lambda: parted.settings.set_region_area(0, 100.0),
+        lambda: parted.settings.set_stiffness(0.05),
+        lambda: parted.settings.set_method("local"),
+        lambda: parted.settings.set_material(5.0, 1.0),
+        lambda: parted.settings.hold_area(True),
+        lambda: parted.settings.set_method("paper"),
+        lambda: parted.settings.set_tolerance(0.01),
+        lambda: parted.settings.set_method("arap"),
+        lambda: parted.settings.set_area(130.0),  # which this method is not asked for
         parted.add_handle,
         lambda: parted.remove_handle(2),
         lambda: region_stroke(parted, layers(parted, 1, 5), 1),
@@ -435,7 +435,7 @@ def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
         assert parted.activity is Activity.IDLE
         assert parted.U is parted.state.document.mesh.V
     assert parted.moved, "the area is asked for as soon as another method can have it"
-    parted.set_method("exact")
+    parted.settings.set_method("exact")
     parted.settle()
     assert parted.state.frame.area_error == pytest.approx(0.3)
     assert abs(volume_share(parted) - 1.0) < 1e-9
@@ -447,7 +447,7 @@ def test_the_volume_is_kept_while_it_is_asked_for(session):
     session.settle()
     free = volume_share(session)
     assert abs(free - 1.0) > 1e-3
-    session.set_volume(100.0)
+    session.settings.set_volume(100.0)
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
     assert abs(session.state.frame.area_error) < 1e-9
@@ -455,17 +455,17 @@ def test_the_volume_is_kept_while_it_is_asked_for(session):
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
     session.drag(BENT)
-    session.set_volume(None)
+    session.settings.set_volume(None)
     session.settle()
     assert volume_share(session) == pytest.approx(free, abs=1e-3)
 
 
 def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
-    session.set_method("arap")
-    session.set_volume(130.0)
+    session.settings.set_method("arap")
+    session.settings.set_volume(130.0)
     session.settle()
     assert abs(volume_share(session) - 1.3) < 1e-9
-    session.set_volume(None)
+    session.settings.set_volume(None)
     session.settle()
     assert np.allclose(session.U, session.state.document.mesh.V, rtol=0, atol=1e-2)
 
@@ -473,11 +473,11 @@ def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
 def test_an_open_mesh_has_no_volume_to_keep(empty):
     empty.show_now(Mesh(*grid(3, 3)))
     state = empty.state
-    empty.set_volume(100.0)
+    empty.settings.set_volume(100.0)
     assert empty.state is state
     assert "no volume" in empty.failed[0]
     assert "open" in empty.failed[0]
-    empty.set_volume(None)
+    empty.settings.set_volume(None)
     assert len(empty.failed) == 1
 
 
@@ -487,10 +487,10 @@ def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
     parted.settle()
     before = parted.state
     if verb == "area":
-        parted.set_area(20.0)
+        parted.settings.set_area(20.0)
     else:
         parted.stroke(layers(parted, 2, 4), BASE)
-        parted.set_region_area(0, 150.0)
+        parted.settings.set_region_area(0, 150.0)
     parted.settle()
     assert parted.activity is Activity.UNREACHED
     frame = parted.state.frame
@@ -507,7 +507,7 @@ def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
     assert parted.state is unreached, "it is not tried again"
     while parted.state is not before:
         parted.undo()
-    parted.set_area(101.0)
+    parted.settings.set_area(101.0)
     parted.settle()
     assert parted.activity is Activity.SETTLED
     assert parted.state.frame.unreached is None
@@ -517,7 +517,7 @@ def test_another_method_deforms_the_pose_that_is_held(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     shapes = {}
     for method in ("exact", "arap", "local", "paper", "exact"):
-        session.set_method(method)
+        session.settings.set_method(method)
         session.settle()
         assert session.activity is Activity.SETTLED
         shapes[method] = session.U
@@ -529,11 +529,11 @@ def test_another_method_deforms_the_pose_that_is_held(session):
 
 
 def test_the_local_method_holds_the_total_area_on_demand(session):
-    session.set_method("local")
+    session.settings.set_method("local")
     session.drag(BENT)
     session.settle()
     assert abs(session.state.frame.area_error) > 1e-9
-    session.hold_area(True)
+    session.settings.hold_area(True)
     session.settle()
     assert abs(session.state.frame.area_error) < 1e-9
 
@@ -546,21 +546,21 @@ def test_targets_do_not_factor_and_every_stiffness_does(parted, factored):
     parted.settle()
     factored.count = 0
     for percent in (101.0, 103.0):
-        parted.set_area(percent)
-        parted.set_volume(percent)
-        parted.set_region_area(0, percent)
+        parted.settings.set_area(percent)
+        parted.settings.set_volume(percent)
+        parted.settings.set_region_area(0, percent)
         parted.settle()
-    parted.set_volume(None)
-    parted.set_tolerance(0.1)
+    parted.settings.set_volume(None)
+    parted.settings.set_tolerance(0.1)
     parted.settle()
     assert factored.count == 0
-    parted.set_stiffness(0.02)
+    parted.settings.set_stiffness(0.02)
     parted.settle()
     assert factored.count == 1
-    parted.set_material(area_stiffness=10.0)
+    parted.settings.set_material(area_stiffness=10.0)
     parted.settle()
     assert factored.count == 2
-    parted.set_material(shear_stiffness=0.3)
+    parted.settings.set_material(shear_stiffness=0.3)
     parted.settle()
     assert factored.count == 3
 
@@ -576,7 +576,7 @@ def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
     assert kept == []
     assert aimed
     aimed.clear()
-    session.set_area(103.0)
+    session.settings.set_area(103.0)
     session.settle()
     assert len(kept) == 1
     assert aimed == []
@@ -587,7 +587,7 @@ def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
 
 def test_what_is_asked_before_anything_is_painted_is_answered_afterwards(empty):
     empty.show_now(bar())
-    empty.set_area(110.0)
+    empty.settings.set_area(110.0)
     assert empty.activity is Activity.IDLE
     base, handle = ends(empty.state.document.mesh.V)
     empty.stroke(base, BASE)
@@ -599,7 +599,7 @@ def test_what_is_asked_before_anything_is_painted_is_answered_afterwards(empty):
 
 
 def test_painting_on_an_inflated_shape_moves_nothing(session):
-    session.set_area(115.0)
+    session.settings.set_area(115.0)
     session.settle()
     U = session.U
     session.stroke(layers(session, 1, 1), BASE)
@@ -612,12 +612,12 @@ def test_painting_on_an_inflated_shape_moves_nothing(session):
 
 
 def test_another_mesh_keeps_the_settings_and_drops_the_parts(parted):
-    parted.set_method("local")
-    parted.set_tolerance(0.01)
-    parted.set_stiffness(0.02)
-    parted.set_material(10.0, 0.5)
-    parted.set_area(110.0)
-    parted.set_volume(100.0)
+    parted.settings.set_method("local")
+    parted.settings.set_tolerance(0.01)
+    parted.settings.set_stiffness(0.02)
+    parted.settings.set_material(10.0, 0.5)
+    parted.settings.set_area(110.0)
+    parted.settings.set_volume(100.0)
     parted.show_now(bar())
     document = parted.state.document
     assert (document.method, document.tolerance, document.stiffness) == ("local", 0.01, 0.02)

@@ -61,7 +61,7 @@ def finish(session: Driven) -> None:
 
 
 def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file, gate):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     before = session.state
     session.open(cube_file)
     assert session.errand.title == "Opening cube.obj"
@@ -250,7 +250,7 @@ def closed_within(session: Driven, seconds: float) -> None:
 
 
 def test_closing_ends_a_run_at_the_next_iteration(session):
-    session.set_tolerance(1e-12)  # not to be met
+    session.settings.set_tolerance(1e-12)  # not to be met
     session.drag(BENT)
     session.until(lambda: session.state.frame.iteration > 3)
     closed_within(session, 2.0)

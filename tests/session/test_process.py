@@ -71,7 +71,7 @@ def altered(monkeypatch):
 
 
 def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.begin_gesture()
     for k in range(10):
         session.move_handle(pose(0.1 * k + 0.1))
@@ -108,8 +108,8 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
     session = empty
     session.show_now(bar())
     session.paint_ends()
-    session.set_tolerance(1e-12)  # not to be met
-    session.set_method("paper")
+    session.settings.set_tolerance(1e-12)  # not to be met
+    session.settings.set_method("paper")
     session.drag(BENT)
     session.until(lambda: session.state.frame.iteration > 30)
     U = session.U
@@ -253,7 +253,7 @@ def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
 @linux
 @pytest.mark.parametrize("method", ["exact", "arap", "local"])
 def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
-    factoring.set_method(method)
+    factoring.settings.set_method(method)
     factoring.begin_gesture()
     held = None
     for k in range(10):
@@ -429,8 +429,8 @@ ORPHAN = """
     session = Driven()
     session.show_now(Mesh(*box(20, 20, 40)))
     session.paint_ends()
-    session.set_tolerance(1e-12)
-    session.set_method("paper")
+    session.settings.set_tolerance(1e-12)
+    session.settings.set_method("paper")
     session.drag(BENT)
     session.until(lambda: session.state.frame.iteration)
     print(session._worker._child._process.pid, flush=True)
@@ -515,7 +515,7 @@ def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
     """What the process loads at leisure is not what is meant."""
     altered("import apd_viewer.session.solver_process as process; process._compile = lambda: None\n")
     session = request.getfixturevalue("session")
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.drag(pose(0.1))
     session.settle()
     assert session.activity is Activity.SETTLED

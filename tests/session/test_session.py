@@ -200,8 +200,8 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
         "Move handle": lambda: session.drag(*(pose(k / 50) for k in range(30))),
         "Reset handle": session.reset_handle,
-        "Change method": lambda: session.set_method("arap"),
-        "Change tolerance": lambda: session.set_tolerance(0.01),
+        "Change method": lambda: session.settings.set_method("arap"),
+        "Change tolerance": lambda: session.settings.set_tolerance(0.01),
         "Open mesh": lambda: session.show_now(bar()),
     }
 
@@ -228,7 +228,7 @@ def test_a_new_gesture_forgets_what_could_be_redone(session):
     session.drag(BENT)
     session.undo()
     assert session.history.next_redo == "Move handle"
-    session.set_tolerance(0.02)
+    session.settings.set_tolerance(0.02)
     assert session.history.next_redo is None
 
 
@@ -279,7 +279,7 @@ def test_a_drag_settles_that_ends_while_a_stroke_without_effect_is_painted(sessi
 
 
 def test_old_states_are_forgotten_by_their_bytes_but_one_stays(session):
-    session.history = History(most_bytes=1)
+    session._gestures.history = History(most_bytes=1)
     for angle in (0.1, 0.2, 0.3):
         session.drag(pose(angle))
     session.settle()
@@ -293,7 +293,7 @@ def test_undo_within_a_gesture_cancels_it_first(session, kind):
     session.drag(pose(0.1))
     session.settle()
     previous = session.state
-    session.set_tolerance(0.5)
+    session.settings.set_tolerance(0.5)
     session.settle()
     session.begin_gesture()
     if kind == "stroke":
@@ -348,7 +348,7 @@ def test_undo_to_a_shape_that_had_not_settled_goes_on(session):
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel", "setting"])
 def test_a_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slow, detour):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     ready(session)
     session.drag(BENT if detour != "setting" else np.eye(4))
     if detour == "undo and redo":
@@ -358,7 +358,7 @@ def test_a_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slo
         session.begin_gesture()
         session.cancel_gesture()
     else:
-        session.set_tolerance(0.5)
+        session.settings.set_tolerance(0.5)
     session.settle()
     held = session.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
@@ -407,14 +407,14 @@ def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_pat
 
 
 def test_a_setting_changed_within_a_stroke_does_not_let_the_painted_vertices_leap(session):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.drag(BENT)
     session.settle()
     middle = np.flatnonzero(session.state.document.mesh.V[:, 2] == 4.0)
     U = session.U[middle]
     session.begin_gesture()
     session.paint(middle, BASE)
-    session.set_tolerance(0.5)
+    session.settings.set_tolerance(0.5)
     session.listen(0.1)
     assert np.abs(session.U[middle] - U).max() < 1e-3
 
@@ -479,7 +479,7 @@ def test_until_the_first_shape_it_is_preparing(empty):
     assert not empty.preparing
     empty.end_gesture("Move handle")
     empty.settle()
-    empty.set_method("arap")
+    empty.settings.set_method("arap")
     assert empty.preparing, "another method is factored for"
     empty.settle()
     assert not empty.preparing
@@ -488,7 +488,7 @@ def test_until_the_first_shape_it_is_preparing(empty):
 def test_settings_undo_and_reset_do_not_factor(session, factored):
     ready(session)
     factored.count = 0
-    session.set_tolerance(0.01)
+    session.settings.set_tolerance(0.01)
     session.settle()
     session.drag(BENT)
     session.settle()
@@ -507,7 +507,7 @@ def test_other_labels_another_method_and_another_mesh_factor(session, factored, 
     if what == "labels":
         session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
     elif what == "method":
-        session.set_method("arap")
+        session.settings.set_method("arap")
     else:
         session.show_now(bar())
         session.paint_ends()
@@ -519,7 +519,7 @@ def test_other_labels_another_method_and_another_mesh_factor(session, factored, 
 
 
 def test_of_a_burst_of_poses_few_are_aimed_at_and_the_last_one_settles(session, slow, monkeypatch):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     ready(session)
     aimed = []
     real = Deformation.aim
@@ -602,7 +602,7 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
 
 @pytest.mark.parametrize("jump", ["undo", "cancel", "reset", "stroke"])
 def test_no_frame_from_before_a_jump_is_shown_after_it(session, slow, jump):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     for k in range(8):
         session.begin_gesture()
         session.move_handle(pose(0.3, (1.0, 0.0, 0.0)))
@@ -619,7 +619,7 @@ def test_no_frame_from_before_a_jump_is_shown_after_it(session, slow, jump):
 
 
 def test_a_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.drag(pose(0.4, (-1.0, 0.0, 0.0)))
     session.until(lambda: session.state.frame.iteration)
     session.begin_gesture()
@@ -650,7 +650,7 @@ def test_frames_of_an_older_mesh_never_arrive(session, slow):
 
 def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
     """The frame lay there unread when the handle was moved on."""
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.until(solver_threads)
     session.drag(pose(0.02))
     (thread,) = solver_threads()
@@ -676,7 +676,7 @@ def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
 @pytest.mark.parametrize("method", ["arap", "paper"])
 @pytest.mark.parametrize("settled", [True, False])
 def test_painting_after_a_drag_moves_nothing(session, method, settled):
-    session.set_method(method)
+    session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.until(lambda: session.state.frame.iteration >= 3)
     if settled:
@@ -697,7 +697,7 @@ def test_painting_after_a_drag_moves_nothing(session, method, settled):
 @pytest.mark.parametrize(("method", "most"), [("arap", 1e-3), ("paper", 1e-2)])
 def test_the_first_drag_after_painting_does_not_leap(session, method, most):
     """paper: its area may still close by the tolerance, which shows as 5e-4 of the bar's length."""
-    session.set_method(method)
+    session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.settle()
     session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
@@ -727,7 +727,7 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
         return real(A)
 
     monkeypatch.setattr(elastic, "LinearSolver", failing_once)
-    session.set_method("arap")
+    session.settings.set_method("arap")
     session.until(lambda: session.failed)
     assert len(session.failed) == 1
     assert str(error) in session.failed[0]
@@ -830,7 +830,7 @@ def test_idle_after_opening_and_painting_refining_on_drag_settled_in_the_end(emp
 def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     for tolerance in (0.05, 1e-2, 1e-4):
-        session.set_tolerance(tolerance)
+        session.settings.set_tolerance(tolerance)
         session.settle()
         assert session.activity is Activity.SETTLED
         assert abs(session.state.frame.area_error) <= tolerance
@@ -881,7 +881,12 @@ def test_a_settled_worker_sleeps(session):
 
 
 def test_verbs_without_a_mesh_say_so(empty):
-    for verb in (empty.begin_gesture, empty.undo, empty.reset_handle, lambda: empty.set_method("arap")):
+    for verb in (
+        empty.begin_gesture,
+        empty.undo,
+        empty.reset_handle,
+        lambda: empty.settings.set_method("arap"),
+    ):
         with pytest.raises(RuntimeError, match="no mesh is open"):
             verb()
 
@@ -921,5 +926,5 @@ def test_reset_brings_back_the_rest_shape_and_keeps_the_paint(session):
 
 def test_a_tolerance_that_cannot_be_met_is_refused(session):
     ready(session)
-    session.set_tolerance(-1.0)
+    session.settings.set_tolerance(-1.0)
     session.until(lambda: session.failed, seconds=2.0)

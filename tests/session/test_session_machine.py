@@ -207,7 +207,7 @@ class Use(RuleBasedStateMachine):
         now = self.session.state
         painted = self.gesture and not now.document.painted_like(self.before.document)
         before = self.before if painted else now
-        getattr(self.session, verb)(*values)
+        getattr(self.session.settings, verb)(*values)
         if self.session.state.document is now.document:
             return
         if painted or not self.gesture:

@@ -1,0 +1,106 @@
+"""A ZIP of texts, arrays and files: how a session lies on the disk. Nothing is ever unpacked to the disk."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.files.replacing import replacing
+from apd_viewer.geometry.mesh import frozen
+
+_KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+# What zipfile raises, as the damage may be.
+_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
+# A member that would be larger, and so many times as large as the whole archive, is meant to do harm:
+# neither meshes nor shapes can be packed so tightly.
+_LARGE, _TIGHTEST = 1 << 26, 200  # bytes, times
+_MAGIC = b"\x93NUMPY\x01\x00"
+_HEADER = re.compile(
+    rb"\{'descr': '([<|][a-z]\d)', 'fortran_order': False, 'shape': \((\d{1,15}(?:, ?\d{0,15})*)\), \} *\n"
+)
+
+
+def npy(array: np.ndarray) -> bytes:
+    """An array as the content of a .npy file, in the same byte order on every machine."""
+    stream = io.BytesIO()
+    little = array.astype(array.dtype.newbyteorder("<"), order="C", copy=False)
+    np.lib.format.write_array(stream, little, version=(1, 0), allow_pickle=False)
+    return stream.getvalue()
+
+
+def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
+    """Write the members by their names; the same ones give the same file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as scratch, zipfile.ZipFile(scratch, "w") as archive:
+        for name, content in members.items():
+            entry = zipfile.ZipInfo(name)
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=1)
+
+
+class Archive:
+    """An archive that is read. Its methods raise ValueError, with a phrase, where it is broken.
+
+    Parameters
+    ----------
+    content : bytes
+    """
+
+    def __init__(self, content: bytes) -> None:
+        self._most = max(_LARGE, _TIGHTEST * len(content))
+        try:
+            self._zip = zipfile.ZipFile(io.BytesIO(content))
+        except _BROKEN:
+            raise ValueError("its archive is broken") from None
+
+    def content(self, name: str) -> bytes:
+        """The content of a member."""
+        try:
+            entry = self._zip.getinfo(name)
+        except KeyError:
+            raise ValueError(f"“{name}” is missing in it") from None
+        if entry.file_size > self._most:
+            raise ValueError(f"“{name}” in it is too large")
+        try:
+            if entry.compress_type not in _KINDS:
+                raise zipfile.BadZipFile
+            with self._zip.open(entry) as member:
+                content = member.read(entry.file_size)
+                if len(content) != entry.file_size:
+                    raise EOFError
+        except _BROKEN:
+            raise ValueError(f"“{name}” in its archive is broken") from None
+        return content
+
+    def array(self, name: str, kind: str, shape: tuple[int, ...]) -> np.ndarray:
+        """The array in the member ``name`` with ``.npy`` after it, read-only.
+
+        Parameters
+        ----------
+        name : str
+        kind : str
+            Its type as .npy has it, such as "<f8".
+        shape : tuple of int
+        """
+        content = self.content(f"{name}.npy")
+        start = 10 + int.from_bytes(content[8:10], "little")
+        header = _HEADER.fullmatch(content[10:start])
+        if header is None or not content.startswith(_MAGIC):
+            raise ValueError(f"“{name}” in it is no array")
+        found = tuple(int(size) for size in header[2].split(b",") if size.strip())
+        size = start + math.prod(shape) * np.dtype(kind).itemsize
+        if (header[1].decode(), found, len(content)) != (kind, shape, size):
+            raise ValueError(f"“{name}” in it does not fit the mesh")
+        return frozen(np.frombuffer(content, kind, offset=start).reshape(shape).astype(kind[1:]))

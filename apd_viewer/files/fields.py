@@ -1,0 +1,117 @@
+"""What a JSON text says, checked as it is read: it may be damaged, or written to do harm."""
+
+from __future__ import annotations
+
+import json
+from typing import TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
+
+# A number beyond that is none that anybody meant, and its powers overflow.
+_LARGEST = 1e60
+_LONGEST = 10_000  # characters
+
+
+class Fields:
+    """The fields of a JSON object. What nobody asks for is ignored: later versions may say more.
+
+    All methods raise ValueError, with a phrase, where a field is missing or is something else than it should.
+
+    Parameters
+    ----------
+    said : object
+        What JSON made of it.
+    name : str
+        What to call it in an error.
+    """
+
+    def __init__(self, said: object, name: str) -> None:
+        if not isinstance(said, dict):
+            raise _damaged(name)
+        self._said = said
+
+    @classmethod
+    def of(cls, content: bytes, name: str) -> Fields:
+        """The fields of the object that a text is."""
+        try:
+            return cls(json.loads(content.decode(), parse_constant=_refused), name)
+        except (ValueError, RecursionError):
+            raise _damaged(name) from None
+
+    def says(self, key: str) -> bool:
+        """Whether there is a field ``key``, and something in it."""
+        return self._said.get(key) is not None
+
+    def part(self, key: str) -> Fields:
+        """The object in a field."""
+        return Fields(self._said.get(key), key)
+
+    def parts(self, key: str, most: int) -> list[Fields]:
+        """The objects of a list of at most so many."""
+        return [Fields(each, key) for each in self._list(key, most)]
+
+    def texts(self, key: str, most: int) -> list[str]:
+        """The texts of a list of at most so many."""
+        return [self._checked(key, each, str) for each in self._list(key, most)]
+
+    def text(self, key: str) -> str:
+        """A text, not an empty one."""
+        said = self._checked(key, self._said.get(key), str)
+        if not 0 < len(said) <= _LONGEST:
+            raise _damaged(key)
+        return said
+
+    def flag(self, key: str) -> bool:
+        """True or false."""
+        return self._checked(key, self._said.get(key), bool)
+
+    def count(self, key: str) -> int:
+        """A whole number of at least zero."""
+        said = self._checked(key, self._said.get(key), int)
+        if isinstance(said, bool) or not 0 <= said < 2**53:
+            raise _damaged(key)
+        return said
+
+    def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
+        """A number within a range."""
+        said = self._said.get(key)
+        if not _is_grid(said, ()) or not least <= said <= most:  # type: ignore[operator]
+            raise _damaged(key)
+        return float(said)  # type: ignore[arg-type]
+
+    def numbers(self, key: str, *shape: int) -> np.ndarray:
+        """Lists of numbers, within each other as the shape says, as a float array."""
+        said = self._said.get(key)
+        if not _is_grid(said, shape):
+            raise _damaged(key)
+        return np.array(said, dtype=np.float64)
+
+    def _list(self, key: str, most: int) -> list[object]:
+        said = self._checked(key, self._said.get(key), list)
+        if len(said) > most:
+            raise _damaged(key)
+        return said
+
+    @staticmethod
+    def _checked(key: str, said: object, kind: type[T]) -> T:
+        if not isinstance(said, kind):
+            raise _damaged(key)
+        return said
+
+
+def _damaged(name: str) -> ValueError:
+    return ValueError(f"its “{name}” is damaged")
+
+
+def _refused(word: str) -> object:
+    """NaN and Infinity, which Python writes and nobody else understands."""
+    raise ValueError(f"{word} is no number")
+
+
+def _is_grid(said: object, shape: tuple[int, ...]) -> bool:
+    if shape:
+        fits = isinstance(said, list) and len(said) == shape[0]
+        return fits and all(_is_grid(each, shape[1:]) for each in said)  # type: ignore[attr-defined]
+    return isinstance(said, int | float) and not isinstance(said, bool) and -_LARGEST <= said <= _LARGEST

@@ -1,0 +1,147 @@
+"""Where the mesh of a session is: how that is written down, and how the mesh is found again."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from dataclasses import replace
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.archive import Archive, npy
+from apd_viewer.files.fields import Fields
+from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
+from apd_viewer.files.samples import SAMPLES, resource
+from apd_viewer.geometry.mesh import Mesh
+
+# Beside a copy in an archive there is nothing, and nobody is to look there.
+_NOWHERE = Path(os.devnull)
+_ARRAYS = ("V", "F")
+
+
+def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
+    """What to write down of a mesh, so that it is found again from the file ``session`` of a session."""
+    told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
+    if mesh.path is None:
+        return told
+    path, folder = os.path.abspath(mesh.path), os.path.abspath(session.parent)  # noqa: PTH100
+    told |= {"path": path, "sample": next((name for name in SAMPLES if _sample(name) == path), None)}
+    with contextlib.suppress(ValueError):  # on another drive
+        told["relative"] = Path(os.path.relpath(path, folder)).as_posix()
+    return told
+
+
+def _sample(name: str) -> str:
+    return os.path.abspath(resource(f"{name}.obj"))  # noqa: PTH100
+
+
+def is_there(mesh: Mesh) -> bool:
+    """Whether the file that the mesh came from still holds it."""
+    try:
+        return mesh.path is not None and open_mesh(mesh.path).digest == mesh.digest
+    except InputError:
+        return False
+
+
+def copy_of(mesh: Mesh) -> dict[str, bytes]:
+    """The members of an archive that hold the mesh: the file that it came from, or else its arrays."""
+    if mesh.origin is not None:
+        name = f"mesh{mesh.origin.suffix}"
+        # Some files cannot be written, and a glTF may need others beside it.
+        with contextlib.suppress(ValueError):
+            content = mesh.origin.rewritten(mesh, mesh.V)
+            if read_mesh(_NOWHERE / name, content).digest == mesh.digest:
+                return {name: content}
+    return {"V.npy": npy(mesh.V), "F.npy": npy(mesh.F)}
+
+
+def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
+    """The mesh that was written down: from its file, or else from the copy in the archive.
+
+    Parameters
+    ----------
+    told : Fields
+        What :func:`whereabouts` wrote, and in "embedded" the members that hold the copy.
+    session : Path
+    archive : Archive
+        Read from there.
+
+    Raises
+    ------
+    InputError
+        If there is no such mesh any more; the message says where it was looked for.
+    ValueError
+        If what was written down is damaged.
+    """
+    name, digest = _file_name(told), told.text("digest")
+    places, problems = _places(told, session, name), []
+    for path in places:
+        if os.path.isfile(path):  # noqa: PTH113  # it says no where Path raises
+            try:
+                mesh = open_mesh(path)
+            except InputError as error:
+                problems.append(str(error))
+                continue
+            if mesh.digest == digest:
+                return mesh
+            problems.append(_not_the_one(mesh, told, session))
+    if told.says("embedded"):
+        return _embedded(told, session.parent / name, archive)
+    if problems:
+        raise InputError(problems[0])
+    looked = " and ".join(str(path) for path in places)
+    raise InputError(
+        f"{name}, the mesh of {session.name}, is missing (looked for at {looked}); put it beside the session."
+    )
+
+
+def _file_name(told: Fields) -> str:
+    """The name of the mesh's file, without any folder, of whatever system."""
+    name = PureWindowsPath(PurePosixPath(told.text("name")).name).name
+    if not name or "\0" in name:
+        raise ValueError("its “name” is damaged")
+    return name
+
+
+def _places(told: Fields, session: Path, name: str) -> list[Path]:
+    """Where to look for the mesh's file."""
+    folder = Path(os.path.abspath(session.parent))  # noqa: PTH100
+    places = [Path(told.text("path"))] if told.says("path") else []
+    if told.says("relative"):
+        places.append(Path(os.path.normpath(folder / told.text("relative"))))
+    places.append(folder / name)
+    if told.says("sample") and told.text("sample") in SAMPLES:
+        places.append(Path(_sample(told.text("sample"))))
+    return list(dict.fromkeys(places))
+
+
+def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
+    before = told.count("vertices")
+    other = f"it has {len(mesh.V):,} vertices instead of {before:,}"
+    return (
+        f"{mesh.path} is not the mesh that {session.name} was made with "
+        f"({'it has changed since' if len(mesh.V) == before else other}); "
+        "put the old file back, there or beside the session."
+    )
+
+
+def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
+    """The mesh in the archive, as if it came from ``path``; there is no such file."""
+    members = told.texts("embedded", len(_ARRAYS))
+    try:
+        if members == [f"{name}.npy" for name in _ARRAYS]:
+            V, F = (
+                archive.array(name, kind, (told.count(of), 3))
+                for name, kind, of in (("V", "<f8", "vertices"), ("F", "<i8", "faces"))
+            )
+            mesh = Mesh(V, F, path if told.says("path") else None)
+        elif len(members) == 1 and members[0] in [f"mesh{suffix}" for suffix in FORMATS]:
+            mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(members[0])), path=path)
+        else:
+            raise ValueError("its “embedded” is damaged")
+    except InputError:
+        raise ValueError("the copy of the mesh in it is damaged") from None
+    if mesh.digest != told.text("digest"):
+        raise ValueError("the copy of the mesh in it is another mesh")
+    return mesh

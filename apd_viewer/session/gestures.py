@@ -1,0 +1,93 @@
+"""What of the user's doings is one step of undo: a stroke, a drag, the sweep of a slider."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from apd_viewer.session.history import History
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.document import State
+    from apd_viewer.session.stage import Listener, Stage
+
+# Presses of a key that follow each other within so many seconds are one step.
+_TOGETHER = 1.0
+
+
+class Gestures:
+    """Begins and ends gestures on a stage, and goes back and forth between them.
+
+    Parameters
+    ----------
+    stage : Stage
+    listener : Listener
+
+    Attributes
+    ----------
+    before : State or None
+        Where the gesture under way began.
+    history : History
+    """
+
+    def __init__(self, stage: Stage, listener: Listener) -> None:
+        self._stage = stage
+        self._listener = listener
+        self._last = -_TOGETHER
+        self.before: State | None = None
+        self.history = History()
+
+    def begin(self) -> None:
+        """Start what will be one step of undo."""
+        self.before = self._stage.required()
+
+    def end(self, name: str) -> None:
+        """Finish it; nothing is remembered where nothing was changed."""
+        before, self.before = self.before, None
+        if before is not None and before.document is not self._stage.required().document:
+            self.record(name, before)
+
+    def cancel(self) -> None:
+        """Go back to where it began."""
+        if self.before is not None:
+            before, self.before = self.before, None
+            self._stage.jump(before)
+
+    def alone(self) -> State:
+        """The state, after going back to where a gesture under way began."""
+        self.cancel()
+        return self._stage.required()
+
+    def record(self, name: str, before: State, repeats: bool = False) -> None:
+        """Remember the state before a step that has just been made, or the first of those that repeat it."""
+        now = time.monotonic()
+        follows = now - self._last < _TOGETHER and self.history.next_redo is None
+        if not (repeats and follows and self.history.next_undo == name):
+            self.history.record(name, before)
+        self._last = now if repeats else -_TOGETHER
+        self._listener.status_changed()
+
+    def undo(self) -> None:
+        """Take the last step back: the very document and shape that were there before it."""
+        self._go(self.history.undo)
+
+    def redo(self) -> None:
+        """Do again what was undone last."""
+        self._go(self.history.redo)
+
+    def travel(self, steps: int) -> None:
+        """Undo or redo until so many steps are done."""
+        state = target = self.alone()
+        while len(self.history.done) > steps and (earlier := self.history.undo(target)):
+            target = earlier
+        while len(self.history.done) < steps and (later := self.history.redo(target)):
+            target = later
+        if target is not state:
+            self._stage.jump(target)
+
+    def _go(self, swap: Callable[[State], State | None]) -> None:
+        target = swap(self.alone())
+        if target is not None:
+            self._stage.jump(target)

@@ -1,0 +1,79 @@
+"""Motions of a handle that are typed or nudged: along an axis, about its centre, a twist, a bend."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.constraints import BASE, transform
+from apd_viewer.geometry.motions import bend, scaled_about, shifted, turned_about, twist
+from apd_viewer.session import derived
+from apd_viewer.session.expressions import angle, length, number
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import Document, State
+    from apd_viewer.session.units import Unit
+
+
+class Motion(Enum):
+    """A way to move a handle by one number."""
+
+    MOVE_X = "Move along x"
+    MOVE_Y = "Move along y"
+    MOVE_Z = "Move along z"
+    TURN_X = "Turn about x"
+    TURN_Y = "Turn about y"
+    TURN_Z = "Turn about z"
+    TWIST = "Twist"
+    BEND_X = "Bend about x"
+    BEND_Y = "Bend about y"
+    BEND_Z = "Bend about z"
+    SCALE = "Scale"
+
+
+_AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+
+
+def names_of(state: State) -> dict[str, float]:
+    """Lengths of the mesh by name: its sides X, Y, Z at rest, the longest L, the diagonal D."""
+    size = state.inspection.size
+    sides = dict(zip("XYZ", map(float, size), strict=True))
+    return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
+
+
+def amount_of(motion: Motion, text: str, state: State, unit: Unit) -> float:
+    """The length, the angle in radians or the factor that was typed; raises InputError with a sentence."""
+    names = names_of(state)
+    if motion.name.startswith("MOVE"):
+        return length(text, unit, names)
+    return number(text, names) if motion is Motion.SCALE else angle(text, names)
+
+
+def moved(document: Document, k: int, motion: Motion, amount: float) -> np.ndarray:
+    """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be."""
+    gripped = document.centre(k)
+    if gripped is None:
+        raise InputError(f"“{document.handles[k].name}” holds nothing yet; paint it first.")
+    pose = document.handles[k].pose
+    centre = transform(pose, gripped[None])[0]
+    kind, _, letter = motion.name.partition("_")
+    if kind == "MOVE":
+        by = shifted(amount * np.array(_AXES[letter]))
+    elif kind == "TURN":
+        by = turned_about(centre, _AXES[letter], amount)
+    elif kind == "SCALE":
+        by = scaled_about(centre, amount)
+    else:
+        base = _base_centre(document)
+        by = twist(base, centre, amount) if motion is Motion.TWIST else bend(base, _AXES[letter], amount)
+    posed: np.ndarray = by @ pose
+    return posed
+
+
+def _base_centre(document: Document) -> np.ndarray:
+    if not document.counts[BASE]:
+        raise InputError("There is no base to twist or bend against; paint the part that stays in place.")
+    return derived.centre(document.labels, document.grip, BASE)

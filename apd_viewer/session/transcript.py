@@ -1,0 +1,154 @@
+"""What a document, a frame and a view are in the JSON of a session, and what they are when read from it.
+
+Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
+a ValueError with a phrase.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from apd_viewer.files.fields import Fields
+from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
+from apd_viewer.geometry.cores import cores_for
+from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.methods import METHODS
+from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.session.document import Document, Handle, NamedRegion, State, rest_frame
+from apd_viewer.session.units import Unit
+from apd_viewer.session.view import Point, Standpoint, View
+
+_MOST_PARTS = MOST_HANDLES  # there are as many colours
+_MOST = 1e9  # of a weight or a percentage
+_LEAST = 1e-12  # of what is more than zero
+_MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
+_NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
+_POINTS = ("position", "focal", "up")
+
+
+def document_said(document: Document) -> dict[str, Any]:
+    """All of a document but for its mesh and its arrays."""
+    return {
+        "handles": [{"name": part.name, "pose": part.pose.tolist()} for part in document.handles],
+        "regions": [{"name": part.name, "area": _number(part.area)} for part in document.regions],
+        "method": document.method,
+        **{name: _number(getattr(document, name)) for name in _NUMBERS},
+        "hold_area": bool(document.hold_area),
+        "volume": _number(document.volume),
+    }
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
+    """The document again, with its mesh and with its ``labels``, ``member`` and ``grip``."""
+    handles = tuple(_handle(part) for part in said.parts("handles", _MOST_PARTS))
+    regions = tuple(_region(part) for part in said.parts("regions", _MOST_PARTS))
+    labels, member, method = arrays["labels"], arrays["member"], said.text("method")
+    if not handles or labels.max() >= HANDLE + len(handles):
+        raise ValueError("“labels” in it name a handle that is not there")
+    if member.max() > len(regions):
+        raise ValueError("“member” in it names a region that is not there")
+    if method not in METHODS:
+        raise ValueError("its “method” is none of this program")
+    return Document(
+        mesh,
+        labels,
+        arrays["grip"],
+        member,
+        handles,
+        regions,
+        method,
+        tolerance=said.number("tolerance", _LEAST, _MOST),
+        stiffness=said.number("stiffness", 0.0, _MOST),
+        area_stiffness=said.number("area_stiffness", 0.0, _MOST),
+        shear_stiffness=said.number("shear_stiffness", 0.0, _MOST),
+        area=said.number("area", _LEAST, _MOST),
+        hold_area=said.flag("hold_area"),
+        volume=_percent(said, "volume"),
+    )
+
+
+def _handle(said: Fields) -> Handle:
+    pose = said.numbers("pose", 4, 4)
+    if not np.array_equal(pose[3], _MOTIONLESS):
+        raise ValueError("the “pose” of a handle is no motion: its last row must be 0 0 0 1")
+    return Handle(said.text("name"), frozen(pose))
+
+
+def _region(said: Fields) -> NamedRegion:
+    return NamedRegion(said.text("name"), _percent(said, "area"))
+
+
+def _percent(said: Fields, key: str) -> float | None:
+    return said.number(key, _LEAST, _MOST) if said.says(key) else None
+
+
+def frame_said(frame: Frame) -> dict[str, Any]:
+    """What of a frame cannot be measured on its shape."""
+    return {
+        "iteration": int(frame.iteration),
+        "settled": bool(frame.settled),
+        "converged": bool(frame.converged),
+        "handle_drift": float(frame.handle_drift),
+        "unreached": frame.unreached,
+    }
+
+
+def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
+    """The frame of a state again, measured anew on its shape ``U`` (n, 3)."""
+    mesh = state.document.mesh
+    frame = rest_frame(mesh, state.inspection)
+    if U is not mesh.V:
+        rest = RestMesh(mesh.V, mesh.F, mesh.weld)
+        with cores_for(len(mesh.weld.first)):
+            area, volume, change = rest.survey(U[mesh.weld.first])
+        error = area / rest.area - 1.0
+        frame = replace(frame, U=U, area=area, area_error=error, volume=volume, local_change=change)
+    settled = said.flag("settled")
+    return replace(
+        frame,
+        iteration=said.count("iteration"),
+        settled=settled,
+        converged=said.flag("converged") and settled,
+        handle_drift=said.number("handle_drift", 0.0),
+        regions=state.document.region_areas(U),
+        unreached=said.text("unreached") if said.says("unreached") else None,
+    )
+
+
+def view_said(view: View) -> dict[str, Any]:
+    """How the mesh is looked at."""
+    eye = view.camera
+    camera = eye and {
+        **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
+        "angle": float(eye.angle),
+    }
+    return {"camera": camera, "unit": view.unit or None}
+
+
+def view_of(said: Fields) -> View:
+    """The view again."""
+    unit = said.text("unit") if said.says("unit") else ""
+    if unit not in [each.value for each in Unit]:
+        raise ValueError("its “unit” is none of this program")
+    if not said.says("camera"):
+        return View(None, unit)
+    camera = said.part("camera")
+    position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
+    across = np.linalg.norm(np.cross(focal - position, up))
+    if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
+        raise ValueError("its “camera” looks nowhere")
+    angle = camera.number("angle", _LEAST, np.pi - _LEAST)
+    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit)
+
+
+def _point(numbers: np.ndarray) -> Point:
+    x, y, z = numbers.tolist()
+    return x, y, z

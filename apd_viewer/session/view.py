@@ -1,0 +1,42 @@
+"""How the user looks at a mesh: plain values, which the window fills in and follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+Point: TypeAlias = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Standpoint:
+    """Where the camera stands.
+
+    Attributes
+    ----------
+    position, focal, up : tuple of 3 floats
+        Mesh units; ``up`` is a direction.
+    angle : float
+        Vertical opening angle, radians.
+    """
+
+    position: Point
+    focal: Point
+    up: Point
+    angle: float
+
+
+@dataclass(frozen=True)
+class View:
+    """What a session file says of the window.
+
+    Attributes
+    ----------
+    camera : Standpoint or None
+        None where nobody has looked yet: the mesh is shown whole.
+    unit : str
+        Symbol of the unit of length: the value of a :class:`apd_viewer.session.units.Unit`.
+    """
+
+    camera: Standpoint | None = None
+    unit: str = ""
