@@ -342,10 +342,10 @@ class Deformation:
             return self._method.exhausted or (last <= _ROUNDING and not self._method.hides)
         if last <= _ROUNDING:
             return True
-        if last > _STILL or len(self._steps) <= _MEMORY:
+        if last > _STILL or len(self._steps) <= _MEMORY or last >= self._steps[0]:
             return False
         rate = (last / self._steps[0]) ** (1.0 / _MEMORY)
-        return rate < 1.0 and (last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING)
+        return last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING
 
     def _drift(self) -> float:
         away = self._method.held - self._asked
