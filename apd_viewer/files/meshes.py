@@ -78,14 +78,17 @@ def _largest(X: np.ndarray) -> float:
     return max(float(X.max()), -float(X.min()))
 
 
-def check_readable(path: Path) -> None:
-    """Raise InputError if already the name and the size of the file tell that it cannot be opened."""
+def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
+    """Raise InputError if already the name and the size of the file tell that it cannot be opened.
+
+    What ends in one of ``also`` is no mesh, but can be opened too.
+    """
     # os.path and not Path: it says no where Path raises, as for a name that is too long.
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(f"There is no file {path}; check the name.")
     if not path.is_file():
         raise InputError(f"{path} is not a file; choose a mesh in it.")
-    if path.suffix.lower() not in FORMATS:
+    if path.suffix.lower() not in (*FORMATS, *also):
         raise InputError(f"{path.name} is of a kind that cannot be opened; use {_NAMES}.")
     if path.stat().st_size == 0:
         raise InputError(f"{path.name} is empty; export the mesh again.")

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection
-from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints
+from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, transform
 from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
@@ -41,10 +41,18 @@ class Handle:
     name : str
     pose : (4, 4) float array
         Its motion since it was gripped, read-only.
+    pivot : (3,) float array or None
+        What it turns about, where that was when it was gripped, read-only; None is its centre.
     """
 
     name: str
     pose: np.ndarray = field(default_factory=lambda: IDENTITY)
+    pivot: np.ndarray | None = None
+
+    def gripped(self) -> Handle:
+        """The same handle, gripped where it is now."""
+        pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
+        return Handle(self.name, pivot=pivot)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +136,11 @@ class Document:
         """Centre of what handle ``k`` was gripped at, (3,); None if it holds nothing."""
         return derived.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
 
+    def pivot(self, k: int) -> np.ndarray | None:
+        """What handle ``k`` turns about, where that was gripped, (3,); None if it holds nothing."""
+        centre, own = self.centre(k), self.handles[k].pivot
+        return centre if own is None or centre is None else own
+
     def constraints(self) -> Constraints:
         """Held vertices and where they are held; raises InputError where ``problem`` says why."""
         return constraints(self.labels, self.grip, [handle.pose for handle in self.handles])
@@ -199,13 +212,14 @@ class Document:
 
     def regripped(self, U: np.ndarray) -> Document:
         """The same document, with base and handles gripped where they are at ``U`` (n, 3)."""
-        return replace(self, grip=U, handles=tuple(Handle(handle.name) for handle in self.handles))
+        return replace(self, grip=U, handles=tuple(handle.gripped() for handle in self.handles))
 
     def at_rest(self) -> Document:
         """The same document with all handles put back, and 100 % where any percentage was said."""
         regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
         volume = None if self.volume is None else 100.0
-        return replace(self.regripped(self.mesh.V), area=100.0, volume=volume, regions=regions)
+        handles = tuple(replace(handle, pose=IDENTITY) for handle in self.handles)
+        return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
         """The document with the vertices ``ids``, and those at the same places, labelled."""
@@ -250,7 +264,7 @@ class Document:
 
     def moved(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""
-        return self.with_handle(k, Handle(self.handles[k].name, frozen(np.array(pose, dtype=np.float64))))
+        return self.with_handle(k, replace(self.handles[k], pose=frozen(np.array(pose, dtype=np.float64))))
 
     def with_handle(self, k: int, handle: Handle) -> Document:
         """The same document with another handle ``k``, or one more."""

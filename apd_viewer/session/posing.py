@@ -54,7 +54,7 @@ def amount_of(motion: Motion, text: str, state: State, unit: Unit) -> float:
 
 def moved(document: Document, k: int, motion: Motion, amount: float) -> np.ndarray:
     """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be."""
-    gripped = document.centre(k)
+    gripped = document.pivot(k)
     if gripped is None:
         raise InputError(f"“{document.handles[k].name}” holds nothing yet; paint it first.")
     pose = document.handles[k].pose
@@ -68,9 +68,18 @@ def moved(document: Document, k: int, motion: Motion, amount: float) -> np.ndarr
         by = scaled_about(centre, amount)
     else:
         base = _base_centre(document)
-        by = twist(base, centre, amount) if motion is Motion.TWIST else bend(base, _AXES[letter], amount)
+        centre = _centre(document, k)
+        by = twist(base, centre, amount) if kind == "TWIST" else bend(base, _AXES[letter], amount)
     posed: np.ndarray = by @ pose
     return posed
+
+
+def _centre(document: Document, k: int) -> np.ndarray:
+    """Where the middle of what a handle holds is now, (3,)."""
+    gripped = document.centre(k)
+    assert gripped is not None
+    place: np.ndarray = transform(document.handles[k].pose, gripped[None])[0]
+    return place
 
 
 def _base_centre(document: Document) -> np.ndarray:

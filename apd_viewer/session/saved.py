@@ -30,9 +30,9 @@ from apd_viewer.session.transcript import (
     view_of,
     view_said,
 )
-from apd_viewer.session.view import View
+from apd_viewer.session.view import SUFFIX, View
 
-FORMAT, VERSION, SUFFIX = "apd-session", 1, ".apd"
+FORMAT, VERSION = "apd-session", 1
 _TEXT = "session.json"
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 # In diagonals of the bounding box; whatever is farther away is no shape of this mesh.

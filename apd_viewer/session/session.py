@@ -16,16 +16,19 @@ from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.files.selection import Selection
 from apd_viewer.files.selection_files import read_selection_file, write_selection
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import IDENTITY, Handle, State, opened, rest_frame
+from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.autosave import Autosave, watched
+from apd_viewer.session.by_numbers import chosen
+from apd_viewer.session.document import IDENTITY, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
-from apd_viewer.session.names import new_name, next_name
 from apd_viewer.session.part import Part
+from apd_viewer.session.parts import Parts
 from apd_viewer.session.posing import Motion, amount_of, moved
 from apd_viewer.session.reshaping import Change, reshaped
-from apd_viewer.session.saved import SUFFIX, open_session, save_session
+from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.sentences import (
     about_export,
     about_findings,
@@ -36,12 +39,10 @@ from apd_viewer.session.sentences import (
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.stage import Activity, Listener, Stage
 from apd_viewer.session.units import Unit
-from apd_viewer.session.view import View
+from apd_viewer.session.view import SUFFIX, View
 from apd_viewer.session.worker import Worker
 
-__all__ = ["MOST_HANDLES", "MOST_REGIONS", "Activity", "Listener", "Session"]
-
-MOST_HANDLES = MOST_REGIONS = 8
+__all__ = ["Activity", "Listener", "Session"]
 
 
 class Session:
@@ -49,19 +50,23 @@ class Session:
 
     Attributes
     ----------
+    autosave : Autosave
+    parts : Parts
     settings : Settings
     unit : Unit
         Of lengths, for what is told; the mesh that is open is in it.
     """
 
     def __init__(self, listener: Listener) -> None:
-        self._listener = listener
+        self._listener = listener = watched(listener, lambda: self.autosave.follow())
         self._worker = Worker(listener.wake)
         self._stage = Stage(listener, self._worker)
         self._errands = Errands(listener.wake, listener.failed)
         self._kept: list[np.ndarray] = []
         self._gestures = Gestures(self._stage, listener)
+        self.parts = Parts(self._stage, self._gestures, listener)
         self.settings = Settings(self._stage, self._gestures, listener)
+        self.autosave = Autosave(self._stage, self._gestures, listener, self._open)
         self.unit = Unit.NONE
 
     @property
@@ -105,10 +110,10 @@ class Session:
         """Open a mesh that is in memory already."""
         self._open(mesh.name, lambda: opened(mesh))
 
-    def _open(self, name: str, work: Callable[[], State | tuple[State, View]]) -> None:
-        self._send(f"Opening {name}", work, lambda found: self._opened(found, name))
+    def _open(self, name: str, work: Callable[[], State | tuple[State, View]], kept: bool = True) -> None:
+        self._send(f"Opening {name}", work, lambda found: self._opened(found, name, kept))
 
-    def _opened(self, found: State | tuple[State, View], name: str) -> None:
+    def _opened(self, found: State | tuple[State, View], name: str, kept: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.before = self._gestures.before or self.state, None
         if before is not None:
@@ -117,7 +122,7 @@ class Session:
                 state = state.at(state.document.with_settings_of(before.document))
         self._stage.jump(state)
         if view is not None:
-            self._kept.append(state.frame.U)
+            self._kept += [state.frame.U] if kept else []
             self._listener.viewed(view)
         if findings := about_findings(state.inspection.findings):
             self._listener.told(findings)
@@ -252,6 +257,10 @@ class Session:
         (self._stage.say if asks else self._stage.note)(document)
         self.end_stroke(gesture)
 
+    def chosen(self, text: str) -> np.ndarray:
+        """The vertices that a text names by ids or coordinates; raises InputError with a sentence."""
+        return chosen(text, self._stage.required(), self.unit)
+
     def reshape(self, part: Part, change: str) -> None:
         """Change a part as a whole, as a :class:`Change` by its name."""
         self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), Change[change].value)
@@ -279,6 +288,17 @@ class Session:
         amount = amount_of(kind, text, state, self.unit)
         self.pose_handle(moved(state.document, which, kind, amount), which, kind.value)
 
+    def set_pivot(self, point: np.ndarray | None, which: int) -> None:
+        """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""
+        state = self._gestures.alone()
+        handle = state.document.handles[which]
+        if point is not None:
+            point = frozen(transform(np.linalg.inv(handle.pose), np.asarray(point, dtype=float)[None])[0])
+        elif handle.pivot is None:
+            return
+        self._gestures.record("Move pivot", state)
+        self._stage.note(state.document.with_handle(which, replace(handle, pivot=point)))
+
     def put_back_handle(self, which: int) -> None:
         """Put one handle back where it was gripped; the mesh follows."""
         self.pose_handle(IDENTITY, which, "Put handle back")
@@ -290,64 +310,6 @@ class Session:
             self._gestures.record("Reset handle", state)
             rest = rest_frame(state.document.mesh, state.inspection)
             self._stage.jump(state.at(state.document.at_rest(), rest))
-
-    def add_handle(self) -> int:
-        """One more handle, not painted yet; its number, or that of the last where there can be no more."""
-        state = self._gestures.alone()
-        handles = state.document.handles
-        if len(handles) >= MOST_HANDLES:
-            self._listener.failed(f"There are {MOST_HANDLES} handles already; remove one of them first.")
-            return len(handles) - 1
-        self._gestures.record("Add handle", state)
-        name = next_name("Handle", [handle.name for handle in handles])
-        self._stage.note(state.document.with_handle(len(handles), Handle(name)))
-        return len(handles)
-
-    def remove_handle(self, k: int) -> None:
-        """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
-        state = self._gestures.alone()
-        self._gestures.record("Remove handle", state)
-        self._stage.regrip(state.document, state.document.without_handle(k))
-
-    def rename_handle(self, k: int, name: str) -> None:
-        """Give handle ``k`` a name of its own."""
-        state = self._stage.required()
-        handle = state.document.handles[k]
-        name = new_name(name, handle.name, [other.name for other in state.document.handles])
-        if name != handle.name:
-            state = self._gestures.alone()
-            self._gestures.record("Rename", state)
-            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
-
-    # Regions
-
-    def add_region(self) -> int:
-        """One more region, without a vertex; its number, or that of the last where there can be no more."""
-        state = self._gestures.alone()
-        regions = state.document.regions
-        if len(regions) >= MOST_REGIONS:
-            self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
-            return len(regions) - 1
-        self._gestures.record("Add region", state)
-        self._stage.note(state.document.with_next_region())
-        return len(regions)
-
-    def remove_region(self, k: int) -> None:
-        """Remove region ``k``, and what is asked of its area."""
-        state = self._gestures.alone()
-        self._gestures.record("Remove region", state)
-        asked = state.document.regions[k].area is not None
-        (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
-
-    def rename_region(self, k: int, name: str) -> None:
-        """Give region ``k`` a name of its own."""
-        state = self._stage.required()
-        region = state.document.regions[k]
-        name = new_name(name, region.name, [other.name for other in state.document.regions])
-        if name != region.name:
-            state = self._gestures.alone()
-            self._gestures.record("Rename", state)
-            self._stage.note(state.document.with_region(k, replace(region, name=name)))
 
     # Going back
 
@@ -375,6 +337,7 @@ class Session:
         while self._errands.receive():
             self._listener.status_changed()
         self._stage.receive()
+        self.autosave.receive()
 
     def wait_idle(self, timeout: float) -> bool:
         """Receive until nothing is under way any more; False if that took longer than ``timeout`` seconds."""
@@ -389,4 +352,5 @@ class Session:
     def close(self) -> None:
         """Stop the worker; a file that is being written is finished first."""
         self._errands.close()
+        self.autosave.close()
         self._worker.close()

@@ -33,13 +33,18 @@ _POINTS = ("position", "focal", "up")
 def document_said(document: Document) -> dict[str, Any]:
     """All of a document but for its mesh and its arrays."""
     return {
-        "handles": [{"name": part.name, "pose": part.pose.tolist()} for part in document.handles],
+        "handles": [_handle_said(handle) for handle in document.handles],
         "regions": [{"name": part.name, "area": _number(part.area)} for part in document.regions],
         "method": document.method,
         **{name: _number(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": _number(document.volume),
     }
+
+
+def _handle_said(handle: Handle) -> dict[str, Any]:
+    pivot = None if handle.pivot is None else handle.pivot.tolist()
+    return {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
 
 
 def _number(value: float | None) -> float | None:
@@ -79,7 +84,8 @@ def _handle(said: Fields) -> Handle:
     pose = said.numbers("pose", 4, 4)
     if not np.array_equal(pose[3], _MOTIONLESS):
         raise ValueError("the “pose” of a handle is no motion: its last row must be 0 0 0 1")
-    return Handle(said.text("name"), frozen(pose))
+    pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
+    return Handle(said.text("name"), frozen(pose), pivot)
 
 
 def _region(said: Fields) -> NamedRegion:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+SUFFIX = ".apd"  # of a session file
+
 Point: TypeAlias = tuple[float, float, float]
 
 

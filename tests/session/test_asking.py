@@ -14,7 +14,8 @@ from test_session import slow as slow
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.session import MOST_HANDLES, MOST_REGIONS, Activity
+from apd_viewer.session.parts import MOST_HANDLES, MOST_REGIONS
+from apd_viewer.session.session import Activity
 
 
 def layers(session: Driven, lowest: float, highest: float) -> np.ndarray:
@@ -43,9 +44,9 @@ def volume_share(session: Driven) -> float:
 def parted(session):
     """The bar with a region around its middle and a second handle, half of its upper end."""
     top = layers(session, 6, 6)
-    session.add_handle()
+    session.parts.add_handle()
     session.stroke(top[session.state.document.mesh.V[top, 0] == 0.0], HANDLE + 1)
-    session.add_region()
+    session.parts.add_region()
     region_stroke(session, layers(session, 2, 4), 1)
     return session
 
@@ -53,11 +54,11 @@ def parted(session):
 # Undo
 
 VERBS: dict[str, Callable[[Driven], object]] = {
-    "Add handle": Driven.add_handle,
-    "Remove handle": lambda session: session.remove_handle(1),
-    "Rename": lambda session: session.rename_handle(1, "Neck"),
-    "Add region": Driven.add_region,
-    "Remove region": lambda session: session.remove_region(0),
+    "Add handle": lambda session: session.parts.add_handle(),
+    "Remove handle": lambda session: session.parts.remove_handle(1),
+    "Rename": lambda session: session.parts.rename_handle(1, "Neck"),
+    "Add region": lambda session: session.parts.add_region(),
+    "Remove region": lambda session: session.parts.remove_region(0),
     "Paint region": lambda session: region_stroke(session, layers(session, 1, 3), 1),
     "Change region": lambda session: session.settings.set_region_area(0, 105.0),
     "Change area": lambda session: session.settings.set_area(110.0),
@@ -66,7 +67,7 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Reset handle": Driven.reset_handle,
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
-    "the region's name": ("Rename", lambda session: session.rename_region(0, "Waist")),
+    "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),
     "holding": ("Change area", lambda session: session.settings.hold_area(True)),
     "the material": ("Change stiffness", lambda session: session.settings.set_material(shear_stiffness=0.5)),
 }
@@ -156,8 +157,8 @@ def test_a_setting_that_is_the_same_does_nothing(parted):
     parted.settings.set_material()
     parted.settings.set_material(document.area_stiffness, document.shear_stiffness)
     parted.settings.set_region_area(0, None)
-    parted.rename_handle(0, " ")
-    parted.rename_region(0, "Region 1")
+    parted.parts.rename_handle(0, " ")
+    parted.parts.rename_region(0, "Region 1")
     assert parted.state is state
     assert len(parted.changes) == changes
 
@@ -189,7 +190,7 @@ def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
     parted.end_gesture("Move handle")
     parted.settle()
     U, labels = parted.U, parted.state.document.labels
-    parted.remove_handle(0)
+    parted.parts.remove_handle(0)
     assert parted.U is U
     document = parted.state.document
     assert not document.posed
@@ -203,7 +204,7 @@ def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
 
 
 def test_the_last_handle_can_be_removed_and_painted_again(session):
-    session.remove_handle(0)
+    session.parts.remove_handle(0)
     assert [handle.name for handle in session.state.document.handles] == ["Handle 1"]
     session.drag(BENT)
     assert session.activity is Activity.IDLE
@@ -216,8 +217,16 @@ def test_the_last_handle_can_be_removed_and_painted_again(session):
 @pytest.mark.parametrize(
     ("add", "most", "remove"),
     [
-        (Driven.add_handle, MOST_HANDLES - 1, Driven.remove_handle),
-        (Driven.add_region, MOST_REGIONS, Driven.remove_region),
+        (
+            lambda session: session.parts.add_handle(),
+            MOST_HANDLES - 1,
+            lambda session, k: session.parts.remove_handle(k),
+        ),
+        (
+            lambda session: session.parts.add_region(),
+            MOST_REGIONS,
+            lambda session, k: session.parts.remove_region(k),
+        ),
     ],
 )
 def test_there_are_only_so_many(session, add, most, remove):
@@ -240,9 +249,9 @@ def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
     parted.drag(BENT)
     parted.until(lambda: parted.U is not there and parted.state.frame.iteration >= 2)
     iteration = parted.state.frame.iteration
-    parted.rename_handle(1, "Neck")
-    parted.rename_handle(0, "Neck")
-    parted.rename_region(0, "Waist")
+    parted.parts.rename_handle(1, "Neck")
+    parted.parts.rename_handle(0, "Neck")
+    parted.parts.rename_region(0, "Waist")
     parted.until(lambda: parted.state.frame.iteration > iteration)
     parted.settle()
     document = parted.state.document
@@ -300,17 +309,17 @@ def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, 
 
 
 def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
-    session.add_region()
+    session.parts.add_region()
     assert session.state.frame.regions == (0.0,)
     region_stroke(session, layers(session, 0, 2), 1)
     assert session.state.frame.regions == pytest.approx((2 * 2 + 4 * 2 * 2,))
-    session.add_region()
+    session.parts.add_region()
     region_stroke(session, layers(session, 0, 1), 2)
     # Of the strip between the two no triangle has all its corners in one of them.
     assert session.state.frame.regions == pytest.approx((0.0, 2 * 2 + 4 * 2 * 1))
     region_stroke(session, layers(session, 0, 6), 0)
     assert session.state.frame.regions == (0.0, 0.0)
-    session.remove_region(0)
+    session.parts.remove_region(0)
     assert session.state.frame.regions == (0.0,)
     assert session.activity is Activity.IDLE
     assert session.U is session.state.document.mesh.V
@@ -330,11 +339,11 @@ def test_every_frame_tells_the_regions_of_its_document(parted, slow):
     parted.move_handle(BENT)
     parted.until(lambda: parted.state.frame.iteration)
     parted.end_gesture("Move handle")
-    parted.add_region()
+    parted.parts.add_region()
     parted.listen(0.03)
     region_stroke(parted, layers(parted, 0, 1), 2)
     parted.listen(0.03)
-    parted.remove_region(0)
+    parted.parts.remove_region(0)
     parted.settle()
     for _, state in parted.changes:
         expected = state.document.region_areas(state.frame.U)
@@ -343,7 +352,7 @@ def test_every_frame_tells_the_regions_of_its_document(parted, slow):
 
 
 def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
-    session.add_region()
+    session.parts.add_region()
     session.settings.set_region_area(0, 120.0)
     assert session.activity is Activity.IDLE
     region_stroke(session, layers(session, 0, 0)[:1], 1)
@@ -362,7 +371,7 @@ def test_a_removed_region_asks_for_nothing(parted):
     parted.settings.set_region_area(0, 120.0)
     parted.settle()
     assert np.abs(parted.U - parted.state.document.mesh.V).max() > 1e-2
-    parted.remove_region(0)
+    parted.parts.remove_region(0)
     parted.settle()
     assert np.allclose(parted.U, parted.state.document.mesh.V, rtol=0, atol=1e-3)
 
@@ -396,7 +405,7 @@ def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
 
 
 def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
-    parted.add_region()
+    parted.parts.add_region()
     parted.settings.set_region_area(0, 110.0)
     parted.settings.set_area(105.0)
     parted.drag(BENT)
@@ -427,8 +436,8 @@ def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
         lambda: parted.settings.set_tolerance(0.01),
         lambda: parted.settings.set_method("arap"),
         lambda: parted.settings.set_area(130.0),  # which this method is not asked for
-        parted.add_handle,
-        lambda: parted.remove_handle(2),
+        parted.parts.add_handle,
+        lambda: parted.parts.remove_handle(2),
         lambda: region_stroke(parted, layers(parted, 1, 5), 1),
     ):
         verb()

@@ -103,7 +103,7 @@ def test_without_a_base_or_a_handle_it_is_said_what_to_paint(empty):
 
 def test_presses_that_follow_each_other_are_one_step(bent):
     steps = len(bent.history.done)
-    for k in range(5):
+    for _ in range(5):
         pose = bent.state.document.handles[0].pose.copy()
         pose[0, 3] += 0.01
         bent.pose_handle(pose, 0, "Nudge handle", repeats=True)

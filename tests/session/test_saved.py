@@ -65,13 +65,13 @@ def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
     left = mesh.V[top, 0] <= 0.5
     session.stroke(base, BASE)
     session.stroke(top[left], HANDLE)
-    session.add_handle()
+    session.parts.add_handle()
     session.stroke(top[~left], HANDLE + 1)
     for number, inside in ((1, mesh.V[:, 2] <= 2), (2, mesh.V[:, 2] >= 4)):
         session.begin_gesture()
         session.paint_region(np.flatnonzero(inside), number)
         session.end_stroke("Paint region")
-    session.rename_region(0, "label «é»")
+    session.parts.rename_region(0, "label «é»")
     session.settings.set_region_area(1, 103.0)
     for verb, given in settings.items():
         getattr(session.settings, verb)(*given)
@@ -79,6 +79,7 @@ def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
     session.move_handle(BENT, 0)
     session.move_handle(pose(0.5, (0.7, 0.1, 0.3)), 1)
     session.end_gesture("Move handles")
+    session.set_pivot(np.array([0.5, 0.4, 2.0]), 1)
     return session.state
 
 
@@ -98,6 +99,9 @@ def check_equal(found: State, saved: State) -> None:
     assert [part.name for part in a.handles] == [part.name for part in b.handles]
     for mine, other in zip(a.handles, b.handles, strict=True):
         check_same_array(mine.pose, other.pose)
+        assert (mine.pivot is None) == (other.pivot is None)
+        if mine.pivot is not None:
+            check_same_array(mine.pivot, other.pivot)
     assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
     arrays = {"mesh", "labels", "member", "grip", "handles", "regions"}
     for field in fields(a):
@@ -159,13 +163,13 @@ def test_the_sample_bottle(session, tmp_path):
     session.until(lambda: session.errand is None)
     document = session.state.document
     top = np.flatnonzero(document.labels == HANDLE)
-    session.add_handle()
+    session.parts.add_handle()
     session.stroke(top[document.mesh.V[top, 0] > 0], HANDLE + 1)
     session.begin_gesture()
     height = document.mesh.V[:, 1]
     session.paint_region(np.flatnonzero((height > 8) & (height < 11)), 1)
     session.end_stroke("Paint region")
-    session.rename_region(0, "label")
+    session.parts.rename_region(0, "label")
     turn = np.eye(4)
     turn[:3, :3] = rotation((0, 1, 0), 0.6)
     session.begin_gesture()

@@ -1,5 +1,6 @@
 """Whatever the user does in whatever order: hypothesis tells the session what to do."""
 
+import contextlib
 import threading
 import time
 
@@ -10,8 +11,12 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition,
 from meshes import box, rotation
 from test_session import Driven, solver_threads
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.part import Part
+from apd_viewer.session.posing import Motion
+from apd_viewer.session.reshaping import Change
 from apd_viewer.session.session import Activity
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
@@ -58,9 +63,9 @@ class Use(RuleBasedStateMachine):
             self.session.stroke(np.flatnonzero(ids), label)
             self._recorded(before)
         for verb in (
-            self.session.add_handle,
+            self.session.parts.add_handle,
             lambda: self.session.stroke(np.flatnonzero(z == z.max())[:2], HANDLE + 1),
-            self.session.add_region,
+            self.session.parts.add_region,
             lambda: self._region_stroke(np.flatnonzero(z <= 2)),
         ):
             before = self.session.state
@@ -169,7 +174,7 @@ class Use(RuleBasedStateMachine):
     def add(self, of) -> None:
         before = self._before_act()
         count = len(getattr(before.document, f"{of}s"))
-        number = getattr(self.session, f"add_{of}")()
+        number = getattr(self.session.parts, f"add_{of}")()
         assert number == len(getattr(self.session.state.document, f"{of}s")) - 1
         if number == count:
             self._recorded(before)
@@ -184,7 +189,7 @@ class Use(RuleBasedStateMachine):
         count = len(getattr(self.before.document if self.gesture else document, f"{of}s"))
         if count:
             before = self._before_act()
-            getattr(self.session, f"remove_{of}")(k % count)
+            getattr(self.session.parts, f"remove_{of}")(k % count)
             self._recorded(before)
             now = self.session.state.document
             assert len(getattr(now, f"{of}s")) == (max(1, count - 1) if of == "handle" else count - 1)
@@ -195,11 +200,72 @@ class Use(RuleBasedStateMachine):
     def rename(self, k, name) -> None:
         k %= len(self.session.state.document.handles)
         before, now = self.before if self.gesture else self.session.state, self.session.state
-        self.session.rename_handle(k, name)
+        self.session.parts.rename_handle(k, name)
         assert all(handle.name for handle in self.session.state.document.handles)
         if self.session.state is not now:
             self.gesture = None
             self._recorded(before)
+
+    def _acted(self, before, gesture=None) -> None:
+        """After an act that is a step of its own, or a part of the one before, or nothing."""
+        if self.session.state.document is before.document:
+            assert len(self.session.history.done) == len(self.undos)
+        elif len(self.session.history.done) > len(self.undos):
+            self._recorded(before)
+        else:
+            assert self.session.history.next_undo == gesture == "Nudge handle"
+            assert self.redos == []
+
+    @rule(k=NUMBERS, of=st.sampled_from(["base", "handle", "region"]), change=st.sampled_from(list(Change)))
+    def reshape(self, k, of, change) -> None:
+        document = (self.before if self.gesture else self.session.state).document
+        if of == "region" and not document.regions:
+            return
+        before = self._before_act()
+        if of == "region":
+            part = Part(1 + k % len(document.regions), is_region=True)
+        else:
+            part = Part(BASE if of == "base" else HANDLE + k % len(document.handles))
+        others = ~part.of(document) & (part.codes(document) != part.nothing)
+        self.session.reshape(part, change.name)
+        now = self.session.state.document
+        assert np.array_equal(part.codes(now)[others], part.codes(document)[others])
+        assert len(self.session.history.done) == len(self.undos) + (now is not document)
+        if now is not document:
+            self._recorded(before)
+
+    @rule(k=NUMBERS, motion=st.sampled_from(list(Motion)), text=st.sampled_from(["10", "0.05L", "1.1", "mm"]))
+    def type_motion(self, k, motion, text) -> None:
+        before = self._before_act()
+        with contextlib.suppress(InputError):
+            self.session.type_motion(motion.name, text, k % len(before.document.handles))
+        self._problem_was_said(before)
+        self._acted(before)
+
+    @rule(k=NUMBERS, times=st.integers(1, 3))
+    def nudge(self, k, times) -> None:
+        before = self._before_act()
+        k %= len(before.document.handles)
+        for _ in range(times):
+            self.session.cancel_gesture()
+            pose = self.session.state.document.handles[k].pose.copy()
+            pose[0, 3] += 0.02
+            self.session.pose_handle(pose, k, "Nudge handle", repeats=True)
+            self._problem_was_said(before)
+        self._acted(before, "Nudge handle")
+
+    @rule(k=NUMBERS)
+    def put_back(self, k) -> None:
+        before = self._before_act()
+        self.session.put_back_handle(k % len(before.document.handles))
+        self._problem_was_said(before)
+        self._acted(before)
+
+    def _problem_was_said(self, before) -> None:
+        if self.session.state.document.problem:
+            assert self.session.state.document is before.document
+            assert set(self.session.failed) <= {before.document.problem}
+            self.session.failed.clear()
 
     # Settings, which become part of a gesture, but take back a stroke that they come in the middle of.
 
@@ -276,6 +342,21 @@ class Use(RuleBasedStateMachine):
         if target:
             self.undos.append(now)
         self.session.redo()
+        self._expected(target, now)
+
+    @rule(share=st.floats(0.0, 1.0))
+    def travel(self, share) -> None:
+        now = self.before if self.gesture else self.session.state
+        steps = round(share * (len(self.undos) + len(self.redos)))
+        target = now
+        while len(self.undos) > steps:
+            self.redos.append(target)
+            target = self.undos.pop()
+        while len(self.undos) < steps:
+            self.undos.append(target)
+            target = self.redos.pop()
+        self.session.travel(steps)
+        assert len(self.session.history.done) == steps
         self._expected(target, now)
 
     # Time

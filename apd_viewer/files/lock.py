@@ -1,0 +1,80 @@
+"""Files that are locked for as long as a program lives: the system lets go of them however it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import sys
+from pathlib import Path
+from typing import IO
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+_TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
+
+
+class Lock:
+    """A lock that is held; :func:`take` takes one.
+
+    Attributes
+    ----------
+    path : Path
+    """
+
+    def __init__(self, path: Path, stream: IO[bytes]) -> None:
+        self.path = path
+        self._stream = stream
+
+    @property
+    def stands(self) -> bool:
+        """Whether its file is still there, and no other in its place."""
+        with contextlib.suppress(FileNotFoundError):
+            return os.path.samestat(os.fstat(self._stream.fileno()), self.path.stat())
+        return False
+
+    def release(self) -> None:
+        """Let go of it; the file stays."""
+        self._stream.close()
+
+    def remove(self) -> None:
+        """Let go of it and remove the file."""
+        if sys.platform == "win32":  # which removes no file that is open
+            self._stream.close()
+        with contextlib.suppress(OSError):
+            self.path.unlink()
+        self._stream.close()
+
+
+def take(path: Path) -> Lock | None:
+    """Lock the file at ``path``, made where there is none; None if it is locked already, here or elsewhere.
+
+    Raises
+    ------
+    OSError
+        If there can be no such file, or no locks on its disk.
+    """
+    stream = path.open("ab")
+    try:
+        _lock(stream.fileno())
+    except OSError as error:
+        stream.close()
+        if error.errno not in _TAKEN:
+            raise
+        return None
+    lock = Lock(path, stream)
+    if lock.stands:
+        return lock
+    lock.release()  # whoever had it until now has removed it
+    return None
+
+
+def _lock(descriptor: int) -> None:
+    # Not fcntl.lockf: those locks go when any other part of the program has looked at the file.
+    if sys.platform == "win32":
+        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+    else:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

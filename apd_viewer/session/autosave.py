@@ -1,0 +1,103 @@
+"""Keeps every finished step in a file, for the case that the program is killed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.geometry.deformation import Frame
+from apd_viewer.session.backup import Backup, Copy
+from apd_viewer.session.document import Document, State
+from apd_viewer.session.recovery import Leftover
+from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.view import View
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+
+
+def watched(listener: Listener, look: Callable[[], object]) -> Listener:
+    """The listener, with ``look()`` called whenever it has been told of another state or activity."""
+
+    def changed(old: State | None, new: State) -> None:
+        listener.changed(old, new)
+        look()
+
+    def status_changed() -> None:
+        listener.status_changed()
+        look()
+
+    return replace(listener, changed=changed, status_changed=status_changed)
+
+
+class Autosave:
+    """Hands on every finished step, and once more the shape that has settled after it; at first it is off.
+
+    Parameters
+    ----------
+    stage : Stage
+    gestures : Gestures
+    listener : Listener
+    open_ : callable
+        ``open_(name, work, kept=False)``: opens what ``work()`` returns, as one step that is in no file.
+    """
+
+    def __init__(
+        self, stage: Stage, gestures: Gestures, listener: Listener, open_: Callable[..., None]
+    ) -> None:
+        self._stage = stage
+        self._gestures = gestures
+        self._listener = listener
+        self._open = open_
+        self._view: Callable[[], View] = View
+        self._backup: Backup | None = None
+        self._restored: list[Leftover] = []
+        self._document: Document | None = None
+        self._frame: Frame | None = None
+
+    def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:
+        """From now on keep what is done in a file in ``folder``; ``view()`` is how it is looked at."""
+        self._view = view
+        self._backup = Backup(folder, self._listener.wake)
+
+    def restore(self, left: Leftover) -> None:
+        """Open what a program has left that was killed, in the background; it counts as unsaved."""
+        if left not in self._restored:
+            self._restored.append(left)
+        self._open(left.name, left.read, kept=False)
+
+    def follow(self) -> None:
+        """Look whether there is anything new to keep."""
+        state = self._stage.state
+        if self._backup is None or state is None or self._gestures.before is not None:
+            return
+        shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
+        for left in shown:
+            left.taken = True
+        if self._is_new(state):
+            self._document, self._frame = state.document, state.frame
+            self._backup.put(Copy(state, self._view(), shown))
+
+    def receive(self) -> None:
+        """Tell what the thread could not do."""
+        if self._backup is not None and (failure := self._backup.take_failure()):
+            self._listener.told(failure)
+
+    def _is_new(self, state: State) -> bool:
+        history = self._gestures.history
+        if history.next_undo is None and history.next_redo is None:
+            return False  # a mesh that was opened and looked at is in its own file
+        settled = self._stage.activity is not Activity.REFINING
+        return state.document is not self._document or (settled and state.frame is not self._frame)
+
+    def close(self) -> None:
+        """Remove the file, and what was restored: this is no crash."""
+        if self._backup is not None:
+            self._backup.close()
+        for left in self._restored:
+            if left.taken:
+                left.discard()
+        self._restored.clear()
+        self._backup = self._document = self._frame = None

@@ -1,0 +1,102 @@
+"""A file in which the latest step is safe, written on a thread of its own: nobody waits for the disk."""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from apd_viewer.files.lock import Lock
+from apd_viewer.session.document import State
+from apd_viewer.session.recovery import Leftover, owned, remove
+from apd_viewer.session.saved import save_session
+from apd_viewer.session.slot import Slot
+from apd_viewer.session.view import View
+
+# A step may be told of in two parts; and the first shape of it is worth more than its copy.
+_CALM = 0.02  # s
+_PATIENCE = 10.0  # s, for the disk, when the program ends
+_FAILED = "Your work cannot be kept for the case of a crash ({why}); save the session now and then."
+
+
+@dataclass(frozen=True, eq=False)
+class Copy:
+    """What is to be in the file, and the leftovers that are needless once it is."""
+
+    state: State
+    view: View
+    supersedes: tuple[Leftover, ...] = ()
+
+
+class Backup:
+    """Writes the newest Copy whenever it can, and removes the file in the end.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when it is needed.
+    wake : callable
+        Called on the thread when there is a failure to take.
+    """
+
+    def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
+        self._folder = folder
+        self._wake = wake
+        self._slot: Slot[Copy] = Slot()
+        self._failures: Slot[str] = Slot()
+        self._failing = False
+        self._mine: tuple[Path, Lock] | None = None
+        self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
+        self._thread.start()
+
+    def put(self, copy: Copy) -> None:
+        """Have ``copy`` in the file soon, instead of any other that still waits. Never blocks."""
+        self._slot.put(copy)
+
+    def take_failure(self) -> str | None:
+        """The sentence that says why nothing can be written, once; None if all is well."""
+        return self._failures.take()
+
+    def close(self) -> None:
+        """Remove the file: what is in it has been saved, or is not wanted."""
+        self._slot.close()
+        self._thread.join(_PATIENCE)
+
+    # The thread "backup"
+
+    def _run(self) -> None:
+        while self._slot.comes_within(threading.TIMEOUT_MAX):
+            time.sleep(_CALM)
+            copy = self._slot.wait()
+            if copy is None:
+                break
+            self._try(copy)
+        if self._mine is not None:
+            remove(*self._mine)
+
+    def _try(self, copy: Copy) -> None:
+        try:
+            self._write(copy)
+            self._failing = False
+        except Exception as error:  # whatever it is, the next step is tried again
+            reason = error if isinstance(error, OSError) else error.__cause__
+            if not isinstance(reason, OSError):
+                traceback.print_exc()
+            if not self._failing:
+                self._failing = True
+                why = getattr(reason, "strerror", None) or str(error) or type(error).__name__
+                self._failures.put(_FAILED.format(why=why))
+                self._wake()
+
+    def _write(self, copy: Copy) -> None:
+        if self._mine is not None and not self._mine[1].stands:  # somebody has cleared the folder
+            self._mine[1].release()
+            self._mine = None
+        if self._mine is None:
+            self._mine = owned(self._folder)
+        save_session(self._mine[0], copy.state, copy.view)
+        for left in copy.supersedes:
+            left.discard()

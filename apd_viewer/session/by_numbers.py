@@ -1,0 +1,87 @@
+"""Vertices chosen by what a user types: their ids, or where they are."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.session.expressions import length
+from apd_viewer.session.posing import names_of
+
+if TYPE_CHECKING:
+    from apd_viewer.session.document import State
+    from apd_viewer.session.units import Unit
+
+_IDS = re.compile(r"[\d\s,;–-]+")
+_ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")
+_COMPARED = re.compile(r"<=|>=|≤|≥|<|>")
+_HOLDS = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
+_HOLDS |= {"≤": np.less_equal, "≥": np.greater_equal}
+_HOW = "write ids such as 3, 10-20, or conditions such as y > 0.5Y and x < 0"
+
+
+def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
+    """The vertices that a text names, ascending ids.
+
+    Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
+    shape on screen, joined by "and" and "or"; lengths may be expressions with the names of
+    :func:`apd_viewer.session.posing.names_of`.
+
+    Raises
+    ------
+    InputError
+        With a sentence that says what cannot be read.
+    """
+    text = text.strip()
+    if not text:
+        raise InputError(f"There is nothing to choose by; {_HOW}.")
+    if _IDS.fullmatch(text):
+        return _by_ids(text, len(state.frame.U))
+    found = np.zeros(len(state.frame.U), dtype=bool)
+    for way in re.split(r"\bor\b|\|+", text):
+        holds = np.ones(len(found), dtype=bool)
+        for condition in re.split(r"\band\b|&+", way):
+            holds &= _where(condition, state, unit)
+        found |= holds
+    return np.flatnonzero(found)
+
+
+def _by_ids(text: str, n: int) -> np.ndarray:
+    found = np.zeros(n, dtype=bool)
+    rest = _ID.sub("", text).strip(" \t\n,;")
+    if re.search(r"[–-]", rest):
+        raise InputError(f"“{text}” has a range without both ends; {_HOW}.")
+    for first, last in _ID.findall(text):
+        low, high = int(first), int(last or first)
+        if high >= n or low > high:
+            raise InputError(
+                f"There is no vertex {max(low, high):,}; they are numbered from 0 to {n - 1:,}."
+                if max(low, high) >= n
+                else f"The range {first}-{last} runs backwards; write the lower id first."
+            )
+        found[low : high + 1] = True
+    return np.flatnonzero(found)
+
+
+def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
+    """Where a comparison holds, such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
+    signs, sides = _COMPARED.findall(condition), _COMPARED.split(condition)
+    if not signs:
+        raise InputError(f"“{condition.strip()}” is no condition; {_HOW}.")
+    values = [_side(side.strip(), state, unit) for side in sides]
+    if not any(isinstance(value, np.ndarray) for value in values):
+        raise InputError(f"“{condition.strip()}” says nothing of x, y or z; {_HOW}.")
+    holds = np.ones(len(state.frame.U), dtype=bool)
+    for sign, left, right in zip(signs, values, values[1:], strict=False):
+        holds &= _HOLDS[sign](left, right)
+    return holds
+
+
+def _side(text: str, state: State, unit: Unit) -> np.ndarray | float:
+    if text in ("x", "y", "z"):
+        column: np.ndarray = state.frame.U[:, "xyz".index(text)]
+        return column
+    return length(text, unit, names_of(state))

@@ -1,0 +1,87 @@
+"""The handles and the regions: one more, one fewer, another name; each is a step of undo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from apd_viewer.session.document import Handle
+from apd_viewer.session.names import new_name, next_name
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.stage import Listener, Stage
+
+MOST_HANDLES = MOST_REGIONS = 8
+
+
+class Parts:
+    """The verbs that change which parts there are.
+
+    Parameters
+    ----------
+    stage : Stage
+    gestures : Gestures
+    listener : Listener
+    """
+
+    def __init__(self, stage: Stage, gestures: Gestures, listener: Listener) -> None:
+        self._stage = stage
+        self._gestures = gestures
+        self._listener = listener
+
+    def add_handle(self) -> int:
+        """One more handle, not painted yet; its number, or that of the last where there can be no more."""
+        state = self._gestures.alone()
+        handles = state.document.handles
+        if len(handles) >= MOST_HANDLES:
+            self._listener.failed(f"There are {MOST_HANDLES} handles already; remove one of them first.")
+            return len(handles) - 1
+        self._gestures.record("Add handle", state)
+        name = next_name("Handle", [handle.name for handle in handles])
+        self._stage.note(state.document.with_handle(len(handles), Handle(name)))
+        return len(handles)
+
+    def remove_handle(self, k: int) -> None:
+        """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
+        state = self._gestures.alone()
+        self._gestures.record("Remove handle", state)
+        self._stage.regrip(state.document, state.document.without_handle(k))
+
+    def rename_handle(self, k: int, name: str) -> None:
+        """Give handle ``k`` a name of its own."""
+        state = self._stage.required()
+        handle = state.document.handles[k]
+        name = new_name(name, handle.name, [other.name for other in state.document.handles])
+        if name != handle.name:
+            state = self._gestures.alone()
+            self._gestures.record("Rename", state)
+            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
+
+    def add_region(self) -> int:
+        """One more region, without a vertex; its number, or that of the last where there can be no more."""
+        state = self._gestures.alone()
+        regions = state.document.regions
+        if len(regions) >= MOST_REGIONS:
+            self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
+            return len(regions) - 1
+        self._gestures.record("Add region", state)
+        self._stage.note(state.document.with_next_region())
+        return len(regions)
+
+    def remove_region(self, k: int) -> None:
+        """Remove region ``k``, and what is asked of its area."""
+        state = self._gestures.alone()
+        self._gestures.record("Remove region", state)
+        asked = state.document.regions[k].area is not None
+        (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
+
+    def rename_region(self, k: int, name: str) -> None:
+        """Give region ``k`` a name of its own."""
+        state = self._stage.required()
+        region = state.document.regions[k]
+        name = new_name(name, region.name, [other.name for other in state.document.regions])
+        if name != region.name:
+            state = self._gestures.alone()
+            self._gestures.record("Rename", state)
+            self._stage.note(state.document.with_region(k, replace(region, name=name)))

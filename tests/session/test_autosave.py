@@ -1,0 +1,494 @@
+"""What is done is in a file soon, and a program that is killed leaves it whole.
+
+    python tests/session/test_autosave.py [kills]
+
+A process does random things and says after each that it is done; it is killed at a random moment. What is
+found must open, and hold what was done SOON before that at the latest.
+"""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from meshes import box
+from test_saved import VIEW, check_equal
+from test_session import BENT, Driven, pose
+
+from apd_viewer.errors import InputError
+from apd_viewer.files import lock as lock_module
+from apd_viewer.files.lock import take
+from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.geometry.constraints import BASE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session import backup as backup_module
+from apd_viewer.session import recovery
+from apd_viewer.session.document import opened
+from apd_viewer.session.recovery import LONGEST_KEPT, ago, leftovers, lock_path
+from apd_viewer.session.saved import open_session, save_session
+
+ROOT = Path(__file__).parents[2]
+KILLS = 8
+SOON = 0.5  # s
+SLOW = 10.0  # s; nothing here should come near it
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Where it is kept; not there yet."""
+    return tmp_path / "recovery"
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """A bar that came from a file."""
+    mesh = Mesh(*box(2, 2, 6))
+    save_mesh(mesh, mesh.V, tmp_path / "bar.obj")
+    return open_mesh(tmp_path / "bar.obj")
+
+
+@pytest.fixture
+def session(folder, bar):
+    """A session that keeps what is done, with a painted bar."""
+    others = set(threading.enumerate())
+    session = Driven()
+    session.autosave.keep_in(folder, lambda: VIEW)
+    session.show_now(bar)
+    session.paint_ends()
+    yield session
+    session.close()
+    assert set(threading.enumerate()) <= others
+
+
+def kept(folder: Path) -> Path | None:
+    """The one file that is there."""
+    paths = [path for path in folder.glob("*.apd") if not path.name.startswith(".")]
+    assert len(paths) <= 1
+    return paths[0] if paths else None
+
+
+def check_kept(folder: Path, session: Driven) -> None:
+    """That what is on screen is in the file soon."""
+    since = time.monotonic()
+    while True:
+        try:
+            found, view = open_session(kept(folder) or folder)
+            check_equal(found, session.state)
+        except (AssertionError, InputError):
+            if time.monotonic() - since > SLOW:
+                raise
+            time.sleep(0.01)
+        else:
+            assert view == VIEW
+            return
+
+
+def left_behind(folder: Path, mesh: Mesh, name: str = "1-1", age: float = 0.0) -> Path:
+    """What a program has left that is dead."""
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.apd"
+    save_session(path, opened(mesh), VIEW)
+    written = time.time() - age
+    os.utime(path, (written, written))
+    return path
+
+
+# Keeping
+
+
+def test_every_step_is_in_the_file_soon(session, folder):
+    check_kept(folder, session)
+    session.drag(BENT)
+    session.settle()
+    check_kept(folder, session)
+    for step in (session.undo, session.redo, lambda: session.travel(1), lambda: session.travel(3)):
+        step()
+        session.settle()
+        check_kept(folder, session)
+    session.parts.rename_handle(0, "neck")
+    check_kept(folder, session)
+    session.settings.set_method("local")
+    session.settle()
+    check_kept(folder, session)
+
+
+def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder, monkeypatch):
+    written = []
+    monkeypatch.setattr(backup_module.Backup, "put", lambda _, copy: written.append(copy.state))
+    session.drag(*(pose(k / 50) for k in range(1, 30)))
+    assert [state.document for state in written] == [session.state.document]
+    session.settle()
+    assert len(written) == 2, "and once more, not with every frame"
+    assert written[1] is session.state
+
+
+def test_what_is_not_finished_is_not_kept(session, folder):
+    check_kept(folder, session)
+    before = session.state
+    session.begin_gesture()
+    session.move_handle(BENT)
+    session.listen(0.2)
+    found = open_session(kept(folder))[0]
+    check_equal(found, before)
+    session.cancel_gesture()
+    session.settle()
+    check_kept(folder, session)
+
+
+def test_a_mesh_that_was_only_opened_is_not_kept(folder, bar):
+    session = Driven()
+    session.autosave.keep_in(folder)
+    session.show_now(bar)
+    session.listen(0.1)
+    assert not folder.exists()
+    session.close()
+    assert not folder.exists()
+
+
+def test_a_clean_end_leaves_nothing(session, folder):
+    check_kept(folder, session)
+    assert len(list(folder.iterdir())) == 2
+    session.close()
+    assert list(folder.iterdir()) == []
+
+
+def test_without_a_folder_nothing_is_kept(tmp_path, bar):
+    session = Driven()
+    session.show_now(bar)
+    session.paint_ends()
+    session.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["bar.obj"]
+
+
+# The disk
+
+
+def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, monkeypatch):
+    check_kept(folder, session)
+    entered, go_on, written = threading.Event(), threading.Event(), []
+
+    def slow(path, state, view):
+        entered.set()
+        assert go_on.wait(SLOW)
+        written.append(state.document.handles[0].name)
+        return save_session(path, state, view)
+
+    monkeypatch.setattr(backup_module, "save_session", slow)
+    session.parts.rename_handle(0, "first")
+    assert entered.wait(SLOW)
+    since = time.monotonic()
+    for k in range(100):
+        session.parts.rename_handle(0, f"name {k}")
+    assert time.monotonic() - since < 1.0
+    go_on.set()
+    check_kept(folder, session)
+    assert written == ["first", "name 99"]
+
+
+def test_a_full_disk_is_said_once_and_tried_again_with_the_next_step(session, folder, monkeypatch):
+    check_kept(folder, session)
+    safe = kept(folder).read_bytes()
+    full = True
+
+    def fsync(descriptor):
+        if full:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    told = len(session.told)
+    for name in ("a", "b", "c"):
+        session.parts.rename_handle(0, name)
+        session.listen(0.15)
+    assert len(session.told) == told + 1
+    assert "No space left on device" in session.told[-1]
+    assert session.failed == []
+    assert kept(folder).read_bytes() == safe
+    full = False
+    session.parts.rename_handle(0, "d")
+    check_kept(folder, session)
+    full = True
+    session.parts.rename_handle(0, "e")
+    session.until(lambda: len(session.told) == told + 2)
+
+
+def test_a_folder_that_cannot_be_made_is_said_once(tmp_path, bar):
+    (tmp_path / "file").write_text("in the way")
+    session = Driven()
+    session.autosave.keep_in(tmp_path / "file" / "recovery")
+    session.show_now(bar)
+    session.paint_ends()
+    session.until(lambda: session.told)
+    session.parts.rename_handle(0, "neck")
+    session.listen(0.1)
+    session.close()
+    assert len(session.told) == 1
+    assert session.told[0].startswith("Your work cannot be kept for the case of a crash (")
+
+
+def test_a_disk_without_locks_is_said(session, folder, tmp_path, monkeypatch):
+    def refused(descriptor):
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr(lock_module, "_lock", refused)
+    session.autosave.close()
+    session.autosave.keep_in(tmp_path / "elsewhere")
+    session.parts.rename_handle(0, "neck")
+    session.until(lambda: session.told)
+    assert "Operation not supported" in session.told[-1]
+    assert leftovers(tmp_path / "elsewhere") == []
+
+
+def test_a_folder_that_is_cleared_is_filled_again(session, folder):
+    check_kept(folder, session)
+    for path in folder.iterdir():
+        path.unlink()
+    folder.rmdir()
+    session.parts.rename_handle(0, "neck")
+    check_kept(folder, session)
+    assert leftovers(folder) == []
+
+
+# What is left
+
+
+def test_what_a_living_program_keeps_is_not_offered(session, folder):
+    check_kept(folder, session)
+    assert leftovers(folder) == []
+    assert kept(folder) is not None
+
+
+def test_what_is_offered_here_is_not_offered_elsewhere(folder, bar):
+    left_behind(folder, bar)
+    (left,) = leftovers(folder)
+    assert leftovers(folder) == []
+    left.release()
+    (left,) = leftovers(folder)
+    left.discard()
+    assert list(folder.iterdir()) == []
+
+
+def test_the_newest_comes_first_and_the_oldest_are_cleared_away(folder, bar):
+    for name, age in (
+        ("1-1", 60.0),
+        ("2-1", 0.0),
+        ("3-1", LONGEST_KEPT + 60.0),
+        ("4-1", LONGEST_KEPT - 60.0),
+    ):
+        left_behind(folder, bar, name, age)
+    (folder / "5-1.lock").touch()
+    (folder / ".1-1.apd-killed.part.apd").touch()
+    (folder / "mine.apd").write_bytes((folder / "3-1.apd").read_bytes())
+    found = leftovers(folder)
+    assert [left.path.stem for left in found] == ["2-1", "1-1", "4-1"]
+    assert {left.name for left in found} == {"bar.obj"}
+    for left in found:
+        left.discard()
+    assert [path.name for path in folder.iterdir()] == ["mine.apd"], "which is none of the program's"
+
+
+def test_no_folder_is_no_leftover(folder):
+    assert leftovers(folder) == []
+
+
+def test_a_lock_of_a_file_that_is_gone_is_none(tmp_path, monkeypatch):
+    real = lock_module._lock
+
+    def late(descriptor):
+        real(descriptor)
+        (tmp_path / "a.lock").unlink()
+
+    monkeypatch.setattr(lock_module, "_lock", late)
+    assert take(tmp_path / "a.lock") is None
+    monkeypatch.setattr(recovery, "take", lambda _: None)
+    with pytest.raises(OSError, match="locked"):
+        recovery.owned(tmp_path)
+
+
+def test_how_long_ago_in_words():
+    said = [ago(seconds) for seconds in (-5, 0, 59, 60, 125, 3599, 3600, 86399, 2 * 86400)]
+    minutes = ["1 minute ago", "2 minutes ago", "59 minutes ago"]
+    assert said == ["just now"] * 3 + minutes + ["1 hour ago", "23 hours ago", "2 days ago"]
+
+
+def test_restoring_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):
+    session.drag(BENT)
+    session.settle()
+    before = session.state
+    path = left_behind(folder, bar)
+    (left,) = leftovers(folder)
+    saved = open_session(path)[0]
+    session.autosave.restore(left)
+    session.until(lambda: session.errand is None)
+    assert left.taken
+    check_equal(session.state, saved)
+    assert session.history.next_undo == "Open bar.obj"
+    session.until(lambda: not path.exists() and not lock_path(path).exists())
+    check_kept(folder, session)
+    session.undo()
+    assert session.state is before
+    assert session.failed == []
+
+
+def test_what_was_restored_counts_as_unsaved(session, folder, bar):
+    session.drag(BENT)
+    session.settle()
+    check_kept(folder, session)
+    path = folder / "1-1.apd"
+    save_session(path, session.state, VIEW)
+    (left,) = leftovers(folder)
+    again = Driven()
+    again.autosave.restore(left)
+    again.until(lambda: again.errand is None)
+    assert again.unsaved == [again.state.document.mesh]
+    assert path.exists(), "as long as it is not kept anywhere else"
+    again.close()
+    left.release()
+
+
+@pytest.mark.parametrize("damage", ["nonsense", "half", "no mesh"])
+def test_what_is_damaged_is_refused_in_a_sentence_and_stays(session, folder, bar, damage):
+    check_kept(folder, session)
+    path = left_behind(folder, bar)
+    if damage == "no mesh":
+        bar.path.unlink()
+    else:
+        content = path.read_bytes()
+        path.write_bytes(b"nonsense" if damage == "nonsense" else content[: len(content) // 2])
+    (left,) = leftovers(folder)
+    state = session.state
+    session.autosave.restore(left)
+    session.until(lambda: session.failed)
+    name = "bar.obj" if damage == "no mesh" else "a damaged session"
+    assert session.failed[0].startswith(f"What was left of {name} cannot be restored: ")
+    assert session.state is state
+    assert not left.taken
+    session.close()
+    assert path.exists()
+    left.discard()
+    assert not path.exists()
+
+
+# Kills
+
+
+NURSERY = """
+import os, sys
+from pathlib import Path
+sys.path[:0] = sys.argv[2:]
+import test_autosave
+for _ in sys.stdin:
+    child = os.fork()
+    if not child:
+        test_autosave.play(Path(sys.argv[1]))
+    print(child, flush=True)
+    os.waitpid(child, 0)
+    print("dead", flush=True)
+"""
+
+
+def play(folder: Path) -> None:
+    """Do random things without an end, in a session that keeps them; log the number and the time of each."""
+    import in_thread
+
+    from apd_viewer.session import child
+
+    child.start_process = in_thread.InThread
+    chance = random.Random()
+    session = Driven()
+    session.autosave.keep_in(folder / "recovery", lambda: VIEW)
+    session.show_now(open_mesh(folder / "bar.obj"))
+    session.paint_ends()
+    n = len(session.state.document.mesh.V)
+    things = [
+        lambda: session.stroke(np.array(chance.sample(range(n), 3)), chance.randrange(3)),
+        lambda: session.drag(*(pose(chance.uniform(-1.0, 1.0)) for _ in range(5))),
+        lambda: session.settings.set_tolerance(chance.uniform(0.001, 0.1)),
+        lambda: session.settings.set_method(chance.choice(["local", "exact", "arap"])),
+        session.undo,
+        session.redo,
+        session.reset_handle,
+    ]
+    with (folder / "log").open("w") as log:
+        for number in range(1_000_000):
+            chance.choice(things)()
+            session.parts.rename_handle(0, f"step {number}")
+            print(number, time.monotonic(), file=log, flush=True)
+            session.listen(chance.uniform(0.0, 0.03))
+
+
+def killed_programs(kills: int, folder: Path, seed: int = 0) -> list[float]:
+    """Kill so many; return how much older than the kill the oldest step was that was lost, in seconds."""
+    chance, ages = random.Random(seed), []
+    mesh = Mesh(*box(2, 2, 6))
+    save_mesh(mesh, mesh.V, folder / "bar.obj")
+    paths = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "session")]
+    with subprocess.Popen(
+        [sys.executable, "-c", NURSERY, str(folder), *paths],
+        env={**os.environ, "PYTHONWARNINGS": "ignore::UserWarning"},  # of shared memory that nobody returned
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as nursery:
+        for kill in range(kills):
+            nursery.stdin.write("play\n")
+            nursery.stdin.flush()
+            player = int(nursery.stdout.readline())
+            _wait_for_first_step(folder)
+            time.sleep(chance.uniform(0.0, 1.0))
+            assert leftovers(folder / "recovery") == [], "it lives"
+            killed = time.monotonic()
+            os.kill(player, signal.SIGKILL)
+            assert nursery.stdout.readline() == "dead\n"
+            ages.append(_lost(folder, killed, kill))
+        nursery.stdin.close()
+    return ages
+
+
+def _wait_for_first_step(folder: Path) -> None:
+    end = time.monotonic() + SLOW
+    while not ((folder / "log").exists() and (folder / "log").read_text().endswith("\n")):
+        assert time.monotonic() < end
+        time.sleep(0.005)
+
+
+def _lost(folder: Path, killed: float, kill: int) -> float:
+    """Open what is left, and remove it; how long before the kill the oldest step was that is not in it."""
+    lines = [line.split() for line in (folder / "log").read_text().splitlines()]
+    done = {int(line[0]): float(line[1]) for line in lines if len(line) == 2}
+    (folder / "log").unlink()
+    last, found = -1, leftovers(folder / "recovery")
+    if found:
+        (left,) = found
+        state, view = left.read()
+        assert view == VIEW
+        assert np.count_nonzero(state.document.labels == BASE) < len(state.document.labels)
+        # It may be between the step and its name, or one of those before the first.
+        name = state.document.handles[0].name.split()
+        last = int(name[1]) if name[0] == "step" else -1
+        left.discard()
+    assert list((folder / "recovery").glob("*")) == []
+    lost = [killed - time for number, time in done.items() if number > last]
+    assert max(lost, default=0.0) < SOON, f"kill {kill}: {len(done)} steps, only {last} in the file"
+    return max(lost, default=0.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="kills forks of a process")
+def test_a_killed_program_leaves_what_was_done_soon_before(compiled, tmp_path):
+    killed_programs(KILLS, tmp_path)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as scratch:
+        lost = sorted(killed_programs(int(sys.argv[1]) if sys.argv[1:] else 50, Path(scratch), seed=1))
+    middle, worst = 1e3 * lost[len(lost) // 2], 1e3 * lost[-1]
+    said = f"{len(lost)} kills; the oldest step lost: median {middle:.0f} ms before, at worst {worst:.0f} ms"
+    print(said)  # noqa: T201

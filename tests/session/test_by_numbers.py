@@ -1,0 +1,90 @@
+"""Vertices by ids and coordinates, against the arrays themselves."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from meshes import box
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.by_numbers import chosen
+from apd_viewer.session.document import opened
+from apd_viewer.session.units import Unit
+
+STATE = opened(Mesh(*box(2, 3, 5)))
+V = STATE.document.mesh.V
+X, Y, Z = V.T
+N = len(V)
+
+
+@pytest.mark.parametrize(
+    ("text", "ids"),
+    [
+        ("3", [3]),
+        ("0-4", range(5)),
+        ("1, 3;5 7-8", [1, 3, 5, 7, 8]),
+        ("2–3 2", [2, 3]),
+        (f"{N - 1}", [N - 1]),
+    ],
+)
+def test_ids_and_ranges(text, ids):
+    assert chosen(text, STATE, Unit.NONE).tolist() == list(ids)
+
+
+@pytest.mark.parametrize(
+    ("text", "holds"),
+    [
+        ("z > 2", Z > 2),
+        ("z ≥ 2", Z >= 2),
+        ("1<=y<=2", (Y >= 1) & (Y <= 2)),
+        ("x < 1 and z > 0.5Z", (X < 1) & (Z > 2.5)),
+        ("x<1 or z==".replace("==", "> L-1"), (X < 1) | (Z > 4)),
+        ("x < 1 or x > 1 and y < 1", (X < 1) | ((X > 1) & (Y < 1))),
+        ("x < y", X < Y),
+        ("3 > z", Z < 3),
+        ("z > 99", np.zeros(N, dtype=bool)),
+    ],
+)
+def test_conditions(text, holds):
+    np.testing.assert_array_equal(chosen(text, STATE, Unit.NONE), np.flatnonzero(holds))
+
+
+def test_lengths_may_have_units():
+    np.testing.assert_array_equal(chosen("z > 15mm", STATE, Unit.CENTIMETRE), np.flatnonzero(Z > 1.5))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "nothing to choose"),
+        (f"{N}", f"numbered from 0 to {N - 1}"),
+        ("5-3", "backwards"),
+        ("3-", "both ends"),
+        ("z", "no condition"),
+        ("1 < 2", "says nothing of"),
+        ("z > 15mm", "unit"),
+        ("z > q", "q"),
+        ("q > 1", "q"),
+        ("z >", ""),
+    ],
+)
+def test_what_cannot_be_read_is_said(text, words):
+    with pytest.raises(InputError, match=r"\.$") as refused:
+        chosen(text, STATE, Unit.NONE)
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@given(st.text(alphabet="xyz0123456789 <>=&|andor-,;.()LXYZmk≤–", max_size=25))
+def test_whatever_is_typed_is_read_or_refused(text):
+    try:
+        ids = chosen(text, STATE, Unit.NONE)
+    except InputError as error:
+        refused = str(error)
+        ids = np.empty(0, dtype=int)
+    else:
+        refused = "."
+        assert (np.diff(ids) > 0).all()
+        assert ids.size == 0 or (ids[0] >= 0 and ids[-1] < N)
+    assert refused.endswith(".")
