@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,21 +12,32 @@ from PySide6.QtWidgets import QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
+from apd_viewer.session.part import Part
+from apd_viewer.session.view import Standpoint, View
 from apd_viewer.ui.gizmo import Gizmo
+from apd_viewer.ui.gizmo_drag import nice_step, translated
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.marks import Marks
+from apd_viewer.ui.outline import Kind, Outline
 from apd_viewer.ui.painter import Painter
-from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
+from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors, tinted
+from apd_viewer.ui.pivot_picker import PivotPicker
 from apd_viewer.ui.pivots import Pivot, Pivots
+from apd_viewer.ui.selector import Act, Selector
 from apd_viewer.ui.sight import aside, facing, in_view, surroundings
+from apd_viewer.ui.slab import Slab
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.ui.touch import Reach, Touch
 from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.document import Document, State
+
+
+_NUDGE = 5.0  # pixels, about
 
 
 class Canvas(QObject):
@@ -64,24 +76,41 @@ class Canvas(QObject):
         self.viewport = Viewport(parent)
         self.surface = Surface(self.viewport)
         self.painter = Painter(self.viewport, self.surface)
+        self.ways = self._make_ways()
         self.gizmo = Gizmo(self.viewport)
+        self.gizmo.grabs = self._grabs
         self.pivots = Pivots(self.viewport, self._handle_at)
         self.marks = Marks(self.viewport, self.surface)
-        self.viewport.tools[:] = [self.gizmo, self.pivots, self.painter, self.marks]
-        self.tool = Tool.ORBIT
+        self.picker = PivotPicker(self.viewport, self.surface)
+        self.viewport.tools[:] = [self.picker, self.gizmo, self.pivots, *self.ways.values(), self.marks]
+        self.tool, self.way = Tool.ORBIT, Way.BRUSH
         self._handle = self._region = 0
-        self._erasing = False
+        self._act = Act.ADD
+        self._previewed: np.ndarray | None = None
         self._document: Document | None = None
         self._sketched: np.ndarray | None = None
         self._connect()
 
+    def _make_ways(self) -> dict[Way, Selector]:
+        stage = self.viewport, self.surface
+        return {
+            Way.BRUSH: self.painter,
+            Way.BOX: Outline(*stage, Kind.BOX),
+            Way.LASSO: Outline(*stage, Kind.LASSO),
+            Way.POLYGON: Outline(*stage, Kind.POLYGON),
+            Way.FILL: Touch(*stage, Reach.CREASE),
+            Way.PIECE: Touch(*stage, Reach.PIECE),
+            Way.LOOP: Touch(*stage, Reach.LOOP),
+            Way.SLAB: Slab(*stage),
+        }
+
     def _connect(self) -> None:
-        self.painter.stroke_began.connect(self._begin_stroke)
-        self.painter.painted.connect(self._paint)
-        self.painter.stroke_ended.connect(
-            lambda: self.stroke_ended.emit((Tool.ERASE if self._erasing else self.tool).words.title)
-        )
-        self.painter.stroke_cancelled.connect(self.gesture_cancelled)
+        for selector in self.ways.values():
+            selector.stroke_began.connect(self._begin_stroke)
+            selector.painted.connect(self._paint)
+            selector.stroke_ended.connect(self._end_stroke)
+            selector.stroke_cancelled.connect(self.gesture_cancelled)
+            selector.previewed.connect(self.preview)
         self.gizmo.began.connect(self.drag_began)
         self.gizmo.moved.connect(self.handle_moved)
         self.gizmo.ended.connect(self.drag_ended)
@@ -91,17 +120,39 @@ class Canvas(QObject):
 
     # Painting
 
-    def _begin_stroke(self, erase: bool) -> None:
-        self._erasing = erase or self.tool is Tool.ERASE
+    @property
+    def part(self) -> Part:
+        """What the tool in hand paints; the active handle where it paints nothing."""
+        if self.tool is Tool.REGION:
+            return Part(self._region + 1, is_region=True)
+        return Part(BASE if self.tool is Tool.BASE else HANDLE + self._handle)
+
+    def _begin_stroke(self, act: Act) -> None:
+        self._act = act
         self.stroke_began.emit()
+        if act is Act.REPLACE and self.tool is not Tool.ERASE and self._document is not None:
+            self._emit(np.flatnonzero(self.part.of(self._document)), self.part.nothing)
+
+    def choose_vertices(self, ids: np.ndarray, act: Act) -> None:
+        """Paint vertices at once, as a stroke of the tool in hand would."""
+        self.preview(None)
+        self._begin_stroke(act)
+        self._paint(ids)
+        self._end_stroke()
 
     def _paint(self, ids: np.ndarray) -> None:
-        if self.tool is Tool.REGION:
-            self.region_painted.emit(ids, 0 if self._erasing else self._region + 1)
-        elif self._erasing:
+        erases = self._act is Act.REMOVE or self.tool is Tool.ERASE
+        if erases and not self.part.is_region:
             self._erase(ids)
         else:
-            self.painted.emit(ids, BASE if self.tool is Tool.BASE else HANDLE + self._handle)
+            self._emit(ids, self.part.nothing if erases else self.part.code)
+
+    def _emit(self, ids: np.ndarray, code: int) -> None:
+        (self.region_painted if self.part.is_region else self.painted).emit(ids, code)
+
+    def _end_stroke(self) -> None:
+        erased = self._act is Act.REMOVE
+        self.stroke_ended.emit((Tool.ERASE if erased else self.tool).words.title)
 
     def _erase(self, ids: np.ndarray) -> None:
         """Base and handle go first; where there is neither, and the tool is no other brush, the region."""
@@ -118,7 +169,22 @@ class Canvas(QObject):
     def take(self, tool: Tool) -> None:
         """Put ``tool`` into the hand."""
         self.tool = tool
-        self.painter.enabled = tool.words.is_brush
+        self._put_into_hand()
+
+    def choose_way(self, way: Way) -> None:
+        """Choose vertices in another way."""
+        self.way = way
+        self._put_into_hand()
+
+    def select_through(self, on: bool) -> None:
+        """Choose what the surface hides too, or only what is seen."""
+        for selector in self.ways.values():
+            if isinstance(selector, Outline):
+                selector.through = on
+
+    def _put_into_hand(self) -> None:
+        for way, selector in self.ways.items():
+            selector.enabled = self.tool.words.is_brush and way is self.way
         self._show_tool()
 
     def choose(self, handle: int, region: int) -> None:
@@ -157,7 +223,8 @@ class Canvas(QObject):
             self._show_tool()
 
     def _show_mesh(self, state: State) -> None:
-        self.painter.cancel()
+        self._previewed = None
+        self.viewport.cancel()
         self.marks.show(None)
         document = state.document
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
@@ -168,9 +235,28 @@ class Canvas(QObject):
 
     def _recolor(self, old: Document, new: Document) -> None:
         ids = np.flatnonzero((old.labels != new.labels) | (old.member != new.member))
-        self.surface.set_colors(label_colors(new.labels[ids], new.member[ids]), ids)
+        self._paint_over(new, ids)
+
+    def _paint_over(self, document: Document, ids: np.ndarray) -> None:
+        """Show the vertices in the colours of what they are."""
+        self.surface.set_colors(label_colors(document.labels[ids], document.member[ids]), ids)
         if self.marks.ids is not None:
             self.surface.set_colors(self.marks.colors(), self.marks.ids)
+
+    def preview(self, ids: np.ndarray | None) -> None:
+        """Tint what a press or a release would choose."""
+        document, before = self._document, self._previewed
+        if document is None or (ids is None and before is None):
+            return
+        self._previewed = None if ids is None else document.mesh.weld.everywhere(ids)
+        if before is not None:
+            self._paint_over(document, before)
+        if self._previewed is not None:
+            erases = self.ways[self.way].act is Act.REMOVE
+            paint = self.painter.color
+            color = FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue())
+            labels, member = document.labels[self._previewed], document.member[self._previewed]
+            self.surface.set_colors(tinted(label_colors(labels, member), color), self._previewed)
 
     def mark(self, vertices: np.ndarray | None) -> None:
         """Mark vertices on the mesh, all where none are named; None takes the marks away."""
@@ -178,14 +264,12 @@ class Canvas(QObject):
         if document is None:
             return
         if before is not None:
-            self.surface.set_colors(label_colors(document.labels[before], document.member[before]), before)
-        if vertices is None:
             self.marks.show(None)
+            self._paint_over(document, before)
+        if vertices is None:
             return
-        copies = document.mesh.weld.inverse  # both sides of a seam are marked
-        marked = np.full(len(document.mesh.weld.first), not len(vertices))
-        marked[copies[vertices]] = True
-        self.marks.show(np.flatnonzero(marked[copies]), vertices)
+        every = np.arange(len(document.mesh.V))
+        self.marks.show(document.mesh.weld.everywhere(vertices) if len(vertices) else every, vertices)
         self.surface.set_colors(self.marks.colors(), self.marks.ids)
 
     def bring_into_view(self, vertices: np.ndarray, covered: QRectF) -> None:
@@ -203,6 +287,30 @@ class Canvas(QObject):
             shift = aside(view.eye, covered)
             view.frame(surroundings(points, low, high), room=-sum(shift))
             view.eye = view.eye.panned(*shift)
+
+    def nudged(self, step: tuple[int, int, int]) -> np.ndarray | None:
+        """The pose of the active handle after a small step in the picture: right, up, to the viewer."""
+        active, eye = _active(self._pivots, self._handle), self.viewport.eye
+        if active is None:
+            return None
+        length = nice_step(_NUDGE * eye.world_per_pixel(active.centre))
+        return translated(active.pose, length * (np.array(step) * [1, 1, -1]) @ eye.axes)
+
+    def view(self, unit: str) -> View:
+        """How the mesh is looked at, for a file."""
+        eye = self.viewport.eye
+        return View(
+            Standpoint(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle)), unit
+        )
+
+    def look_as(self, view: View) -> None:
+        """Look at the mesh as a file says."""
+        if view.camera is not None:
+            at = view.camera
+            position, focal, up = np.array(at.position), np.array(at.focal), np.array(at.up)
+            self.viewport.eye = replace(
+                self.viewport.eye, position=position, focal=focal, up=up, angle=at.angle
+            )
 
     def frame_mesh(self) -> None:
         """Show the whole mesh, and all of the gizmo."""
@@ -237,7 +345,11 @@ class Canvas(QObject):
             Tool.ERASE: FREE_COLOR,
         }
         if self.tool in colors:
-            self.painter.color = QColor(*colors[self.tool])
+            for selector in self.ways.values():
+                selector.color = QColor(*colors[self.tool])
+
+    def _grabs(self, position: QPointF) -> bool:
+        return self._handle_at(position) == self._handle
 
     def _handle_at(self, position: QPointF) -> int | None:
         """Number of the handle that is painted at a position in the viewport."""
@@ -248,13 +360,17 @@ class Canvas(QObject):
         return label - HANDLE if label >= HANDLE else None
 
 
+def _point(x: np.ndarray) -> tuple[float, float, float]:
+    return float(x[0]), float(x[1]), float(x[2])
+
+
 def _pivots(document: Document) -> tuple[Pivot, ...]:
     """The handles that can be moved, and the centres of what they hold."""
     if document.problem is not None:
         return ()
     found = []
     for k, handle in enumerate(document.handles):
-        gripped = document.centre(k)
+        gripped = document.pivot(k)
         if gripped is not None:
             found.append(Pivot(k, handle.name, handle_color(k), handle.pose, gripped))
     return tuple(found)

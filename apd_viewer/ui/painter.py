@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Qt, Signal
-from PySide6.QtGui import QColor, QPen, QPolygonF
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QPen, QPolygonF
 
 from apd_viewer.geometry.sketch import Sketch
+from apd_viewer.ui.selector import Selector, act_of, begins
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,11 +25,11 @@ RING_POINTS = 65
 STEEPEST = 4.0  # two hits farther apart than this many times their distance on the screen are not joined
 
 
-class Painter(QObject):
+class Painter(Selector):
     """Tool that paints vertices.
 
-    A left press on the surface begins a stroke, with Alt it erases; the wheel changes the radius,
-    with Ctrl it zooms; Esc takes the stroke back.
+    A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
+    the stroke back.
 
     Parameters
     ----------
@@ -37,44 +38,20 @@ class Painter(QObject):
 
     Attributes
     ----------
-    stroke_began : Signal(bool)
-        True when the stroke erases.
     painted : Signal(object)
         Int array of the vertices that the latest part of the stroke covers for the first time.
-    stroke_ended, stroke_cancelled : Signal()
     radius_changed : Signal(float)
     """
 
-    stroke_began = Signal(bool)
-    painted = Signal(object)
-    stroke_ended = Signal()
-    stroke_cancelled = Signal()
     radius_changed = Signal(float)
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
-        super().__init__(viewport)
-        self._viewport = viewport
-        self._surface = surface
-        self._enabled = False
+        super().__init__(viewport, surface)
         self._radius = 24.0
-        self._color = QColor("#ffffff")
         self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
         self._cursor: QPointF | None = None
-        self._erasing = False
         self._hit: Hit | None = None
         self._seen: tuple[object, ...] = ()  # what the hit depends on
-
-    @property
-    def enabled(self) -> bool:
-        """Whether the brush is in use; putting it away cancels a stroke."""
-        return self._enabled
-
-    @enabled.setter
-    def enabled(self, on: bool) -> None:
-        if not on:
-            self.cancel()
-        self._enabled = on
-        self.leave()
 
     @property
     def radius(self) -> float:
@@ -89,26 +66,15 @@ class Painter(QObject):
             self._viewport.overlay.update()
             self.radius_changed.emit(radius)
 
-    @property
-    def color(self) -> QColor:
-        """Colour of the ring: what the brush paints."""
-        return self._color
-
-    @color.setter
-    def color(self, color: QColor | str) -> None:
-        self._color = QColor(color)
-        self._viewport.overlay.update()
-
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
-        modifiers = event.modifiers()
-        if event.button() != Qt.MouseButton.LeftButton or modifiers & Qt.KeyboardModifier.ShiftModifier:
+        if not begins(event):
             return False
         self._look(event)
         if self._hit is None:
             return False
         self._covered = np.zeros(len(self._surface.U), dtype=bool)
-        self.stroke_began.emit(self._erasing)
+        self.stroke_began.emit(self.act)
         self._cover([(None, self._hit)])
         return True
 
@@ -165,19 +131,17 @@ class Painter(QObject):
         if self._hit is None:
             return
         ring = QPolygonF([QPointF(x, y) for x, y in self._viewport.project(self._ring(self._hit))])
-        halo = QColor(0, 0, 0, 150) if self._color.lightnessF() > 0.5 else QColor(255, 255, 255, 200)
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(halo, 4.2))
+        painter.setPen(QPen(self._halo, 4.2))
         painter.drawPolyline(ring)
-        style = Qt.PenStyle.DashLine if self._erasing else Qt.PenStyle.SolidLine
-        painter.setPen(QPen(self._color, 2.0, style))
+        painter.setPen(QPen(self._color, 2.0, self._pen_style))
         painter.drawPolyline(ring)
 
     def _look(self, event: QMouseEvent) -> None:
         """Note where the cursor is, and draw the ring anew if it has to change."""
-        before = self._hit, self._erasing
+        before = self._hit, self.act
         self._cursor = event.position() if self._enabled else None
-        self._erasing = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
+        self.act = act_of(event)
         self._pick()
         if self._hit is not None or before[0] is not None:
             self._viewport.overlay.update()

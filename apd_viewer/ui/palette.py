@@ -36,6 +36,8 @@ REGION_COLORS = (
 MARK_COLOR = (226, 0, 142)
 # A region covers free vertices; of base and handles it must not hide what they are.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
+# What would be painted is nearly of the colour that it would have.
+_PREVIEWED = 0.6
 
 
 def handle_color(k: int) -> tuple[int, int, int]:
@@ -61,3 +63,10 @@ _MIXED = _mixed()
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:
     """RGBA of every vertex, (n, 4) uint8 array, for its label and the number of its region, both (n,)."""
     return _MIXED[labels, 0 if member is None else member]
+
+
+def tinted(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:
+    """The RGBA ``colors`` (k, 4) uint8 on the way to an RGB ``color``."""
+    mixed = colors.astype(float)
+    mixed[:, :3] += _PREVIEWED * (np.array(color[:3]) - mixed[:, :3])
+    return np.rint(mixed).astype(np.uint8)

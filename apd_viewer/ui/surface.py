@@ -149,9 +149,7 @@ class Surface:
         if self.skin is None or isinstance(self.skin, Sketch):
             return None
         origin, direction = self._viewport.ray(position)
-        if self._boxes is None:
-            self._boxes = self.skin.boxes(self.U)
-        face, distance, b1, b2 = self.skin.hit(origin, direction, self.U, self._boxes)
+        face, distance, b1, b2 = self.skin.hit(origin, direction, self.U, self.boxes)
         if face < 0:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
@@ -167,10 +165,17 @@ class Surface:
         """
         if self.skin is None or isinstance(self.skin, Sketch):
             return np.full(len(origins), np.inf)
-        if self._boxes is None:
-            self._boxes = self.skin.boxes(self.U)
-        hits = [self.skin.hit(*ray, self.U, self._boxes) for ray in zip(origins, directions, strict=True)]
+        hits = [self.skin.hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
         return np.array([distance if face >= 0 else np.inf for face, distance, _, _ in hits])
+
+    @property
+    def boxes(self) -> np.ndarray:
+        """Boxes around the triangles: see :func:`apd_viewer.geometry.picking.boxes`."""
+        if self._boxes is None:
+            assert self.skin is not None
+            assert not isinstance(self.skin, Sketch)  # it is never asked for them
+            self._boxes = self.skin.boxes(self.U)
+        return self._boxes
 
     @property
     def normals(self) -> np.ndarray:

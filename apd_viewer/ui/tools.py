@@ -1,8 +1,8 @@
 """Who gets a mouse event: the tool that holds the button, else the first that wants it.
 
 A tool may have ``press(event)``, ``move(event)``, ``release(event)`` and ``wheel(event)``, which
-return True to consume the event; ``leave()``; ``cancel()``, which returns True when there was
-something to cancel; and ``paint(painter)``, which draws on the overlay.
+return True to consume the event; ``leave()``; ``cancel()`` and ``finish()``, which return True when there
+was something to cancel or to finish; and ``paint(painter)``, which draws on the overlay.
 """
 
 from __future__ import annotations
@@ -77,6 +77,10 @@ class Dispatcher:
         if done:
             self._holder = None
         return done
+
+    def finish(self) -> bool:
+        """Ask the tools to end what takes several clicks; True if one did."""
+        return any(_ask(tool, "finish") for tool in self._tools)
 
     def _everyone(self) -> tuple[Any, ...]:
         return (*self._tools, self._navigation)

@@ -279,8 +279,12 @@ class Viewport(QtInteractor):
         self._dispatcher.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc cancels; VTK's one-key shortcuts are off."""
-        if not (event.key() == Qt.Key.Key_Escape and self.cancel()):
+        """Esc cancels, Return finishes; VTK's one-key shortcuts are off."""
+        key = event.key()
+        done = key == Qt.Key.Key_Escape and self.cancel()
+        if not done and key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            done = self._dispatcher.finish()
+        if not done:
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:

@@ -18,7 +18,7 @@ class Heard:
 
     def __init__(self, painter):
         self.words, self.parts = [], []
-        painter.stroke_began.connect(lambda erase: self.words.append("erase" if erase else "paint"))
+        painter.stroke_began.connect(lambda act: self.words.append(act.value))
         painter.stroke_ended.connect(lambda: self.words.append("ended"))
         painter.stroke_cancelled.connect(lambda: self.words.append("cancelled"))
         painter.painted.connect(self.parts.append)
@@ -53,7 +53,7 @@ def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard,
     hit = surface.hit(at)
     radius = painter.radius * view.world_per_pixel(hit.point)
     within = np.flatnonzero(np.linalg.norm(surface.U - hit.point, axis=1) <= radius)
-    assert heard.words == ["paint", "ended"]
+    assert heard.words == ["add", "ended"]
     assert len(within) > 10
     np.testing.assert_array_equal(np.sort(heard.ids), within)
 
@@ -109,7 +109,7 @@ def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surfac
 
 def test_alt_erases(view, painter, heard, mouse):
     mouse(view).drag(centre(view), centre(view), modifiers=ALT)
-    assert heard.words == ["erase", "ended"]
+    assert heard.words == ["remove", "ended"]
 
 
 def test_a_press_on_the_background_moves_the_camera(view, painter, heard, mouse):
@@ -144,14 +144,14 @@ def test_escape_takes_the_stroke_back(view, painter, heard, mouse):
     count = len(heard.ids)
     m.move(at + QPointF(60, 0))
     m.release(at + QPointF(60, 0))
-    assert heard.words == ["paint", "cancelled"]
+    assert heard.words == ["add", "cancelled"]
     assert len(heard.ids) == count
 
 
 def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
     mouse(view).press(centre(view))
     painter.enabled = False
-    assert heard.words == ["paint", "cancelled"]
+    assert heard.words == ["add", "cancelled"]
 
 
 def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):

@@ -1,0 +1,90 @@
+"""A card over the canvas to choose vertices by their ids or their coordinates."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
+
+from apd_viewer.ui.selector import act_of
+from apd_viewer.ui.viewport import Viewport
+
+_WIDTH = 420
+_MARGIN = 12
+HELP = "Return adds, Alt+Return removes, Ctrl+Return replaces, Esc closes."
+
+
+class NumberCard(QFrame):
+    """One line to type into; what it names is previewed while it is typed.
+
+    Attributes
+    ----------
+    asked : Signal(str)
+        The text has changed.
+    entered : Signal(str, object)
+        The text, and the Act.
+    closed : Signal()
+    """
+
+    asked = Signal(str)
+    entered = Signal(str, object)
+    closed = Signal()
+
+    def __init__(self, canvas: Viewport) -> None:
+        super().__init__(canvas, objectName="notice")
+        self._canvas = canvas
+        self.text = _Line(objectName="typed", placeholderText="y > 0.8Y and x < 0      or ids: 3, 10-20")
+        self.text.setAccessibleName("Ids or conditions of the vertices to choose")
+        self.text.textChanged.connect(self.asked)
+        self.text.entered.connect(lambda act: self.entered.emit(self.text.text(), act))
+        self.text.left.connect(self.close_card)
+        self._said = QLabel(HELP, objectName="quiet", wordWrap=True)
+        title = QLabel("Choose by numbers")
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(title)
+        line.addWidget(self.text, 1)
+        column = QVBoxLayout(self, spacing=6)
+        column.setContentsMargins(12, 10, 12, 10)
+        column.addLayout(line)
+        column.addWidget(self._said)
+        canvas.resized.connect(self._place)
+        self.hide()
+
+    def open_card(self) -> None:
+        """Show it, with the cursor in it."""
+        self.show()
+        self._place()
+        self.raise_()
+        self.text.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self.text.selectAll()
+        self.asked.emit(self.text.text())
+
+    def close_card(self) -> None:
+        """Put it away, and give the keys back to the canvas."""
+        self.hide()
+        self._canvas.setFocus()
+        self.closed.emit()
+
+    def say(self, sentence: str) -> None:
+        """Show what was found, or what is wrong; how to go on where nothing is said."""
+        self._said.setText(sentence or HELP)
+        self._place()
+
+    def _place(self) -> None:
+        self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
+        self.adjustSize()
+        self.move((self._canvas.width() - self.width()) // 2, self._canvas.height() - self.height() - 64)
+
+
+class _Line(QLineEdit):
+    entered = Signal(object)
+    left = Signal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Return takes what was typed, Esc leaves; all else is typing."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.entered.emit(act_of(event))
+        elif event.key() == Qt.Key.Key_Escape:
+            self.left.emit()
+        else:
+            super().keyPressEvent(event)

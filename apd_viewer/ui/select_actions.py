@@ -1,0 +1,90 @@
+"""The actions that choose vertices: the ways of the tools that paint, and changes of a part as a whole."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtWidgets import QMainWindow, QMenu
+
+from apd_viewer.ui.toolbox import Way
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.action_maker import ActionMaker
+
+# Title, icon, tip, keys, and the name in apd_viewer.session.reshaping.Change, which is loaded later.
+_CHANGES = (
+    ("&Grow", "grow", "Add the vertices next to the part in hand", "Ctrl++", "GROW"),
+    ("S&hrink", "shrink", "Take its outermost vertices from the part in hand", "Ctrl+-", "SHRINK"),
+    ("&Smooth the border", "smooth-border", "Straighten the border of the part in hand", "Ctrl+B", "SMOOTH"),
+    ("In&vert", "invert", "Paint what is not painted, and free the part in hand", "Ctrl+Shift+I", "INVERT"),
+)
+_MIRRORS = tuple(
+    (
+        f"Along {axis}",
+        "mirror",
+        f"Add the mirror image of the part in hand along {axis}",
+        None,
+        f"MIRROR_{axis}",
+    )
+    for axis in "XYZ"
+)
+
+
+class SelectActions:
+    """How vertices are chosen.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    maker : ActionMaker
+
+    Attributes
+    ----------
+    ways : dict of Way to QAction
+    through : QAction
+    changes, mirrors : list of QAction
+    """
+
+    def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
+        self._window = window
+        group = QActionGroup(window)
+        self.ways: dict[Way, QAction] = {}
+        for way in Way:
+            words = way.words
+            action = maker.make(words.title, words.icon, words.tip, words.key, "way", way)
+            action.setCheckable(True)
+            group.addAction(action)
+            self.ways[way] = action
+        self.through = maker.switch(
+            "Select &through",
+            "through",
+            "Let box, lasso and polygon take what the surface hides too",
+            "T",
+            "through",
+        )
+        self.sizes = [
+            maker.make("&Larger brush", "grow", "Enlarge the brush", "]", "larger"),
+            maker.make("S&maller brush", "shrink", "Make the brush smaller", "[", "smaller"),
+        ]
+        self.numbers = maker.make(
+            "By &numbers…", "type", "Choose vertices by ids or coordinates", "Ctrl+L", "choose_by_numbers"
+        )
+        self.files = [
+            maker.make("&Load selection…", "open", "Paint as a file says", None, "load_selection"),
+            maker.make("Save selec&tion…", "save", "Write what is painted to a file", None, "save_selection"),
+        ]
+        self.changes = [maker.make(*words[:4], "reshape", words[4]) for words in _CHANGES]
+        self.mirrors = [maker.make(*words[:4], "reshape", words[4]) for words in _MIRRORS]
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into a menu."""
+        menu.addActions(list(self.ways.values()))
+        menu.addSeparator()
+        menu.addActions([self.numbers, self.through, *self.sizes])
+        menu.addSeparator()
+        menu.addActions(self.changes)
+        self.mirror = menu.addMenu("&Mirror")
+        self.mirror.addActions(self.mirrors)
+        menu.addSeparator()
+        menu.addActions(self.files)

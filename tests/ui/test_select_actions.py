@@ -1,0 +1,259 @@
+"""The actions around choosing vertices: keys, buttons, and changes of a part as a whole."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from driving import Mouse, idle
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QToolBar
+from test_selecting import Gesture, Sight, Theatre
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.ui.toolbox import Tool, Way
+
+CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+GROW, SHRINK, SMOOTH, INVERT = range(4)
+
+
+@pytest.fixture(scope="module")
+def theatre(qapp, tmp_path_factory):
+    yield from Theatre.opened(tmp_path_factory.mktemp("settings"))
+
+
+@pytest.fixture
+def scene(qtbot, theatre):
+    return theatre.scene(qtbot)
+
+
+@pytest.fixture
+def keyboard(qtbot, scene):
+    """Presses keys in the window."""
+    scene.window.activateWindow()
+    qtbot.waitUntil(scene.window.isActiveWindow, timeout=5_000)
+    scene.view.setFocus()
+    return lambda key, modifiers=Qt.KeyboardModifier.NoModifier: qtbot.keyClick(scene.view, key, modifiers)
+
+
+def changes(scene):
+    select = scene.window.actions_.select
+    return [*select.changes, *select.mirrors]
+
+
+def leaves(menu):
+    for action in menu.actions():
+        if action.menu():
+            yield from leaves(action.menu())
+        elif not action.isSeparator():
+            yield action
+
+
+def in_menus(window):
+    return [action for top in window.menuBar().actions() for action in leaves(top.menu())]
+
+
+# What every action is
+
+
+def test_every_action_in_the_menus_is_dressed(scene):
+    found = in_menus(scene.window)
+    assert len(found) > 50
+    for action in found:
+        assert action.text().strip("&"), action
+        assert action.toolTip(), action.text()
+        assert action.statusTip(), action.text()
+        assert not action.icon().isNull(), action.text()
+        assert not action.icon().pixmap(20, 20).isNull(), action.text()
+
+
+def test_every_action_of_a_tool_bar_is_in_a_menu(scene):
+    found = in_menus(scene.window)
+    bars = scene.window.findChildren(QToolBar)
+    assert {"tools", "ways"} <= {bar.objectName() for bar in bars}
+    for bar in bars:
+        for action in bar.actions():
+            assert action.isSeparator() or action in found, action.text()
+
+
+def test_no_two_actions_share_a_shortcut(scene):
+    scene.paint(np.ones(len(scene.document.labels), dtype=bool), BASE)
+    found = {*in_menus(scene.window), *scene.window.actions()}
+    for tool in Tool:
+        scene.take(tool, Way.BRUSH)
+        keys = Counter(key.toString() for action in found if action.isEnabled() for key in action.shortcuts())
+        assert [key for key, count in keys.items() if count > 1] == []
+    assert all(action.shortcut().toString() for action in scene.window.actions_.select.ways.values())
+
+
+# Ways
+
+
+@pytest.mark.parametrize("tool", [Tool.ORBIT, Tool.MOVE, Tool.BASE, Tool.REGION])
+def test_a_key_takes_a_way_and_a_tool_that_paints(scene, keyboard, tool):
+    for way in reversed(Way):
+        scene.take(tool, Way.BRUSH)
+        keyboard(getattr(Qt.Key, f"Key_{way.words.key}"))
+        assert scene.canvas.way is way
+        assert scene.canvas.tool is (tool if tool.words.is_brush else Tool.HANDLE)
+        ways = scene.window.actions_.select.ways
+        assert [other for other in Way if ways[other].isChecked()] == [way]
+        assert scene.window.actions_.tools[scene.canvas.tool].isChecked()
+        assert [other for other in Way if scene.canvas.ways[other].enabled] == [way]
+        assert way.words.hint in scene.window.status._hint.text()
+
+
+def test_the_bar_of_the_ways_is_there_for_the_tools_that_paint_and_its_buttons_work(qtbot, scene):
+    bar = scene.window.way_bar
+    for tool in Tool:
+        scene.take(tool, Way.BRUSH)
+        assert bar.isVisible() == tool.words.is_brush
+    scene.take(Tool.BASE, Way.BRUSH)
+    for way, action in scene.window.actions_.select.ways.items():
+        qtbot.mouseClick(bar.widgetForAction(action), Qt.MouseButton.LeftButton)
+        assert (scene.canvas.way, scene.canvas.tool) == (way, Tool.BASE)
+        assert bar.widgetForAction(action).isChecked()
+
+
+def test_all_of_the_bar_has_room_in_the_smallest_window(qtbot, scene):
+    scene.take(Tool.BASE, Way.BRUSH)
+    size = scene.window.size()
+    scene.window.resize(scene.window.minimumSize())
+    qtbot.wait(20)
+    bar = scene.window.way_bar
+    assert scene.view.rect().contains(bar.geometry())
+    for action in bar.actions():
+        assert bar.rect().contains(bar.widgetForAction(action).geometry()), action.text()
+    scene.window.resize(size)
+    qtbot.wait(20)
+
+
+def test_keys_of_through_and_of_the_size_of_the_brush(scene, keyboard):
+    through = scene.window.actions_.select.through
+    for on in (True, False):
+        keyboard(Qt.Key.Key_T)
+        assert through.isChecked() is on
+        assert scene.canvas.ways[Way.BOX].through is on
+        assert scene.canvas.ways[Way.LASSO].through is on
+        assert scene.canvas.ways[Way.POLYGON].through is on
+    radius = scene.canvas.painter.radius
+    keyboard(Qt.Key.Key_BracketRight)
+    assert scene.canvas.painter.radius > radius
+    keyboard(Qt.Key.Key_BracketLeft)
+    assert scene.canvas.painter.radius == pytest.approx(radius)
+
+
+# Changes of a part
+
+
+def part_of(scene, tool):
+    """The codes that a tool paints into, its own code, and that of nothing."""
+    document = scene.document
+    if tool is Tool.REGION:
+        return document.member, 1, 0
+    return document.labels, BASE if tool is Tool.BASE else HANDLE, FREE
+
+
+def expected(scene, tool, change):
+    """Oracle: the part after a change, from sets."""
+    codes, code, nothing = part_of(scene, tool)
+    sight = Sight(scene.window)
+    of_place = dict(zip(sight.place.tolist(), codes.tolist(), strict=True))
+    member = {v for v, c in of_place.items() if c == code}
+    free = {v for v, c in of_place.items() if c == nothing}
+    if change == GROW:
+        wanted = member | {w for v in member for w in sight.ring[v] if w in free}
+    elif change == SHRINK:
+        wanted = {v for v in member if sight.ring[v] <= member}
+    else:
+        assert change == INVERT
+        wanted = free
+    return sight.vertices(wanted)
+
+
+@pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.BASE, Tool.REGION, Tool.MOVE])
+@pytest.mark.parametrize("change", [GROW, SHRINK, INVERT])
+@pytest.mark.parametrize("name", ["rabbit", "seams", "pieces", "bent"])
+def test_a_part_becomes_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, change, tool):
+    scene = theatre.scene(qtbot, name)
+    scene.take(tool, Way.BRUSH)
+    before, steps, action = scene.document, scene.steps, changes(scene)[change]
+    wanted = expected(scene, tool, change)
+    codes, code, nothing = part_of(scene, tool)
+    action.trigger()
+    after = np.where(codes == code, nothing, codes)
+    after[wanted] = code
+    assert (after != codes).any()
+    np.testing.assert_array_equal(part_of(scene, tool)[0], after)
+    other = "labels" if tool is Tool.REGION else "member"
+    assert getattr(scene.document, other) is getattr(before, other)
+    scene.assert_nothing_is_previewed()
+    assert scene.window.session.state.frame.U is scene.state.frame.U
+    assert scene.steps == steps + 1
+    assert scene.window.actions_.undo.text() == f"&Undo “{action.text().replace('&', '')}”"
+    scene.window.actions_.undo.trigger()
+    assert scene.document is before
+    scene.assert_nothing_is_previewed()
+
+
+def test_the_keys_of_the_changes(scene, keyboard):
+    keys = (
+        (Qt.Key.Key_Plus, CONTROL),
+        (Qt.Key.Key_Minus, CONTROL),
+        (Qt.Key.Key_B, CONTROL),
+        (Qt.Key.Key_I, CONTROL | SHIFT),
+    )
+    for key, action in zip(keys, changes(scene), strict=False):
+        keyboard(*key)
+        assert scene.window.session.history.next_undo == action.text().replace("&", "")
+        scene.window.actions_.undo.trigger()
+        assert scene.document is scene.state.document
+
+
+@pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION, Tool.BASE])
+def test_what_changes_nothing_is_no_step(qtbot, theatre, tool):
+    scene = theatre.scene(qtbot, "bare")
+    scene.take(tool, Way.BRUSH)
+    everything = len(scene.document.labels)
+    for number, action in enumerate(changes(scene)):
+        if number != INVERT:
+            action.trigger()  # of nothing there is nothing to grow
+    assert scene.document is scene.state.document
+    changes(scene)[INVERT].trigger()
+    codes, code, _ = part_of(scene, tool)
+    assert (codes == code).sum() == everything
+    full, steps = scene.document, scene.steps
+    assert len(full.regions) == (tool is Tool.REGION)
+    for number, action in enumerate(changes(scene)):
+        if number != INVERT:
+            action.trigger()  # and everything has no border
+    assert scene.document is full
+    assert scene.steps == steps
+    scene.window.actions_.undo.trigger()
+    assert scene.document is scene.state.document
+
+
+def test_a_change_in_the_middle_of_a_stroke_is_the_end_of_the_stroke_and_no_more(qtbot, theatre):
+    scene = theatre.scene(qtbot, "bare")
+    scene.take(Tool.BASE, Way.BRUSH)
+    at, mouse = Gesture(scene.window, Way.BRUSH).press, Mouse(scene.view)
+    mouse.press(at)
+    mouse.move(at + (30, 0))
+    assert scene.document is not scene.state.document
+    changes(scene)[INVERT].trigger()
+    mouse.release(at + (30, 0))
+    assert scene.document is scene.state.document
+
+
+def test_without_a_mesh_nothing_can_be_chosen_and_nothing_breaks(qtbot, window):
+    for way, action in window.actions_.select.ways.items():
+        action.trigger()
+        assert window.canvas.way is way
+        mouse = Mouse(window.canvas.viewport)
+        mouse.drag((300, 200), (350, 250), (400, 260))
+        mouse.double_click((400, 260))
+        mouse.wheel((400, 260), 1)
+        qtbot.wait(40)
+    for action in [*window.actions_.select.changes, *window.actions_.select.mirrors]:
+        action.trigger()
+    idle(qtbot, window)
+    assert window.session.state is None
