@@ -10,12 +10,17 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
 from apd_viewer.files.samples import SAMPLES
-from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.action_maker import ActionMaker
+from apd_viewer.ui.icons import SIZE
+from apd_viewer.ui.pose_actions import PoseActions
+from apd_viewer.ui.select_actions import SelectActions
+from apd_viewer.ui.shortcuts import Entry
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool
 
 _VIEWS = {"Front": ("front", "1"), "Right": ("side", "3"), "Top": ("top", "7")}
 _OPPOSITES = {"Back": ("-front", "Ctrl+1"), "Left": ("-side", "Ctrl+3"), "Bottom": ("-top", "Ctrl+7")}
+_KEYS = QKeySequence.StandardKey
 
 
 class Actions:
@@ -27,130 +32,104 @@ class Actions:
         Also their parent.
     verbs : dict
         What to call for each name that is used below, such as "open" or "undo".
+
+    Attributes
+    ----------
+    tools : dict of Tool to QAction
+    select : SelectActions
     """
 
     def __init__(self, window: QMainWindow, verbs: dict[str, Callable[..., object]]) -> None:
         self._window = window
+        self._maker = ActionMaker(window, verbs)
         self._verbs = verbs
-        self._icons: list[tuple[QAction, str]] = []
         self.tools: dict[Tool, QAction] = {}
         self._make_file()
         self._make_edit()
         self._make_tools()
+        self.select = SelectActions(window, self._maker)
+        self.pose = PoseActions(window, self._maker)
         self._make_view()
-        self._make_help()
+        self.help = [
+            self._maker.make(
+                "&Shortcuts…", "keyboard", "List all keys, and change them", ("F1", "?"), "shortcuts"
+            ),
+            self._maker.make("&Tour", "tour", "Show the program in five steps, on a bottle", None, "tour"),
+        ]
+        self.about = self._maker.make(
+            "&About APD Viewer", "about", "Versions, licence and source of the method", None, "about"
+        )
         self._fill_menus()
         self.bar = self._make_bar()
 
-    def _make(self, text: str, verb: str, key: object = None, image: str = "", tip: str = "") -> QAction:
-        action = QAction(text, self._window)
-        action.triggered.connect(lambda _checked=False: self._verbs[verb]())
-        if key is not None:
-            action.setShortcut(QKeySequence(key))
-        keys = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
-        said = tip or text.replace("&", "").rstrip("…")
-        action.setToolTip(f"{said} ({keys})" if keys else said)
-        action.setStatusTip(said)
-        if image:
-            self._icons.append((action, image))
-        return action
-
     def _make_file(self) -> None:
-        keys = QKeySequence.StandardKey
-        self.open = self._make("&Open…", "open", keys.Open, "open", "Open a mesh")
-        self.export = self._make(
-            "&Export…", "export", "Ctrl+E", "export", "Write the deformed mesh to a file"
+        make = self._maker.make
+        self.open = make("&Open…", "open", "Open a mesh or a session", _KEYS.Open, "open")
+        self.export = make("&Export…", "export", "Write the deformed mesh to a file", "Ctrl+E", "export")
+        self.save = make("&Save session", "save", "Save what was said and the shape", _KEYS.Save, "save")
+        self.save_as = make(
+            "Save session &as…", "save", "Save the session to another file", "Ctrl+Shift+S", "save_as"
         )
-        self.quit = self._make("&Quit", "quit", keys.Quit)
+        self.quit = make("&Quit", "quit", "Close the window", _KEYS.Quit, "quit")
         self.recent = QMenu("Open &recent", self._window)
         self.samples = QMenu("Open &sample", self._window)
         for name, title in SAMPLES.items():
-            action = self.samples.addAction(title)
-            action.triggered.connect(lambda _checked=False, name=name: self._verbs["open_sample"](name))
-            self._icons.append((action, "sample"))
+            tip = f"Open the {title.lower()}, painted"
+            self.samples.addAction(make(title, "sample", tip, None, "open_sample", name))
 
     def _make_edit(self) -> None:
-        keys = QKeySequence.StandardKey
-        self.undo = self._make("&Undo", "undo", keys.Undo, "undo", "Take the last step back")
-        self.redo = self._make("&Redo", "redo", keys.Redo, "redo", "Do again what was taken back")
-        self.reset = self._make(
+        make = self._maker.make
+        self.undo = make("&Undo", "undo", "Take the last step back", _KEYS.Undo, "undo")
+        self.redo = make("&Redo", "redo", "Do again what was taken back", _KEYS.Redo, "redo")
+        self.reset = make(
             "Re&set handles",
             "reset",
+            "Put all handles back, and the mesh in its rest shape",
             "Ctrl+R",
             "reset",
-            "Put all handles back, and the mesh in its rest shape",
         )
-        self.larger = self._make("&Larger brush", "larger", "]", tip="Enlarge the brush")
-        self.smaller = self._make("S&maller brush", "smaller", "[", tip="Make the brush smaller")
-        self.parts = [
-            self._make(
-                "&Add handle", "add_handle", "Shift+H", "add", "Add one more part to be moved by itself"
-            ),
-            self._make(
-                "&Next handle", "next_handle", "N", "next-handle", "Take the next handle into the hand"
-            ),
-            self._make(
-                "Add &region", "add_region", "Shift+R", "add", "Add one more part whose area is measured"
-            ),
-        ]
 
     def _make_tools(self) -> None:
-        self._group = QActionGroup(self._window)
+        group = QActionGroup(self._window)
         for tool in Tool:
             words = tool.words
-            action = QAction(f"{words.title}", self._window, checkable=True)
-            action.setShortcut(QKeySequence(words.key))
-            action.setToolTip(f"<b>{words.title}</b> ({words.key})<br>{words.tip}")
-            action.setStatusTip(words.tip)
-            action.triggered.connect(lambda _checked=False, tool=tool: self._verbs["take"](tool))
-            self._group.addAction(action)
-            self._icons.append((action, words.icon))
+            action = self._maker.make(words.title, words.icon, words.tip, words.key, "take", tool)
+            action.setCheckable(True)
+            group.addAction(action)
             self.tools[tool] = action
 
     def _make_view(self) -> None:
-        self.frame = self._make("&Frame the mesh", "frame", "F", "frame", "Show the whole mesh")
-        self.findings = self._make(
-            "Fi&ndings", "findings", "Ctrl+I", tip="List what is unusual about the mesh, and show where"
+        make, switch = self._maker.make, self._maker.switch
+        self.frame = make("&Frame the mesh", "frame", "Show the whole mesh", "F", "frame")
+        self.findings = make(
+            "Fi&ndings",
+            "warning",
+            "List what is unusual about the mesh, and show where",
+            "Ctrl+I",
+            "findings",
         )
-        self.views = []
-        for title, (axis, key) in (_VIEWS | _OPPOSITES).items():
-            action = QAction(title, self._window)
-            action.setShortcut(QKeySequence(key))
-            action.setStatusTip(f"Look at the mesh from the {title.lower()}")
-            action.triggered.connect(lambda _checked=False, axis=axis: self._verbs["look"](axis))
-            self.views.append(action)
-        self.edges = self._make_switch("&Edges", "edges", "W", "Show the edges of the triangles", False)
-        self.smooth = self._make_switch("&Smooth shading", "smooth", None, "Shade over the edges", True)
-        self.local = self._make_switch(
-            "&Gizmo along the handle's axes", "local", "L", "Let arrows and rings turn with the handle", False
-        )
+        self.views = [
+            make(title, "view", f"Look at the mesh from the {title.lower()}", key, "look", axis)
+            for title, (axis, key) in (_VIEWS | _OPPOSITES).items()
+        ]
+        self.edges = switch("&Edges", "edges", "Show the edges of the triangles", "W", "edges")
+        self.smooth = switch("&Smooth shading", "smooth", "Shade over the edges", None, "smooth", True)
         self.schemes = self._make_schemes()
-
-    def _make_switch(self, text: str, verb: str, key: str | None, tip: str, on: bool) -> QAction:
-        action = QAction(text, self._window, checkable=True, checked=on)
-        if key:
-            action.setShortcut(QKeySequence(key))
-        action.setStatusTip(tip)
-        action.toggled.connect(lambda on: self._verbs[verb](on))
-        return action
 
     def _make_schemes(self) -> QMenu:
         menu = QMenu("&Appearance", self._window)
         group = QActionGroup(menu)
-        for title, scheme in (
-            ("As the &system", Qt.ColorScheme.Unknown),
-            ("&Light", Qt.ColorScheme.Light),
-            ("&Dark", Qt.ColorScheme.Dark),
+        for title, scheme, tip in (
+            ("As the &system", Qt.ColorScheme.Unknown, "Light or dark as the system is"),
+            ("&Light", Qt.ColorScheme.Light, "Dark letters on light panels"),
+            ("&Dark", Qt.ColorScheme.Dark, "Light letters on dark panels"),
         ):
-            action = menu.addAction(title)
+            action = self._maker.make(title, "scheme", tip, None, "scheme", scheme)
             action.setCheckable(True)
             action.setData(scheme.value)
-            action.triggered.connect(lambda _checked=False, scheme=scheme: self._verbs["scheme"](scheme))
+            menu.addAction(action)
             group.addAction(action)
         return menu
-
-    def _make_help(self) -> None:
-        self.about = self._make("&About APD Viewer", "about", image="about")
 
     def _fill_menus(self) -> None:
         bar = self._window.menuBar()
@@ -159,21 +138,17 @@ class Actions:
         file.addMenu(self.recent)
         file.addMenu(self.samples)
         file.addSeparator()
-        file.addActions([self.export])
+        file.addActions([self.save, self.save_as, self.export])
         file.addSeparator()
         file.addAction(self.quit)
         edit = bar.addMenu("&Edit")
         edit.addActions([self.undo, self.redo])
         edit.addSeparator()
         edit.addAction(self.reset)
-        select = bar.addMenu("&Tools")
-        select.addActions(list(self.tools.values()))
-        select.addSeparator()
-        select.addActions([self.larger, self.smaller])
-        select.addSeparator()
-        select.addActions(self.parts)
-        select.addSeparator()
-        select.addAction(self.local)
+        tools = bar.addMenu("&Tools")
+        tools.addActions(list(self.tools.values()))
+        self.select.fill(bar.addMenu("&Select"))
+        self.pose.fill(bar.addMenu("&Handle"))
         self._view_menu = bar.addMenu("&View")
         self._view_menu.addAction(self.frame)
         self._view_menu.addActions(self.views)
@@ -181,7 +156,12 @@ class Actions:
         self._view_menu.addActions([self.edges, self.smooth, self.findings])
         self._view_menu.addSeparator()
         self._view_menu.addMenu(self.schemes)
-        bar.addMenu("&Help").addAction(self.about)
+        bar.addMenu("&Help").addActions([*self.help, self.about])
+
+    @property
+    def of_a_mesh(self) -> list[QAction]:
+        """What can only be done while a mesh is open."""
+        return [self.save, self.save_as, self.export, *self.select.files, *self.select.changes]
 
     def _make_bar(self) -> QToolBar:
         bar = QToolBar("Tools", self._window, objectName="tools", movable=False)
@@ -199,8 +179,16 @@ class Actions:
 
     def add_panels(self, actions: list[QAction]) -> None:
         """Offer panels that can be hidden in the View menu."""
+        for action in actions:
+            title, keys = action.text().replace("&", "").lower(), tuple(action.shortcuts())
+            self._maker.adopt(action, "panel", f"Show or hide the {title}", keys, f"panel:{title}")
         self._view_menu.insertActions(self.schemes.menuAction(), actions)
         self._view_menu.insertSeparator(self.schemes.menuAction())
+
+    @property
+    def entries(self) -> list[Entry]:
+        """All actions, with what is said of them."""
+        return self._maker.entries
 
     def fill_recent(self, paths: list[Path]) -> None:
         """List the files that were opened last."""
@@ -219,5 +207,4 @@ class Actions:
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
-        for action, name in self._icons:
-            action.setIcon(icon(name, theme))
+        self._maker.set_theme(theme)

@@ -16,6 +16,7 @@ from PySide6.QtCore import (
     QCoreApplication,
     QMessageLogContext,
     QSettings,
+    QStandardPaths,
     Qt,
     QTimer,
     QtMsgType,
@@ -29,6 +30,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.view import SUFFIX
 from apd_viewer.ui.garbage import GuiThreadGC
 from apd_viewer.ui.loading import Loading
 
@@ -102,17 +104,17 @@ def run(mesh: object = None) -> None:
     # Imported only now: pyvistaqt must find the application as it was prepared above.
     from apd_viewer.ui.window import Window
 
-    window = Window(QSettings())
+    window = Window(QSettings(), recovery_folder())
     if shown is None:
         window.canvas.sketch(*open_sample("bottle"))
-        window.open_sample("bottle")
+        window.filing.open_sample("bottle")
     elif isinstance(shown, Mesh):
-        window.show_mesh(shown)
+        window.filing.show_mesh(shown)
     else:
-        window.open_path(shown)
+        window.filing.open_path(shown)
     window.show()
     loading = Loading()
-    loading.loaded.connect(lambda: window.close() if loading.error else _start(window))
+    loading.loaded.connect(lambda: window.close() if loading.error else _start(window, shown is None))
     window.canvas.viewport.frameSwapped.connect(loading.begin, Qt.ConnectionType.SingleShotConnection)
     QTimer.singleShot(PATIENCE, loading.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
@@ -124,9 +126,16 @@ def run(mesh: object = None) -> None:
         raise ImportError(str(loading.error)) from loading.error
 
 
-def _start(window: Window) -> None:
+def recovery_folder() -> Path:
+    """Where the platform keeps what is done for the case of a crash."""
+    place = QStandardPaths.StandardLocation.AppLocalDataLocation
+    return Path(QStandardPaths.writableLocation(place)) / "recovery"
+
+
+def _start(window: Window, on_bottle: bool) -> None:
     gc.freeze()
     window.start()
+    window.help.greet(on_bottle)
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:
@@ -134,7 +143,7 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
     if mesh is None or isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):
-        check_readable(Path(mesh))
+        check_readable(Path(mesh), also=(SUFFIX,))
         return Path(mesh)
     if hasattr(mesh, "regular_faces"):  # pyvista.PolyData
         surface = mesh.triangulate()  # type: ignore[attr-defined]

@@ -9,14 +9,49 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import FORMATS, WRITTEN, dropped
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.view import SUFFIX
 
-_OPEN_FILTER = f"Meshes ({' '.join('*' + suffix for suffix in FORMATS)})"
+_MESHES = " ".join("*" + suffix for suffix in FORMATS)
+_OPEN_FILTER = f"Meshes and sessions ({_MESHES} *.apd)"
+_WITHOUT, _WITH = "Session (*.apd)", "Session with the mesh in it (*.apd)"
+SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
+_SELECTIONS = f"Selections ({' '.join('*' + suffix for suffix in SELECTION_FORMATS)})"
 
 
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
-    """Which mesh to open; None if the user thought better of it."""
-    path, _ = QFileDialog.getOpenFileName(parent, "Open a mesh", str(folder), _OPEN_FILTER)
+    """Which mesh or session to open; None if the user thought better of it."""
+    path, _ = QFileDialog.getOpenFileName(parent, "Open a mesh or a session", str(folder), _OPEN_FILTER)
     return Path(path) if path else None
+
+
+def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
+    """Where to save the session, and whether with a copy of the mesh in it."""
+    stem = mesh.path.stem if mesh.path else "mesh"
+    path, chosen = QFileDialog.getSaveFileName(
+        parent, "Save the session", str(folder / f"{stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
+    )
+    if not path:
+        return None
+    target = Path(path) if path.lower().endswith(SUFFIX) else _ended(parent, path, SUFFIX)
+    return None if target is None else (target, chosen == _WITH)
+
+
+def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
+    """Which file says what to paint."""
+    path, _ = QFileDialog.getOpenFileName(parent, "Load a selection", str(folder), _SELECTIONS)
+    return Path(path) if path else None
+
+
+def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+    """Where to write what is painted."""
+    stem = mesh.path.stem if mesh.path else "mesh"
+    filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
+    path, chosen = QFileDialog.getSaveFileName(
+        parent, "Save the selection", str(folder / f"{stem}-selection.json"), ";;".join(filters.values())
+    )
+    if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
+        return Path(path) if path else None
+    return _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
 
 
 def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,16 +14,28 @@ from apd_viewer.ui.gizmo_geometry import Frame
 from apd_viewer.ui.navigation import DEAD_ZONE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import QPointF
     from PySide6.QtGui import QMouseEvent, QPainter
 
     from apd_viewer.ui.viewport import Viewport
+
+
+class Along(Enum):
+    """What the axes of the gizmo are: the world's, the handle's, or those of the picture."""
+
+    WORLD = "world"
+    HANDLE = "handle"
+    VIEW = "view"
 
 
 class Gizmo(QObject):
     """Tool that edits a rigid pose.
 
     Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
-    plane of the picture. Ctrl snaps to 15 degrees or to round lengths, Esc goes back.
+    plane of the picture, as does what :attr:`grabs` says; the square out at the corner scales. Ctrl snaps to
+    15 degrees, to round lengths or to tenths, Esc goes back.
 
     Parameters
     ----------
@@ -34,6 +47,10 @@ class Gizmo(QObject):
         A click that moves nothing emits none of them.
     moved : Signal(object)
         The new (4, 4) pose, while the drag goes on; once more the old one when it is cancelled.
+    along : Along
+        What its axes are.
+    grabs : callable or None
+        Whether a press at a position beside the gizmo takes the handle too.
     hint : Signal(str)
         What the drag does, such as "+32.5°"; empty when it is over.
     """
@@ -50,7 +67,8 @@ class Gizmo(QObject):
         self._pose: np.ndarray = np.eye(4)
         self._pivot: np.ndarray = np.zeros(3)
         self._visible = False
-        self._local = False
+        self._along = Along.WORLD
+        self.grabs: Callable[[QPointF], bool] | None = None
         self._hot: str | None = None
         self._drag: Drag | None = None
         self._moving = False  # the drag has left the dead zone
@@ -74,13 +92,13 @@ class Gizmo(QObject):
         self._viewport.overlay.update()
 
     @property
-    def local(self) -> bool:
-        """Whether the axes turn with the pose, or stay those of the world."""
-        return self._local
+    def along(self) -> Along:
+        """What the axes are."""
+        return self._along
 
-    @local.setter
-    def local(self, on: bool) -> None:
-        self._local = on
+    @along.setter
+    def along(self, along: Along) -> None:
+        self._along = along
         self._viewport.overlay.update()
 
     def place(self, pose: np.ndarray, pivot: np.ndarray) -> None:
@@ -99,9 +117,13 @@ class Gizmo(QObject):
     @property
     def frame(self) -> Frame:
         """The gizmo as the camera sees it now."""
-        centre = self._pose[:3, :3] @ self._pivot + self._pose[:3, 3]
-        axes = self._pose[:3, :3].T.copy() if self._local else np.eye(3)
-        return Frame(self._viewport.eye, centre, axes)
+        eye, A = self._viewport.eye, self._pose[:3, :3]
+        centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
+        if self._along is Along.HANDLE:
+            axes = (A / np.linalg.norm(A, axis=0)).T.copy()
+        elif self._along is Along.VIEW:
+            axes = eye.axes * [[1.0], [1.0], [-1.0]]
+        return Frame(eye, centre, axes)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""
@@ -164,7 +186,10 @@ class Gizmo(QObject):
 
     def _handle_at(self, event: QMouseEvent) -> str | None:
         p = event.position()
-        return self.frame.handle_at(p.x(), p.y()) if self._visible else None
+        if not self._visible:
+            return None
+        taken = self.frame.handle_at(p.x(), p.y())
+        return taken or ("centre" if self.grabs is not None and self.grabs(p) else None)
 
     def _show(self, handle: str | None, cursor: Qt.CursorShape | None = None) -> None:
         if handle is not None and cursor is not None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.ui.camera import rotation, unit
+from apd_viewer.geometry.motions import scaled_about, shifted, turned_about
+from apd_viewer.ui.camera import unit
 from apd_viewer.ui.gizmo_geometry import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 SNAP_ANGLE = np.deg2rad(15.0)
 SNAP_PIXELS = 20.0
+SNAP_SCALE = 0.1  # and no handle is made smaller than that
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,8 @@ class Drag:
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
             return self._turned(frame, x, y, snap)
+        if self.handle == "scale":
+            return self._scaled(frame, x, y, snap)
         return self._shifted(frame, x, y, snap)
 
     def _turned(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
@@ -71,6 +75,13 @@ class Drag:
         pose = rotated(self.pose0, frame.centre, frame.axes[i], shown)
         text = f"{signed(np.rad2deg(shown), 1)}°"
         return replace(self, last=(x, y), pose=pose, angle=angle, shown=shown, text=text)
+
+    def _scaled(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+        far, before = (float(np.linalg.norm(np.array(p) - frame.middle)) for p in ((x, y), self.start))
+        factor = far / before
+        factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
+        pose = scaled_about(frame.centre, factor) @ self.pose0
+        return replace(self, last=(x, y), pose=pose, text=f"× {factor:.2f}")
 
     def _shifted(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
         directions, names = self._directions(frame)
@@ -175,18 +186,12 @@ def nice_step(length: float) -> float:
 
 def translated(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """The (4, 4) pose followed by a translation."""
-    moved = pose.copy()
-    moved[:3, 3] += offset
-    return moved
+    return shifted(offset) @ pose
 
 
 def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """The (4, 4) pose followed by a rotation about the unit axis through ``centre``."""
-    R = rotation(axis, angle)
-    moved = pose.copy()
-    moved[:3, :3] = R @ pose[:3, :3]
-    moved[:3, 3] = centre + R @ (pose[:3, 3] - centre)
-    return moved
+    return turned_about(centre, axis, angle) @ pose
 
 
 def signed(value: float, digits: int) -> str:

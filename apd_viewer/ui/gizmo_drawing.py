@@ -62,7 +62,11 @@ class Look:
 
     def colour(self, handle: str) -> QColor:
         """Its colour, brighter under the cursor."""
-        name = CENTRE[self.dark] if handle == "centre" else AXIS_COLOURS[self.dark][axis_index(handle)]
+        name = (
+            CENTRE[self.dark]
+            if handle in ("centre", "scale")
+            else AXIS_COLOURS[self.dark][axis_index(handle)]
+        )
         colour = QColor(name)
         return colour.lighter(112) if handle == self.hot else colour
 
@@ -79,6 +83,7 @@ def draw(painter: QPainter, frame: Frame, look: Look) -> None:
         _draw_square(painter, frame, look, i, name)
     for i in np.argsort(frame.facing):
         _draw_arrow(painter, frame, look, int(i), ARROWS[i])
+    _draw_scale(painter, frame, look)
     _draw_centre(painter, frame, look)
     painter.setOpacity(1.0)
 
@@ -145,6 +150,19 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
     path.translate(QPointF(*at) - path.boundingRect().center())
     painter.strokePath(path, QPen(_translucent(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
     painter.fillPath(path, colour)
+
+
+def _draw_scale(painter: QPainter, frame: Frame, look: Look) -> None:
+    hot = "scale" in (look.hot, look.drag and look.drag.handle)
+    painter.setOpacity(look.opacity("scale"))
+    corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
+    half = 5.5 if hot else 4.5
+    way = (corner - frame.middle) / np.linalg.norm(corner - frame.middle)
+    ends = np.array([frame.middle + (RING + 6.0) * way, corner - 8.0 * way])
+    _stroke(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
+    painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
+    painter.setBrush(look.colour("scale"))
+    painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
 
 def _draw_centre(painter: QPainter, frame: Frame, look: Look) -> None:

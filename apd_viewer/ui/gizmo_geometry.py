@@ -1,6 +1,6 @@
 """Where the handles of the gizmo are on the screen, and which one the cursor is on.
 
-Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (rings) and ``centre``.
+Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (rings), ``centre`` and ``scale``.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ SIZE = 136.0  # all of it, letters included, lies within this distance of the ce
 RING = 76.0
 SQUARE = (27.0, 43.0)
 DOT = 5.0
+SCALE = (86.0, -86.0)  # from the centre, across and down the picture
 REACH = 8.0
 
 ARROWS, SQUARES, RINGS = ("x", "y", "z"), ("yz", "zx", "xy"), ("rx", "ry", "rz")
@@ -60,6 +61,17 @@ class Frame:
     def facing(self) -> np.ndarray:
         """Cosine between each axis and the direction to the camera."""
         return self.axes @ unit(self.camera.position - self.centre)
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """Pixel position of the centre, (2,)."""
+        place: np.ndarray = self.on_screen(np.zeros((1, 3)))[0]
+        return place
+
+    @property
+    def corner(self) -> np.ndarray:
+        """Pixel position of the handle that scales, (2,)."""
+        return self.middle + SCALE
 
     @property
     def visible(self) -> bool:
@@ -106,8 +118,10 @@ class Frame:
         if not self.visible:
             return None
         cursor = np.array([x, y])
-        if np.linalg.norm(self.on_screen(np.zeros((1, 3)))[0] - cursor) <= DOT + 4:
+        if np.linalg.norm(self.middle - cursor) <= DOT + 4:
             return "centre"
+        if np.abs(self.corner - cursor).max() <= REACH:
+            return "scale"
         for i, name in enumerate(SQUARES):
             if self.usable(name) and inside(self.square(i), cursor):
                 return name

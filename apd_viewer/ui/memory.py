@@ -83,6 +83,26 @@ class Memory:
         self._settings.setValue("units", lines[:_MOST_UNITS])
 
     @property
+    def shortcuts(self) -> dict[str, str]:
+        """The keys that were chosen, by the names of their actions."""
+        value = self._settings.value("shortcuts", [])
+        lines = [value] if isinstance(value, str) else list(value or [])
+        return {name: keys for name, _, keys in (str(line).partition(" ") for line in lines)}
+
+    @shortcuts.setter
+    def shortcuts(self, shortcuts: dict[str, str]) -> None:
+        self._settings.setValue("shortcuts", [f"{name} {keys}" for name, keys in shortcuts.items()])
+
+    @property
+    def toured(self) -> bool:
+        """Whether this is not the first start of all: then the tour is shown only when asked for."""
+        return bool(self._settings.value("tour", False, bool))
+
+    @toured.setter
+    def toured(self, toured: bool) -> None:
+        self._settings.setValue("tour", toured)
+
+    @property
     def scheme(self) -> Qt.ColorScheme:
         """Light, dark, or as the platform has it."""
         return Qt.ColorScheme(self._settings.value("scheme", 0, int))

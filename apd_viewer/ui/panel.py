@@ -157,6 +157,14 @@ class Panel(QScrollArea):
         """Let go of a slider that is being swept; True if there was one."""
         return any(dial.slider.give_up() for dial in self.dials)
 
+    def show_motion(self) -> None:
+        """Unfold the handles, and put the cursor where a motion is typed."""
+        self.handles.folded = False
+        field = self.handles.motion.amount
+        self.ensureWidgetVisible(field)
+        field.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        field.selectAll()
+
     @property
     def folded(self) -> list[str]:
         """Titles of the sections that are folded."""

@@ -57,23 +57,23 @@ class Parts(QObject):
 
     def add_handle(self) -> None:
         """One more handle, which is active from now on."""
-        self.choose_handle(self._session.add_handle())
+        self.choose_handle(self._session.parts.add_handle())
 
     def add_region(self) -> None:
         """One more region, which is active from now on."""
-        self.choose_region(self._session.add_region())
+        self.choose_region(self._session.parts.add_region())
 
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k``; the active one stays so unless it was that."""
         if k < self.handle:
             self.handle -= 1
-        self._session.remove_handle(k)
+        self._session.parts.remove_handle(k)
 
     def remove_region(self, k: int) -> None:
         """Remove region ``k``; the active one stays so unless it was that."""
         if k < self.region:
             self.region -= 1
-        self._session.remove_region(k)
+        self._session.parts.remove_region(k)
 
     def _choose(self, handle: int, region: int) -> None:
         if (handle, region) != (self.handle, self.region):

@@ -13,6 +13,7 @@ from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.ui.fields import Check, Number, percent_field
 from apd_viewer.ui.figures import figures, length
 from apd_viewer.ui.icons import icon
+from apd_viewer.ui.motion_field import MotionField
 from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.part_list import PartList, PartRow
 from apd_viewer.ui.section import Section, quiet
@@ -35,30 +36,40 @@ class HandleSection(Section):
     Attributes
     ----------
     list : PartList
-    added, reset_asked : Signal()
+    motion : MotionField
+    added, reset_asked, put_back_asked : Signal()
     drift : QLabel
     """
 
     added = Signal()
     reset_asked = Signal()
+    put_back_asked = Signal()
 
     def __init__(self) -> None:
         super().__init__("Handles")
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
+        self.motion = MotionField()
+        self.column.addWidget(self.motion)
         self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
         grid = QGridLayout()
         grid.addWidget(QLabel("Drift", objectName="quiet", toolTip=_DRIFT), 0, 0)
         grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
         self.column.addLayout(grid)
-        self.add = QPushButton("Add handle", toolTip="One more part to be moved by itself (Shift+H)")
-        self.reset = QPushButton("Reset", toolTip="Put all handles back, and the mesh in its rest shape")
-        self.reset.setAccessibleName("Reset handles")
+        self.add = QPushButton(
+            "Add", accessibleName="Add handle", toolTip="One more part to be moved by itself (Shift+H)"
+        )
+        self.back = QPushButton(
+            "Put back", toolTip="Put the active handle back where it was gripped (Shift+M)"
+        )
+        self.back.setAccessibleName("Put the active handle back")
+        self.reset = QPushButton("Reset all", toolTip="Put all handles back, and the mesh in its rest shape")
         self.add.clicked.connect(self.added)
+        self.back.clicked.connect(self.put_back_asked)
         self.reset.clicked.connect(self.reset_asked)
         buttons = QHBoxLayout(spacing=8)
-        buttons.addWidget(self.add)
-        buttons.addWidget(self.reset)
+        for button in (self.add, self.back, self.reset):
+            buttons.addWidget(button)
         self.column.addSpacing(4)
         self.column.addLayout(buttons)
 
@@ -76,6 +87,8 @@ class HandleSection(Section):
             row.reading.setText(f"{count:,}" if count else "not painted")
             row.reading.setToolTip("Vertices of the handle")
             row.remove.setVisible(len(document.handles) > 1)
+        self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
+        self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
             details.setText(_motion(document, active, unit, max(state.inspection.size)))

@@ -4,34 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QPushButton, QWidget
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
+from apd_viewer.ui.deeds import Deeds
+from apd_viewer.ui.filing import Filing
 from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.health import Health
+from apd_viewer.ui.help import Help
+from apd_viewer.ui.history_list import HistoryList
 from apd_viewer.ui.icons import application_icon
-from apd_viewer.ui.memory import Memory, own_file
+from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.notice import Empty, Invitation, Notice
+from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.statusbar import StatusBar
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.toolbox import Tool, Way
 from apd_viewer.ui.units import Units
+from apd_viewer.ui.way_bar import WayBar
 from apd_viewer.ui.wiring import connect_hand, connect_parts, connect_settings
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from pathlib import Path
+
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
     from apd_viewer.session.units import Unit
+    from apd_viewer.session.view import View
 
 # For the values of Activity.
 _WORDS = {"idle": "ready", "refining": "refining", "settled": "settled", "not reached": "not settled"}
@@ -46,6 +53,8 @@ class Window(QMainWindow):
     ----------
     settings : QSettings
         Where recent files and the layout are remembered.
+    recovery : Path or None
+        The folder in which what is done is kept for the case of a crash; None keeps nothing.
 
     Attributes
     ----------
@@ -59,10 +68,11 @@ class Window(QMainWindow):
 
     _woken = Signal()
 
-    def __init__(self, settings: QSettings) -> None:
+    def __init__(self, settings: QSettings, recovery: Path | None = None) -> None:
         super().__init__()
         self._memory = Memory(settings)
         self._units = Units(self._memory)
+        self.filing = Filing(self, self._memory, lambda unit: self.canvas.view(unit), recovery)
         self.setWindowTitle("APD Viewer")
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
@@ -70,19 +80,28 @@ class Window(QMainWindow):
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
         self.resize(1280, 800)
         self._started = self._closed = False
-        self._wish: Callable[[], None] | None = None  # what to open as soon as there is a session
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
         self._make_panel()
+        self.deeds = Deeds(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
         self.actions_ = Actions(self, self._verbs())
-        self.actions_.add_panels([self._dock.toggleViewAction()])
+        self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
+        self.actions_.add_panels([self._dock.toggleViewAction(), self._history_dock.toggleViewAction()])
+        for nudge in self.actions_.pose.nudges:  # elsewhere arrows move a slider or a cursor
+            nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)
+            self.canvas.viewport.addAction(nudge)
+        parts = self.canvas, self.actions_, self.panel
+        self.help = Help(self, parts, self._memory, partial(self.filing.open_sample, "bottle"))
+        for change in (self.help.tour.began, self.help.tour.ended):
+            change.connect(self._invite)
         self.actions_.show_history(None, None)
         self.actions_.fill_recent(self._memory.recent)
         self._memory.restore_layout(self)
         self._set_scheme(self._memory.scheme)
+        self.choose_way(Way.BRUSH)
         self.take(Tool.MOVE)
         self._show_state(None)
 
@@ -100,6 +119,7 @@ class Window(QMainWindow):
                 status_changed=self._status_changed,
                 told=self.notice.tell,
                 failed=self.notice.fail,
+                viewed=self._look_as,
             )
         )
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
@@ -109,8 +129,8 @@ class Window(QMainWindow):
         self._connect_canvas()
         self._connect_panel()
         self._started = True
-        if self._wish is not None:
-            self._wish()
+        self.filing.start(self.session)
+        self.offer.start()
         self._status_changed()
 
     # Building
@@ -119,11 +139,12 @@ class Window(QMainWindow):
         view = self.canvas.viewport
         self.notice = Notice(view)
         self.invitation = Invitation(view)
+        self.offer = Offer(view, self.filing)
         self._guide = Guide(self.invitation)
         self.health = Health(self.canvas)
-        buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self._ask_for_file)]
+        buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self.filing.ask_for_file)]
         for name, title in SAMPLES.items():
-            buttons.append(QPushButton(title, clicked=partial(self.open_sample, name)))
+            buttons.append(QPushButton(title, clicked=partial(self.filing.open_sample, name)))
         self._empty = Empty(view, buttons)
 
     def _make_panel(self) -> None:
@@ -133,31 +154,40 @@ class Window(QMainWindow):
         self._dock.setWidget(self.panel)
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._dock)
         self.panel.folded = self._memory.folded
+        self._history = HistoryList()
+        self._history_dock = QDockWidget("History", self, objectName="history")
+        self._history_dock.setWidget(self._history)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._history_dock)
+        self._history_dock.hide()
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
         view = self.canvas.viewport
         return {
-            "open": self._ask_for_file,
-            "open_path": self.open_path,
-            "open_sample": self.open_sample,
-            "export": self._ask_for_target,
+            "open": self.filing.ask_for_file,
+            "open_path": self.filing.open_path,
+            "open_sample": self.filing.open_sample,
+            "export": self.filing.ask_for_target,
+            "save": self.filing.save,
+            "save_as": self.filing.save_as,
+            "load_selection": self.filing.load_selection,
+            "save_selection": self.filing.save_selection,
             "quit": self.close,
-            "undo": self._undo,
-            "redo": self._redo,
-            "reset": self._reset,
+            **self.deeds.verbs,
             "take": self.take,
+            "way": self.choose_way,
+            "through": self.canvas.select_through,
             "larger": partial(self._scale_brush, 1.25),
             "smaller": partial(self._scale_brush, 0.8),
-            "add_handle": self._add_handle,
-            "add_region": self._add_region,
-            "next_handle": self._next_handle,
+            "type_motion": self._type_motion,
+            "along": partial(setattr, self.canvas.gizmo, "along"),
             "frame": self.canvas.frame_mesh,
             "findings": self.health.open,
             "look": view.look_along,
             "edges": partial(setattr, self.canvas.surface, "edges"),
             "smooth": partial(setattr, self.canvas.surface, "smooth"),
-            "local": partial(setattr, self.canvas.gizmo, "local"),
             "scheme": self._set_scheme,
+            "shortcuts": lambda: self.help.open_sheet(),
+            "tour": lambda: self.help.begin_tour(),
             "about": partial(dialogs.about, self),
         }
 
@@ -175,30 +205,11 @@ class Window(QMainWindow):
         panel, session, parts = self.panel, self.session, self.parts
         connect_settings(panel, session)
         connect_parts(panel, session, parts)
-        panel.handles.added.connect(self._add_handle)
-        panel.handles.reset_asked.connect(self._reset)
-        panel.regions.added.connect(self._add_region)
+        self.deeds.start(session, parts)
+        self._history.chosen.connect(self.deeds.verbs["travel"])
         panel.area.unit.chosen.connect(self._choose_unit)
 
     # The user's verbs that need a word with the user
-
-    def open_path(self, path: str | Path) -> None:
-        """Open a mesh file, in the background."""
-        self._open(lambda: self.session.open(path))
-
-    def open_sample(self, name: str) -> None:
-        """Open a sample, in the background."""
-        self._open(lambda: self.session.open_sample(name))
-
-    def show_mesh(self, mesh: Mesh) -> None:
-        """Show a mesh that is in memory."""
-        self._open(lambda: self.session.show(mesh))
-
-    def _open(self, wish: Callable[[], None]) -> None:
-        if self._started:
-            wish()
-        else:
-            self._wish = wish  # the latest wins
 
     @property
     def _state(self) -> State | None:
@@ -208,21 +219,16 @@ class Window(QMainWindow):
         """Put a tool into the hand."""
         self.canvas.take(tool)
         self.actions_.tools[tool].setChecked(True)
-        self.status.hint(tool.words.hint)
+        self.status.hint(tool.hint(self.canvas.way))
+        self.way_bar.show_for(tool.words.is_brush)
         self._invite()
 
-    def _ask_for_file(self) -> None:
-        path = dialogs.ask_for_mesh(self, self._memory.folder)
-        if path is not None:
-            self.open_path(path)
-
-    def _ask_for_target(self) -> None:
-        state = self._state
-        if state is None:
-            return
-        path = dialogs.ask_for_target(self, self._memory.folder, state.document.mesh)
-        if path is not None:
-            self.session.export(path)
+    def choose_way(self, way: Way) -> None:
+        """Choose vertices in another way; a tool that paints nothing gives way to one that does."""
+        self.canvas.choose_way(way)
+        self.actions_.select.ways[way].setChecked(True)
+        paints = self.canvas.tool.words.is_brush
+        self.take(self.canvas.tool if paints or not self._started else Tool.HANDLE)
 
     def _begin_stroke(self) -> None:
         if self._state is not None:
@@ -233,36 +239,9 @@ class Window(QMainWindow):
         self.session.end_stroke(gesture)
         self._invite()
 
-    def _add_handle(self) -> None:
-        if self._state is not None:
-            self.parts.add_handle()
-            self.take(Tool.HANDLE)
-
-    def _next_handle(self) -> None:
-        if self._state is not None:
-            self.parts.next_handle()
-
-    def _add_region(self) -> None:
-        if self._state is not None:
-            self.parts.add_region()
-            self.take(Tool.REGION)
-
-    def _undo(self) -> None:
-        if self._state is not None and not self._give_up():
-            self.session.undo()
-
-    def _redo(self) -> None:
-        if self._state is not None and not self._give_up():
-            self.session.redo()
-
-    def _give_up(self) -> bool:
-        """In the middle of a drag it is the drag that is taken back, and no more."""
-        return self.canvas.viewport.cancel() or self.panel.give_up_sweep()
-
-    def _reset(self) -> None:
-        if self._state is not None:
-            self._give_up()
-            self.session.reset_handle()
+    def _type_motion(self) -> None:
+        self._dock.show()
+        self.panel.show_motion()
 
     def _choose_unit(self, unit: Unit) -> None:
         state = self._state
@@ -293,6 +272,12 @@ class Window(QMainWindow):
         if old is None or old.document.labels is not document.labels:
             self._invite()
 
+    def _look_as(self, view: View) -> None:
+        self.canvas.look_as(view)
+        self._choose_unit(type(self.session.unit)(view.unit))
+        self.filing.viewed()
+        self.actions_.fill_recent(self._memory.recent)
+
     def _parts_changed(self) -> None:
         self.canvas.choose(self.parts.handle, self.parts.region)
         if self.session.state is not None:
@@ -307,21 +292,25 @@ class Window(QMainWindow):
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.health.show(state.inspection.findings)
         self.session.unit = self.panel.unit = self._units.of(mesh)
-        if path := own_file(mesh):
-            self._memory.remember(path)
-            self.actions_.fill_recent(self._memory.recent)
+        self.filing.opened(state)
+        self.actions_.fill_recent(self._memory.recent)
 
     def _status_changed(self) -> None:
         session = self.session
-        self.actions_.show_history(session.history.next_undo, session.history.next_redo)
+        history = session.history
+        self.actions_.show_history(history.next_undo, history.next_redo)
+        self._history.show_steps(history.done, history.undone)
         self._show_state(session.state)
         self._empty.setVisible(session.state is None and session.errand is None)
         self.status.show_session(session)
+        self.offer.follow(session)
+        self.help.follow(session)
 
     def _show_state(self, state: State | None) -> None:
         """Offer what can be done with what is open, and say what the worker does about it."""
         moved = state is not None and self.session.moved
-        self.actions_.export.setEnabled(state is not None)
+        for action in self.actions_.of_a_mesh:
+            action.setEnabled(state is not None)
         self.actions_.reset.setEnabled(moved)
         self.panel.handles.reset.setEnabled(moved)
         self.panel.setEnabled(state is not None)
@@ -335,7 +324,9 @@ class Window(QMainWindow):
 
     def _invite(self) -> None:
         state = self._state
-        if state is not None:
+        if self.help.tour.active:
+            self.invitation.say("")  # the card says it
+        elif state is not None:
             self._guide.say_next(state.document, self.canvas.tool, self.parts.handle)
 
     def _set_scheme(self, scheme: Qt.ColorScheme) -> None:
@@ -347,14 +338,14 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        for part in (self.actions_, self.notice, self.panel, self.canvas, self.health):
+        for part in (self.actions_, self.notice, self.offer, self.panel, self.canvas, self.health, self.help):
             part.set_theme(colors)
 
     # Events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Put the tool away on Esc, where nothing was under way that Esc could cancel or close."""
-        if event.key() == Qt.Key.Key_Escape and not self.health.close():
+        if event.key() == Qt.Key.Key_Escape and not (self.help.close() or self.health.close()):
             self.take(Tool.ORBIT)
         super().keyPressEvent(event)
 
@@ -365,7 +356,7 @@ class Window(QMainWindow):
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open the file."""
-        self.open_path(event.mimeData().urls()[0].toLocalFile())
+        self.filing.open_path(event.mimeData().urls()[0].toLocalFile())
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the platform from light to dark."""
@@ -375,26 +366,16 @@ class Window(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask before a shape is lost; then end the worker, and the view before its window."""
-        if self._worth_asking() and not self._may_close():
+        if not self.filing.may_close():
             event.ignore()
             return
         self._memory.keep_layout(self)
         self._memory.folded = self.panel.folded
         self._closed = True
+        self.help.tour.end()
         self.health.close()
+        self.offer.close_all()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()
         super().closeEvent(event)
-
-    def _worth_asking(self) -> bool:
-        """Whether a shape would be lost; the samples are there to be played with."""
-        return self._started and any(
-            mesh.path is None or own_file(mesh) is not None for mesh in self.session.unsaved
-        )
-
-    def _may_close(self) -> bool:
-        answer = dialogs.ask_before_losing(self)
-        if answer == QMessageBox.StandardButton.Save:
-            self._ask_for_target()  # and stay: whoever sees the file written can close
-        return answer == QMessageBox.StandardButton.Discard

@@ -14,15 +14,15 @@ if TYPE_CHECKING:
 
 def connect_settings(panel: Panel, session: Session) -> None:
     """Have the session do what is set in the panel; the sweep of a slider is one gesture."""
-    panel.area.target.chosen.connect(session.set_area)
-    panel.area.held.connect(session.hold_area)
-    panel.volume.kept.connect(session.set_volume)
-    panel.volume.target.chosen.connect(session.set_volume)
-    panel.method.method_chosen.connect(session.set_method)
-    panel.method.tolerance_chosen.connect(session.set_tolerance)
-    panel.method.stiffness.chosen.connect(session.set_stiffness)
-    panel.method.area_stiffness_chosen.connect(lambda x: session.set_material(area_stiffness=x))
-    panel.method.shear_stiffness_chosen.connect(lambda x: session.set_material(shear_stiffness=x))
+    panel.area.target.chosen.connect(session.settings.set_area)
+    panel.area.held.connect(session.settings.hold_area)
+    panel.volume.kept.connect(session.settings.set_volume)
+    panel.volume.target.chosen.connect(session.settings.set_volume)
+    panel.method.method_chosen.connect(session.settings.set_method)
+    panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
+    panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
+    panel.method.area_stiffness_chosen.connect(lambda x: session.settings.set_material(area_stiffness=x))
+    panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))
     gestures = "Change area", "Change volume", "Change stiffness"
     for dial, gesture in zip(panel.dials, gestures, strict=True):
         dial.sweep_began.connect(session.begin_gesture)
@@ -33,12 +33,12 @@ def connect_settings(panel: Panel, session: Session) -> None:
 def connect_parts(panel: Panel, session: Session, parts: Parts) -> None:
     """Have the session and the hand do what is asked in the lists of handles and regions."""
     panel.handles.list.chosen.connect(parts.choose_handle)
-    panel.handles.list.renamed.connect(session.rename_handle)
+    panel.handles.list.renamed.connect(session.parts.rename_handle)
     panel.handles.list.removed.connect(parts.remove_handle)
     panel.regions.list.chosen.connect(parts.choose_region)
-    panel.regions.list.renamed.connect(session.rename_region)
+    panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
-    panel.regions.kept.connect(session.set_region_area)
+    panel.regions.kept.connect(session.settings.set_region_area)
 
 
 def connect_hand(canvas: Canvas, session: Session, parts: Parts) -> None:

@@ -243,11 +243,11 @@ def main() -> None:
     dragging(bench, "drag", profile)
     session = bench.window.session
     for low, high in ((2.0, 6.0), (8.0, 12.0)):
-        k = session.add_region()
+        k = session.parts.add_region()
         session.begin_gesture()
         session.paint_region(np.flatnonzero((V[:, 1] > low) & (V[:, 1] < high)), k + 1)
         session.end_stroke("Paint region")
-        session.set_region_area(k, 100.0)
+        session.settings.set_region_area(k, 100.0)
     dragging(bench, "drag, two regions kept", profile)
     stroking(bench, profile)
     if "--picture" in sys.argv:

@@ -5,7 +5,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.ui.camera import UP, Camera, rotation
-from apd_viewer.ui.gizmo import Gizmo
+from apd_viewer.ui.gizmo import Along, Gizmo
 from apd_viewer.ui.gizmo_drag import begin, nice_step, rotated, signed, snapped
 from apd_viewer.ui.gizmo_geometry import ARROWS, RING, RINGS, SQUARES, Frame
 
@@ -304,7 +304,7 @@ def test_hiding_cancels_and_hidden_handles_are_not_taken(view, gizmo, mouse):
 
 
 def test_local_axes_turn_with_the_pose(view, gizmo, mouse):
-    gizmo.local = True
+    gizmo.along = Along.HANDLE
     gizmo.place(POSE, np.zeros(3))
     np.testing.assert_allclose(gizmo.frame.axes, POSE[:3, :3].T)
     np.testing.assert_allclose(gizmo.frame.centre, POSE[:3, 3])

@@ -27,7 +27,7 @@ def damaged():
 @pytest.fixture
 def ill(qtbot, window):
     """A window on the damaged sphere."""
-    window.show_mesh(damaged())
+    window.filing.show_mesh(damaged())
     idle(qtbot, window)
     qtbot.wait(20)
     return window
@@ -75,7 +75,7 @@ def towards(window, points):
 def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     badge = window.health.badge
     assert not badge.isVisible(), "no mesh is open"
-    window.open_sample("bottle")
+    window.filing.open_sample("bottle")
     idle(qtbot, window)
     assert badge.isVisible()
     assert not badge.isEnabled()
@@ -101,7 +101,7 @@ def test_the_badge_counts_what_the_list_says(qtbot, ill):
 
 def test_a_single_finding_is_told_as_it_is(qtbot, window):
     V, F = meshes.sphere(2)
-    window.show_mesh(Mesh(V, F[3:]))
+    window.filing.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
     assert window.notice.text == findings(window)[0].sentence
     assert window.health.badge.text() == "1 finding"
@@ -163,7 +163,7 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
         mouse.drag(view.project(np.zeros((1, 3)))[0], view.project(np.array([[0.0, 0.2, 0.0]]))[0])
         assert (document(ill).labels == BASE).any()
     elif way == "mesh":
-        ill.open_sample("duck")
+        ill.filing.open_sample("duck")
         idle(qtbot, ill)
         assert ill.health.badge.text() == "No findings"
     else:
@@ -233,7 +233,7 @@ def test_marks_move_with_the_mesh_and_outlast_a_change_of_paint(qtbot, ill):
 
 def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_whole(qtbot, window):
     V, F = meshes.soup(*meshes.sphere(2))
-    window.show_mesh(Mesh(V * 1e-5, F[2:]))
+    window.filing.show_mesh(Mesh(V * 1e-5, F[2:]))
     idle(qtbot, window)
     open_list(qtbot, window)
     border = choose(qtbot, window, "open borders")

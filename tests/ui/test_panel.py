@@ -148,7 +148,7 @@ def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, b
 
 
 def test_a_sweep_can_be_given_up(qtbot, bottle):
-    bottle.session.set_tolerance(0.002)
+    bottle.session.settings.set_tolerance(0.002)
     slider, before = bottle.panel.method.stiffness.slider, document(bottle)
     mouse = Mouse(slider)
     for give_up in (
@@ -165,7 +165,7 @@ def test_a_sweep_can_be_given_up(qtbot, bottle):
 
 
 def test_a_double_click_returns_to_100_percent(bottle):
-    bottle.session.set_area(130.0)
+    bottle.session.settings.set_area(130.0)
     slider = bottle.panel.area.target.slider
     at = knob(slider, slider.value())
     mouse = Mouse(slider)
@@ -238,7 +238,7 @@ def test_a_volume_is_kept_or_the_reason_why_not_is_said(qtbot, bottle):
 
 def test_an_open_surface_has_no_volume_to_keep(qtbot, window):
     V, F = meshes.sphere(2)
-    window.show_mesh(Mesh(V, F[3:]))
+    window.filing.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
     assert not window.panel.volume.keep.isEnabled()
     assert "Only a closed surface" in window.panel.volume.why_not.text()

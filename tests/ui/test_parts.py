@@ -106,10 +106,10 @@ def test_a_region_keeps_its_area(qtbot, bottle):
     assert document(bottle).regions[0].area == 90.0
     reading = bottle.panel.regions.list.rows[0].reading
     qtbot.waitUntil(lambda: reading.text() == "90.00 %, kept", timeout=20_000)
-    bottle.session.set_method("paper")
+    bottle.session.settings.set_method("paper")
     assert not details.box.isEnabled()
     assert not bottle.panel.regions.note.isHidden()
-    bottle.session.set_method("exact")
+    bottle.session.settings.set_method("exact")
     details.box.click()
     assert document(bottle).regions[0].area is None
 
@@ -192,7 +192,7 @@ def test_a_click_on_the_paint_of_a_handle_takes_it_and_a_drag_turns_the_view(qtb
 
 def test_handles_are_added_stepped_through_and_removed(qtbot, two):
     row = two.panel.handles.list.rows[1]
-    two.actions_.parts[1].trigger()
+    two.actions_.pose.parts[1].trigger()
     assert two.parts.handle == 0
     qtbot.keyClick(two.panel.handles.list.rows[0], Qt.Key.Key_Down)
     assert two.parts.handle == 1
@@ -207,7 +207,7 @@ def test_handles_are_added_stepped_through_and_removed(qtbot, two):
 
 
 def test_an_unpainted_handle_asks_to_be_painted(bottle):
-    bottle.actions_.parts[0].trigger()
+    bottle.actions_.pose.parts[0].trigger()
     assert "Handle 2" in bottle.invitation.text()
     assert bottle.canvas.painter.color.getRgb()[:3] == HANDLE_COLORS[1]
     assert not bottle.canvas.gizmo.visible

@@ -28,10 +28,10 @@ def early(qtbot, settings):
 
 
 def test_the_last_wish_is_opened_at_the_start(qtbot, early):
-    early.open_path("gone.obj")
-    early.open_sample("bottle")
-    early.show_mesh(Mesh(np.eye(3), np.array([[0, 1, 2]])))
-    early.open_sample("duck")
+    early.filing.open_path("gone.obj")
+    early.filing.open_sample("bottle")
+    early.filing.show_mesh(Mesh(np.eye(3), np.array([[0, 1, 2]])))
+    early.filing.open_sample("duck")
     early.start()
     idle(qtbot, early)
     assert document(early).mesh.path.name == "duck.obj"
@@ -39,7 +39,7 @@ def test_the_last_wish_is_opened_at_the_start(qtbot, early):
 
 
 def test_nothing_breaks_before_the_start(qtbot, early):
-    for action in (*early.actions_.tools.values(), early.actions_.undo, *early.actions_.parts):
+    for action in (*early.actions_.tools.values(), early.actions_.undo, *early.actions_.pose.parts):
         action.trigger()
     mouse = Mouse(early.canvas.viewport)
     mouse.drag(centre(early.canvas.viewport), QPoint(30, 30))
@@ -50,7 +50,7 @@ def test_nothing_breaks_before_the_start(qtbot, early):
 
 
 def test_a_window_that_is_closed_before_the_start_starts_nothing(early):
-    early.open_sample("bottle")
+    early.filing.open_sample("bottle")
     assert early.close()
     early.start()
     assert not hasattr(early, "session")
@@ -61,7 +61,7 @@ def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
     mesh, labels = open_sample("bottle")
     empty = view.screenshot().copy() if QGuiApplication.platformName() != "offscreen" else None
     early.canvas.sketch(mesh, labels)
-    early.open_sample("bottle")
+    early.filing.open_sample("bottle")
     settle(qtbot, view)
     early.take(Tool.BASE)
     mouse, framed = Mouse(view), view.eye.key
@@ -82,7 +82,7 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
         pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
     early.canvas.sketch(*open_sample("bottle"))
-    early.open_sample("bottle")
+    early.filing.open_sample("bottle")
     sketch = view.screenshot().astype(int)
     early.start()
     idle(qtbot, early)
@@ -91,7 +91,7 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
 
 def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
-    early.open_sample("bottle")
+    early.filing.open_sample("bottle")
     sketched = early.canvas.viewport.eye
     early.start()
     idle(qtbot, early)
@@ -101,7 +101,7 @@ def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
 
 def test_another_mesh_than_the_sketched_one_is_framed(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
-    early.open_sample("duck")
+    early.filing.open_sample("duck")
     before = early.canvas.viewport.eye.key
     early.start()
     idle(qtbot, early)

@@ -30,7 +30,7 @@ def files(tmp_path):
 
 
 def open_file(qtbot, window, path):
-    window.open_path(path)
+    window.filing.open_path(path)
     idle(qtbot, window)
 
 
@@ -60,8 +60,8 @@ POWERS = {"area": 2, "volume": 3, "drift": 1, "moved": 1, "region": 2, "extent":
 def twisted(qtbot, bottle):
     """The bottle with a region, moved a little by the method that lets the handle drift."""
     session = bottle.session
-    session.set_method("paper")
-    session.add_region()
+    session.settings.set_method("paper")
+    session.parts.add_region()
     session.begin_gesture()
     session.paint_region(np.flatnonzero(abs(document(bottle).mesh.V[:, 1] - 10) < 2), 1)
     session.end_stroke("Paint")
@@ -166,7 +166,7 @@ def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, s
     assert units.of(Mesh(V, F, path=resource("duck.obj"))) is NONE
     choose(bottle, M)
     assert set(Memory(settings).units.values()) == {MM}
-    bottle.open_sample("bottle")
+    bottle.filing.open_sample("bottle")
     idle(qtbot, bottle)
     assert bottle.panel.unit is NONE
     bottle.session.undo()
@@ -194,7 +194,7 @@ def test_the_choice_stands_beside_the_area_whatever_its_size(qtbot, window, size
     window.resize(*size)
     window._set_scheme(scheme)
     V, F = meshes.sphere(2)
-    window.show_mesh(Mesh(V * 3.3e5, F))
+    window.filing.show_mesh(Mesh(V * 3.3e5, F))
     idle(qtbot, window)
     choose(window, MM)
     qtbot.wait(30)

@@ -67,7 +67,7 @@ def test_the_sample_opens_painted_with_the_gizmo_at_the_neck(bottle):
 def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch):
     from apd_viewer.files.samples import resource
 
-    window.open_path(resource("bottle.obj"))
+    window.filing.open_path(resource("bottle.obj"))
     idle(qtbot, window)
     qtbot.wait(50)
     assert (document(window).labels == FREE).all()
@@ -102,7 +102,9 @@ def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch)
     window.actions_.undo.trigger()
 
     window.actions_.tools[Tool.MOVE].trigger()
-    window.session.set_stiffness(1e-3)  # without, small patches wrinkle, and wrinkles take long to settle
+    window.session.settings.set_stiffness(
+        1e-3
+    )  # without, small patches wrinkle, and wrinkles take long to settle
     qtbot.wait(30)
     shown = watch_frames(window)
     drag(qtbot, window, arrow_grip(window, 0), (80, 10))
@@ -224,7 +226,7 @@ def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
 def big(process, qtbot, window):
     """A window on a ball of 40,962 vertices, its poles painted, and the solver ready for it."""
     V, F = meshes.sphere(6)
-    window.show_mesh(Mesh(V, F))
+    window.filing.show_mesh(Mesh(V, F))
     idle(qtbot, window)
     session = window.session
     for pole, label in ((-1, BASE), (1, HANDLE)):
@@ -299,7 +301,7 @@ def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
     state = bottle.session.state
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
-    bottle.open_path(bad)
+    bottle.filing.open_path(bad)
     idle(qtbot, bottle)
     assert bottle.session.state is state
     assert "bad.obj" in bottle.notice.text
@@ -311,7 +313,7 @@ def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
 def test_a_separate_piece_that_nothing_holds_is_announced_and_stays(qtbot, window):
     V, F = meshes.sphere(3)
     n = len(V)
-    window.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
+    window.filing.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
     idle(qtbot, window)
     session = window.session
     session.begin_gesture()
@@ -359,12 +361,12 @@ def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path
 
 def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp_path, monkeypatch):
     V, F = meshes.sphere(2)
-    window.show_mesh(Mesh(V, F, tmp_path / "own.obj"))
+    window.filing.show_mesh(Mesh(V, F, tmp_path / "own.obj"))
     idle(qtbot, window)
     asked = []
     answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
     monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: asked.append(1) or answers[len(asked) - 1])
-    assert not window._worth_asking(), "nothing is lost yet"
+    assert not window.filing.worth_asking, "nothing is lost yet"
     session = window.session
     session.begin_gesture()
     session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
@@ -385,7 +387,7 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
 
 
 def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
-    bottle.session.set_method("paper")
+    bottle.session.settings.set_method("paper")
     field = bottle.panel.method.tolerance
     field.setFocus()  # without a window manager no widget has it, but the window knows who would
     assert bottle.focusWidget() is field
@@ -447,7 +449,7 @@ def test_a_mesh_far_from_the_origin_looks_like_one_at_the_origin(qtbot, window):
     V, F = meshes.sphere(4)
     pictures = []
     for offset in (0.0, 1e6):
-        window.show_mesh(Mesh(V + offset, F))
+        window.filing.show_mesh(Mesh(V + offset, F))
         idle(qtbot, window)
         window.invitation.say("")
         window.notice.hide()

@@ -1,0 +1,140 @@
+"""What the user does to the document by keys, menus and the panel, brought to the session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh import counted
+from apd_viewer.ui.number_card import HELP, NumberCard
+from apd_viewer.ui.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.canvas import Canvas
+    from apd_viewer.ui.panel import Panel
+    from apd_viewer.ui.parts import Parts
+    from apd_viewer.ui.selector import Act
+
+
+class Deeds:
+    """The verbs of a window that change what is open; before there is something they do nothing.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    panel : Panel
+    take : callable
+        Puts a tool into the hand.
+    """
+
+    def __init__(self, canvas: Canvas, panel: Panel, take: Callable[[Tool], None]) -> None:
+        self._canvas = canvas
+        self._panel = panel
+        self._take = take
+        self._card = NumberCard(canvas.viewport)
+        self._at_work: tuple[Session, Parts] | None = None
+
+    def start(self, session: Session, parts: Parts) -> None:
+        """Begin to work."""
+        self._at_work = session, parts
+        handles = self._panel.handles
+        handles.added.connect(self.verbs["add_handle"])
+        handles.reset_asked.connect(self.verbs["reset"])
+        handles.put_back_asked.connect(self.verbs["put_back"])
+        handles.motion.typed.connect(self.verbs["move_by"])
+        self._panel.regions.added.connect(self.verbs["add_region"])
+        self._canvas.picker.picked.connect(lambda point: session.set_pivot(point, parts.handle))
+        self._card.asked.connect(self._look_for)
+        self._card.entered.connect(self._choose)
+        self._card.closed.connect(lambda: self._canvas.preview(None))
+
+    @property
+    def verbs(self) -> dict[str, Callable[..., None]]:
+        """What can be done, by name; in the middle of a drag most of them take that back, and no more."""
+        free: dict[str, Callable[..., object]] = {
+            "undo": lambda session, _: session.undo(),
+            "redo": lambda session, _: session.redo(),
+            "travel": lambda session, _, steps: session.travel(steps),
+            "reshape": lambda session, _, change: session.reshape(self._canvas.part, change),
+            "put_back": lambda session, parts: session.put_back_handle(parts.handle),
+            "nudge": self._nudge,
+            "pick_pivot": self._pick_pivot,
+            "centre_pivot": lambda session, parts: session.set_pivot(None, parts.handle),
+        }
+        any_time: dict[str, Callable[..., object]] = {
+            "reset": self._reset,
+            "add_handle": self._add_handle,
+            "next_handle": lambda _, parts: parts.next_handle(),
+            "add_region": self._add_region,
+            "move_by": self._move_by,
+            "choose_by_numbers": lambda *_: self._card.open_card(),
+        }
+        return {
+            **{name: partial(self._do, verb, True) for name, verb in free.items()},
+            **{name: partial(self._do, verb, False) for name, verb in any_time.items()},
+        }
+
+    def _do(self, verb: Callable[..., object], waits: bool, *what: object) -> None:
+        if self._at_work is None or self._at_work[0].state is None or (waits and self.give_up()):
+            return
+        verb(*self._at_work, *what)
+
+    def give_up(self) -> bool:
+        """Take back the drag or the sweep that is under way; True if there was one."""
+        return self._canvas.viewport.cancel() or self._panel.give_up_sweep()
+
+    def _reset(self, session: Session, _: Parts) -> None:
+        self.give_up()
+        session.reset_handle()
+
+    def _add_handle(self, _: Session, parts: Parts) -> None:
+        parts.add_handle()
+        self._take(Tool.HANDLE)
+
+    def _add_region(self, _: Session, parts: Parts) -> None:
+        parts.add_region()
+        self._take(Tool.REGION)
+
+    def _move_by(self, session: Session, parts: Parts, motion: str, text: str) -> None:
+        field = self._panel.handles.motion
+        try:
+            session.type_motion(motion, text, parts.handle)
+        except InputError as error:
+            field.refuse(str(error))
+        else:
+            field.done()
+
+    def _found(self, text: str) -> np.ndarray | None:
+        """The vertices that a text names; where it names none the card says why."""
+        if self._at_work is None or self._at_work[0].state is None:
+            return None
+        try:
+            return self._at_work[0].chosen(text)
+        except InputError as error:
+            self._card.say(str(error) if text else "")
+            return None
+
+    def _look_for(self, text: str) -> None:
+        ids = self._found(text)
+        self._canvas.preview(ids)
+        if ids is not None:
+            self._card.say(f"{counted(len(ids), 'vertex', 'vertices')}. {HELP}")
+
+    def _choose(self, text: str, act: Act) -> None:
+        ids = self._found(text)
+        if ids is not None and not self.give_up():
+            self._canvas.choose_vertices(ids, act)
+
+    def _pick_pivot(self, _: Session, __: Parts) -> None:
+        self._take(Tool.MOVE)
+        self._canvas.picker.ask()
+
+    def _nudge(self, session: Session, parts: Parts, step: tuple[int, int, int]) -> None:
+        pose = self._canvas.nudged(step)
+        if pose is not None:
+            session.pose_handle(pose, parts.handle, "Nudge handle", repeats=True)

@@ -1,0 +1,47 @@
+"""The steps that can be undone and redone, as a list: a click goes there."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QFont
+from PySide6.QtWidgets import QListWidget, QListWidgetItem
+
+_START = "As it was opened"
+
+
+class HistoryList(QListWidget):
+    """One row a gesture, the oldest first; what was undone is paler.
+
+    Attributes
+    ----------
+    chosen : Signal(int)
+        How many steps are to be done from now on, from 0.
+    """
+
+    chosen = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__(objectName="history", accessibleName="History")
+        self.setToolTip("Click a step to go back, or forth, to where it was done")
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._shown: tuple[list[str], list[str]] = [], []
+        self.itemClicked.connect(lambda item: self.chosen.emit(self.row(item)))
+        self.itemActivated.connect(lambda item: self.chosen.emit(self.row(item)))
+        self.show_steps([], [])
+
+    def show_steps(self, done: list[str], undone: list[str]) -> None:
+        """Show the gestures that were done, and those that could be done again, in their order."""
+        if (done, undone) == self._shown and self.count():
+            return
+        self._shown = list(done), list(undone)
+        self.clear()
+        for k, name in enumerate([_START, *done, *undone]):
+            item = QListWidgetItem(name)
+            font = QFont(self.font())
+            font.setBold(k == len(done))
+            item.setFont(font)
+            if k > len(done):
+                item.setForeground(self.palette().placeholderText())
+            self.addItem(item)
+        self.setCurrentRow(len(done))
+        self.scrollToItem(self.item(len(done)))

@@ -1,0 +1,95 @@
+"""A line to type a motion of the active handle into: which one, and by how much."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QVBoxLayout, QWidget
+
+from apd_viewer.ui.fields import Choice
+from apd_viewer.ui.section import quiet
+
+# The names of apd_viewer.session.posing.Motion, which is loaded later, in the order that they are offered.
+_MOTIONS = {
+    "Move": ("MOVE_X", "MOVE_Y", "MOVE_Z"),
+    "Turn": ("TURN_X", "TURN_Y", "TURN_Z"),
+    "Bend": ("BEND_X", "BEND_Y", "BEND_Z"),
+}
+_TIPS = {
+    "MOVE": "Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh",
+    "TURN": "About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn",
+    "TWIST": "About the line from the centre of the base to that of the handle: an angle such as 60deg",
+    "BEND": "About an axis through the centre of the base: an angle such as 30deg",
+    "SCALE": "About the centre of the handle: a factor such as 1.2 or 80%",
+}
+
+
+class MotionField(QWidget):
+    """What moves the handle by a typed amount, as one gesture.
+
+    Attributes
+    ----------
+    typed : Signal(str, str)
+        Name of the motion, and what was typed.
+    """
+
+    typed = Signal(str, str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.choice = Choice(accessibleName="Motion of the handle")
+        self.choice.addItem("Twist", "TWIST")
+        for title, names in _MOTIONS.items():
+            for name in names:
+                self.choice.addItem(
+                    f"{title} {'about' if title != 'Move' else 'along'} {name[-1].lower()}", name
+                )
+        self.choice.addItem("Scale", "SCALE")
+        self.amount = _Amount(objectName="typed", accessibleName="By how much", placeholderText="60deg")
+        self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
+        self.choice.currentIndexChanged.connect(self._choose)
+        self._problem = quiet("What is wrong with the amount")
+        self._problem.setObjectName("unreached")
+        self._problem.setWordWrap(True)
+        self._problem.hide()
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(self.choice, 1)
+        line.addWidget(self.amount, 1)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 4, 0, 4)
+        column.addLayout(line)
+        column.addWidget(self._problem)
+        self._choose()
+
+    @property
+    def motion(self) -> str:
+        """Name of the motion that is chosen."""
+        return str(self.choice.currentData())
+
+    def done(self) -> None:
+        """The motion was made: once more with the same amount is a press of Return."""
+        self._problem.hide()
+        self.amount.selectAll()
+
+    def refuse(self, sentence: str) -> None:
+        """Say what is wrong with what was typed, and leave it to be mended."""
+        self._problem.setText(sentence)
+        self._problem.show()
+        self.amount.selectAll()
+
+    def _choose(self) -> None:
+        kind = self.motion.partition("_")[0]
+        self.amount.setToolTip(_TIPS[kind])
+        self.choice.setToolTip(_TIPS[kind])
+        examples = {"MOVE": "0.15L", "SCALE": "1.2"}
+        self.amount.setPlaceholderText(examples.get(kind, "60deg"))
+        self._problem.hide()
+
+
+class _Amount(QLineEdit):
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Give the keyboard back on Esc."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.clearFocus()
+        else:
+            super().keyPressEvent(event)

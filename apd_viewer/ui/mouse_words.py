@@ -1,0 +1,47 @@
+"""What the mouse does with each tool, in the words of the toolbox."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from apd_viewer.ui.toolbox import Tool, Way
+
+
+class Gesture(NamedTuple):
+    """What the mouse does with a tool.
+
+    Parameters
+    ----------
+    title : str
+        Of the tool, or of the way to paint.
+    image : str
+        Name of its icon.
+    words : str
+    """
+
+    title: str
+    image: str
+    words: str
+
+
+# What apd_viewer.ui.navigation does whatever tool is in the hand.
+_ALWAYS = "right drag turns, middle button or Shift+drag shifts, Ctrl+right drag zooms"
+
+
+def gestures() -> list[Gesture]:
+    """All that the mouse does."""
+    plain = [tool for tool in Tool if not tool.words.is_brush]
+    _, _, modifiers = Tool.HANDLE.hint(Way.BOX).rpartition("; ")
+    found = [
+        Gesture("With every tool", "view", _ALWAYS),
+        *(Gesture(tool.words.title, tool.words.icon, tool.hint(Way.BRUSH)) for tool in plain),
+        Gesture("While you paint", Tool.HANDLE.words.icon, modifiers),
+        *(Gesture(way.words.title, way.words.icon, way.words.hint) for way in Way),
+    ]
+    return [gesture._replace(words=_sentence(gesture)) for gesture in found]
+
+
+def _sentence(gesture: Gesture) -> str:
+    """The words without the title, which stands over them."""
+    words = gesture.words.removeprefix(f"{gesture.title}: ")
+    return words[:1].upper() + words[1:]

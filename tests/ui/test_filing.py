@@ -1,0 +1,115 @@
+"""Sessions and selections through the window: saved, opened, and the same picture."""
+
+import numpy as np
+import pytest
+from driving import idle, show
+from PySide6.QtCore import QSettings
+
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.session.units import Unit
+from apd_viewer.ui import dialogs
+from apd_viewer.ui.window import Window
+
+
+@pytest.fixture
+def chosen(monkeypatch):
+    """What the next file dialogs answer."""
+    answers = {}
+    for name in ("ask_for_session", "ask_for_selection", "ask_where_to_put_selection", "ask_for_mesh"):
+        monkeypatch.setattr(dialogs, name, lambda *_, name=name: answers[name])
+    return answers
+
+
+def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
+    path = tmp_path / "twisted.apd"
+    bottle.session.type_motion("TWIST", "45", 0)
+    bottle._choose_unit(Unit.CENTIMETRE)
+    bottle.canvas.viewport.eye = bottle.canvas.viewport.eye.orbited(60, 20)
+    idle(qtbot, bottle)
+    chosen["ask_for_session"] = path, False
+    bottle.actions_.save.trigger()
+    idle(qtbot, bottle)
+    assert path.name in bottle.notice.text
+    before, picture = bottle.session.state, bottle.canvas.viewport.screenshot()
+
+    bottle.filing.open_sample("duck")
+    idle(qtbot, bottle)
+    assert bottle.session.unit is Unit.NONE
+    chosen["ask_for_mesh"] = path
+    bottle.actions_.open.trigger()
+    idle(qtbot, bottle)
+    after = bottle.session.state
+    np.testing.assert_array_equal(after.frame.U, before.frame.U)
+    np.testing.assert_array_equal(after.document.handles[0].pose, before.document.handles[0].pose)
+    assert bottle.session.unit is Unit.CENTIMETRE
+    again = bottle.canvas.viewport.screenshot()
+    # Points are drawn in single precision, seen from the middle of the shape that was opened.
+    assert np.abs(again.astype(int) - picture).max() <= 1
+    assert path in bottle._memory.recent
+
+
+def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, tmp_path, chosen):
+    path = tmp_path / "s.apd"
+    chosen["ask_for_session"] = path, True
+    bottle.actions_.save.trigger()
+    idle(qtbot, bottle)
+    size = path.stat().st_size
+    chosen["ask_for_session"] = None
+    bottle.session.type_motion("TWIST", "5", 0)
+    idle(qtbot, bottle)
+    bottle.actions_.save.trigger()
+    idle(qtbot, bottle)
+    assert path.stat().st_size > size, "the shape is in it now, and the mesh still"
+    assert not bottle.session.unsaved
+    bottle.filing.open_sample("duck")
+    idle(qtbot, bottle)
+    bottle.actions_.save.trigger()  # another mesh is another session: it is asked again, and nothing chosen
+    idle(qtbot, bottle)
+    assert bottle.session.errand is None
+
+
+def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
+    path = tmp_path / "s.apd"
+    chosen["ask_for_session"] = path, False
+    bottle.session.type_motion("TWIST", "30", 0)
+    idle(qtbot, bottle)
+    bottle.actions_.save.trigger()
+    idle(qtbot, bottle)
+    other = Window(QSettings(str(tmp_path / "other.ini"), QSettings.Format.IniFormat))
+    other.filing.open_path(path)
+    other.start()
+    show(qtbot, other, other.canvas.viewport)
+    idle(qtbot, other)
+    np.testing.assert_array_equal(other.session.state.frame.U, bottle.session.state.frame.U)
+    other.close()
+    other.deleteLater()
+    qtbot.wait(10)
+
+
+def test_a_selection_is_saved_and_loaded_as_one_step(qtbot, bottle, tmp_path, chosen):
+    path = tmp_path / "paint.json"
+    chosen["ask_where_to_put_selection"] = chosen["ask_for_selection"] = path
+    before = bottle.session.state.document.labels
+    bottle.actions_.select.files[1].trigger()
+    idle(qtbot, bottle)
+    bottle.session.begin_gesture()
+    bottle.session.paint(np.flatnonzero(before == HANDLE), BASE)
+    bottle.session.end_stroke("Paint base")
+    painted = bottle.session.state
+    bottle.actions_.select.files[0].trigger()
+    idle(qtbot, bottle)
+    np.testing.assert_array_equal(bottle.session.state.document.labels, before)
+    assert bottle.session.history.next_undo == "Load selection"
+    bottle.session.undo()
+    assert bottle.session.state is painted
+
+
+def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, chosen):
+    path = tmp_path / "paint.sel"
+    path.write_text("0\n1\n2\n")
+    chosen["ask_for_selection"] = path
+    before = bottle.session.state
+    bottle.actions_.select.files[0].trigger()
+    idle(qtbot, bottle)
+    assert bottle.session.state is before
+    assert "paint.sel" in bottle.notice.text

@@ -1,0 +1,268 @@
+"""Moving handles by hand, by keys and by typing, with the real window."""
+
+import numpy as np
+import pytest
+from driving import idle
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.api import deform
+from apd_viewer.files.samples import resource
+from apd_viewer.files.selections import read_transform
+from apd_viewer.geometry.constraints import HANDLE, transform
+from apd_viewer.ui.gizmo import Along
+from apd_viewer.ui.gizmo_geometry import RING, RINGS
+from apd_viewer.ui.toolbox import Tool
+
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+def pose(window):
+    return window.session.state.document.handles[0].pose
+
+
+def typed(qtbot, window, motion, text):
+    field = window.panel.handles.motion
+    field.choice.setCurrentIndex(field.choice.findData(motion))
+    field.amount.clear()
+    QTest.keyClicks(field.amount, text)
+    qtbot.keyClick(field.amount, Qt.Key.Key_Return)
+
+
+def on_ring(window, i, turn):
+    frame = window.canvas.gizmo.frame
+    a, b = frame.axes[(i + 1) % 3], frame.axes[(i + 2) % 3]
+    place = frame.centre + RING * frame.pixel * (np.cos(turn) * a + np.sin(turn) * b)
+    return QPointF(*frame.camera.project(place[None])[0])
+
+
+def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
+    typed(qtbot, bottle, "TWIST", "60deg")
+    by_typing = pose(bottle)
+    assert bottle.session.history.next_undo == "Twist"
+    idle(qtbot, bottle)
+    shape = bottle.session.state.frame.U
+    bottle.session.undo()
+    frame = bottle.canvas.gizmo.frame
+    near = np.arctan2(*frame.facing[[0, 2]])
+    at = [on_ring(bottle, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
+    begin = next(k for k, p in enumerate(at) if frame.handle_at(p.x(), p.y()) == "ry")
+    start = near - 1.2 + 1.4 * begin / 59
+    way = [on_ring(bottle, 1, start + a) for a in np.linspace(0.0, np.pi / 3, 12)]
+    mouse(bottle.canvas.viewport).drag(*way, modifiers=CONTROL)
+    by_hand = pose(bottle)
+    by_matrix = read_transform(resource("bottle-twist-60.def"))
+    np.testing.assert_allclose(by_typing, by_hand, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(by_typing, by_matrix, rtol=0, atol=1e-9)
+    idle(qtbot, bottle)
+    held = bottle.session.state.document.constraints()
+    mesh = bottle.session.state.document.mesh
+    result = deform(mesh.V, mesh.F, held.fixed, transform_of(held, mesh, by_matrix, bottle))
+    for U in (shape, bottle.session.state.frame.U):
+        np.testing.assert_allclose(U[held.fixed], result.U[held.fixed], rtol=0, atol=1e-9)
+
+
+def transform_of(held, mesh, matrix, window):
+    targets = mesh.V[held.fixed].copy()
+    moved = window.session.state.document.labels[held.fixed] >= HANDLE
+    targets[moved] = transform(matrix, targets[moved])
+    return targets
+
+
+@pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])
+def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis):
+    view = bottle.canvas.viewport
+    view.look_along(axis)
+    bottle.canvas.frame_mesh()
+    # Not straight along an axis, or one arrow could not be seen.
+    view.eye = view.eye.orbited(37.0, 23.0)
+    hand = mouse(view)
+    for i in range(3):
+        frame = bottle.canvas.gizmo.frame
+        start, tip = frame.arrow(i)[1], frame.arrow(i)[2]
+        end = start + 0.6 * (tip - frame.middle)
+        hand.drag(QPointF(*start), QPointF(*(start + end) / 2), QPointF(*end))
+        went = bottle.canvas.gizmo.frame.middle - frame.middle
+        assert went @ (end - start) > 0.8 * np.linalg.norm(went) * np.linalg.norm(end - start), f"arrow {i}"
+        bottle.session.undo()
+    for i in range(3):
+        frame = bottle.canvas.gizmo.frame
+        points, near = frame.ring(i)
+        k = int(np.flatnonzero(near)[len(np.flatnonzero(near)) // 2])
+        ahead = points[(k + 3) % 72]
+        taken = frame.handle_at(*points[k])
+        if taken != RINGS[i]:
+            continue  # another handle lies over this place of the ring
+        grabbed = points_of_the_body(frame, i, points[k])
+        hand.drag(QPointF(*points[k]), QPointF(*(points[k] + ahead) / 2), QPointF(*ahead))
+        motion = pose(bottle)
+        went = frame.camera.project(transform(motion, grabbed[None]))[0] - points[k]
+        assert went @ (ahead - points[k]) > 0, f"ring {i}"
+        bottle.session.undo()
+
+
+def points_of_the_body(frame, i, at):
+    """The point of the ring's circle in space that is seen at a place."""
+    turn = np.linspace(0.0, 2 * np.pi, 721)
+    a, b = frame.axes[(i + 1) % 3], frame.axes[(i + 2) % 3]
+    circle = frame.centre + RING * frame.pixel * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))
+    near = frame.camera.depth(circle) <= frame.camera.depth(frame.centre) + 0.2 * RING * frame.pixel
+    apart = np.linalg.norm(frame.camera.project(circle) - at, axis=1) + np.where(near, 0.0, 1e6)
+    return circle[np.argmin(apart)]
+
+
+@pytest.mark.parametrize(("text", "words"), [("5 parsec", "parsec"), ("", "."), ("3mm", "length")])
+def test_what_is_wrong_with_what_was_typed_is_said_under_it(qtbot, bottle, text, words):
+    before = bottle.session.state
+    typed(qtbot, bottle, "TWIST", text)
+    field = bottle.panel.handles.motion
+    assert field._problem.isVisibleTo(field)
+    assert words in field._problem.text()
+    assert bottle.session.state is before
+    typed(qtbot, bottle, "TWIST", "10")
+    assert not field._problem.isVisibleTo(field)
+    assert bottle.session.state is not before
+
+
+def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
+    bottle.panel.handles.folded = True
+    bottle.actions_.pose.typed.trigger()
+    field = bottle.panel.handles.motion.amount
+    qtbot.waitUntil(lambda: bottle.focusWidget() is field)
+    qtbot.keyClick(field, Qt.Key.Key_Escape)
+    assert bottle.focusWidget() is not field
+
+
+def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
+    view, canvas = bottle.canvas.viewport, bottle.canvas
+    eye = view.eye
+    document = bottle.session.state.document
+    places = view.project(document.mesh.V[document.labels == HANDLE])
+    free = [
+        QPointF(*place)
+        for place in places[::37]
+        if canvas.gizmo.frame.handle_at(*place) is None and canvas._handle_at(QPointF(*place)) == 0
+    ]
+    at = free[0]
+    mouse(view).drag(at, at + QPointF(20, -10), at + QPointF(40, -25))
+    assert view.eye.key == eye.key, "the camera stays"
+    moved = pose(bottle)[:3, 3]
+    assert abs(moved @ eye.axes[2]) < 1e-9
+    went = view.project(document.centre(0)[None] + moved)[0] - view.project(document.centre(0)[None])[0]
+    np.testing.assert_allclose(went, [40, -25], atol=1e-6)
+    assert bottle.session.history.next_undo == "Move handle"
+
+
+def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):
+    view = bottle.canvas.viewport
+    before, eye = bottle.session.state, view.eye
+    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    mouse(view).drag(QPointF(*at), QPointF(*at) + QPointF(30, 5))
+    assert bottle.session.state is before
+    assert view.eye.key != eye.key
+
+
+def test_the_corner_scales_about_the_centre(bottle, mouse):
+    gizmo = bottle.canvas.gizmo
+    frame = gizmo.frame
+    corner, middle = frame.corner, frame.middle
+    mouse(bottle.canvas.viewport).drag(QPointF(*corner), QPointF(*(middle + 1.5 * (corner - middle))))
+    np.testing.assert_allclose(pose(bottle)[:3, :3], 1.5 * np.eye(3), rtol=0.02)
+    np.testing.assert_allclose(gizmo.frame.centre, frame.centre, atol=1e-9)
+    mouse(bottle.canvas.viewport).drag(QPointF(*corner), QPointF(*middle), modifiers=CONTROL)
+    assert pose(bottle)[0, 0] == pytest.approx(0.15, rel=0.02), "no handle is scaled to nothing"
+
+
+def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
+    view = bottle.canvas.viewport
+    bottle.activateWindow()
+    view.setFocus()
+    steps = len(bottle.session.history.done)
+    for nudge in bottle.actions_.pose.nudges:
+        assert nudge.shortcutContext() is Qt.ShortcutContext.WidgetShortcut
+        before = bottle.canvas.gizmo.frame.middle
+        nudge.trigger()
+        went = bottle.canvas.gizmo.frame.middle - before
+        if "left" in nudge.text():
+            assert went[0] < -2
+            assert abs(went[1]) < 0.5
+        if "up" in nudge.text():
+            assert went[1] < -2
+    assert len(bottle.session.history.done) == steps + 1, "presses that follow each other are one step"
+    np.testing.assert_allclose(pose(bottle), np.eye(4), atol=1e-12)
+
+
+def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
+    gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.along
+    bottle.session.type_motion("TURN_X", "30", 0)
+    along[Along.HANDLE].trigger()
+    np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
+    along[Along.VIEW].trigger()
+    axes = gizmo.frame.axes
+    np.testing.assert_allclose(axes[:2], bottle.canvas.viewport.eye.axes[:2])
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    along[Along.WORLD].trigger()
+    np.testing.assert_array_equal(gizmo.frame.axes, np.eye(3))
+    assert [action.isChecked() for action in along.values()] == [True, False, False]
+
+
+def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
+    back = bottle.panel.handles.back
+    assert not back.isEnabled()
+    bottle.session.type_motion("TWIST", "20", 0)
+    assert back.isEnabled()
+    qtbot.mouseClick(back, Qt.MouseButton.LeftButton)
+    assert not bottle.session.state.document.posed
+    assert not back.isEnabled()
+
+
+def test_a_click_in_the_history_goes_there(qtbot, bottle):
+    states = [bottle.session.state]
+    for angle in ("10", "20"):
+        bottle.session.type_motion("TWIST", angle, 0)
+        idle(qtbot, bottle)
+        states.append(bottle.session.state)
+    bottle.take(Tool.ORBIT)
+    bottle._history_dock.show()
+    steps = bottle._history
+    assert [steps.item(k).text() for k in range(steps.count())] == ["As it was opened", "Twist", "Twist"]
+    for k in (1, 0, 2, 1):
+        at = steps.visualItemRect(steps.item(k)).center()
+        qtbot.mouseClick(steps.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        assert bottle.session.state is states[k]
+        assert steps.currentRow() == k
+        assert steps.item(k).font().bold()
+
+
+def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mouse):
+    view, session = bottle.canvas.viewport, bottle.session
+    before = session.state
+    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    point = bottle.canvas.surface.hit(QPointF(*at)).point
+    bottle.actions_.pose.pivots[0].trigger()
+    hand, eye = mouse(view), view.eye
+    hand.move(QPointF(*at))
+    hand.drag(QPointF(*at), QPointF(*at))
+    assert view.eye.key == eye.key
+    np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
+    assert session.history.next_undo == "Move pivot"
+    session.type_motion("TURN_Z", "30deg", 0)
+    np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
+    session.type_motion("MOVE_X", "1", 0)
+    np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
+    bottle.actions_.pose.pivots[1].trigger()
+    centre = transform(pose(bottle), session.state.document.centre(0)[None])[0]
+    np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, centre, atol=1e-9)
+    for _ in range(4):
+        session.undo()
+    assert session.state is before
+
+
+def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
+    view = bottle.canvas.viewport
+    before = bottle.session.state
+    bottle.actions_.pose.pivots[0].trigger()
+    QTest.keyClick(view, Qt.Key.Key_Escape)
+    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    mouse(view).drag(QPointF(*at), QPointF(*at))
+    assert bottle.session.state is before

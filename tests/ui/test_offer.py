@@ -1,0 +1,102 @@
+"""What a program that was killed has left is offered at the next start, restored or discarded."""
+
+import numpy as np
+import pytest
+from driving import idle, show
+from PySide6.QtCore import QSettings, Qt
+
+from apd_viewer.files.samples import open_sample
+from apd_viewer.session.document import opened
+from apd_viewer.session.recovery import owned
+from apd_viewer.session.saved import save_session
+from apd_viewer.session.view import View
+from apd_viewer.ui.window import Window
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "recovery"
+
+
+@pytest.fixture
+def started(qtbot, folder, tmp_path):
+    """Starts windows that keep what is done in the folder, and closes them at last."""
+    windows = []
+
+    def start():
+        settings = QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat)
+        window = Window(settings, folder)
+        window.filing.open_sample("bottle")
+        window.start()
+        show(qtbot, window, window.canvas.viewport)
+        idle(qtbot, window)
+        windows.append(window)
+        return window
+
+    yield start
+    for window in windows:
+        window.close()
+        window.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture
+def left(folder):
+    """What a program has left that is dead: the duck, painted anew."""
+    state = opened(*open_sample("duck"))
+    document = state.document.painted(np.arange(100), 0)
+    path, lock = owned(folder)
+    save_session(path, state.at(document), View())
+    lock.release()
+    return document
+
+
+def click(qtbot, button):
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, folder, left):
+    window = started()
+    assert "duck.obj" in window.offer.text
+    before = window.session.state
+    click(qtbot, window.offer.restore)
+    qtbot.waitUntil(lambda: window.session.state is not before, timeout=10_000)
+    idle(qtbot, window)
+    np.testing.assert_array_equal(window.session.state.document.labels, left.labels)
+    assert window.offer.isHidden()
+    window.session.undo()
+    assert window.session.state is before
+    window.close()
+    assert list(folder.iterdir()) == []
+
+
+def test_what_is_discarded_is_gone(qtbot, started, folder, left):
+    window = started()
+    click(qtbot, window.offer.discard)
+    assert window.offer.isHidden()
+    assert list(folder.iterdir()) == []
+
+
+def test_what_is_put_off_is_offered_again(qtbot, started, left):
+    window = started()
+    click(qtbot, window.offer.later)
+    assert window.offer.isHidden()
+    window.close()
+    assert "duck.obj" in started().offer.text
+
+
+def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
+    first = started()
+    first.session.type_motion("TWIST", "20", 0)
+    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
+    assert started().offer.isHidden()
+
+
+def test_a_clean_end_leaves_nothing(qtbot, started, folder):
+    window = started()
+    assert window.offer.isHidden()
+    window.session.type_motion("TWIST", "20", 0)
+    qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
+    idle(qtbot, window)
+    window.close()
+    assert list(folder.iterdir()) == []

@@ -1,0 +1,378 @@
+"""The sheet lists every action with its keys, and there the keys can be changed."""
+
+import pytest
+from driving import LEFT, document, show
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
+from PySide6.QtWidgets import QLabel, QMenu, QWidget
+
+from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.ui.window import Window
+
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+
+
+@pytest.fixture
+def active(qtbot, window):
+    """A window that has the keys."""
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    window.canvas.viewport.setFocus()
+    return window
+
+
+@pytest.fixture
+def sheet(qtbot, active):
+    """The sheet, opened with F1."""
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1)
+    assert active.help.sheet.isVisible()
+    return active.help.sheet
+
+
+@pytest.fixture
+def again(qtbot, settings):
+    """Makes a second window with the same settings."""
+    made = []
+
+    def make():
+        window = Window(settings)
+        window.start()
+        show(qtbot, window, window.canvas.viewport)
+        made.append(window)
+        return window
+
+    yield make
+    for window in made:
+        window.close()
+        window.deleteLater()
+    qtbot.wait(10)
+
+
+def press(qtbot, sheet, name, key, modifiers=Qt.KeyboardModifier.NoModifier):
+    """Click the keys of an action and press others."""
+    field = sheet.rows[name].keys
+    sheet._scroll.ensureWidgetVisible(field)
+    qtbot.mouseClick(field, LEFT)
+    assert field.waits
+    qtbot.keyClick(field, key, modifiers)
+    assert not field.waits
+
+
+def shown(sheet):
+    return [row.title for row in sheet.rows.values() if row.isVisible()]
+
+
+def leaves(menu):
+    for action in menu.actions():
+        if isinstance(action.menu(), QMenu):
+            yield from leaves(action.menu())
+        elif not action.isSeparator():
+            yield action
+
+
+# The list
+
+
+@pytest.mark.parametrize("key", ["F1", "?", "menu"])
+def test_it_opens_and_closes(qtbot, active, key):
+    sheet = active.help.sheet
+    if key == "menu":
+        active.actions_.help[0].trigger()
+    else:
+        qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1 if key == "F1" else Qt.Key.Key_Question)
+    assert sheet.isVisible()
+    assert active.focusWidget() is sheet.search
+    qtbot.keyClick(sheet.search, Qt.Key.Key_Escape)
+    assert not sheet.isVisible()
+    assert active.focusWidget() is active.canvas.viewport
+    assert active.canvas.tool is Tool.MOVE, "Esc closed the sheet and did no more"
+    active.actions_.help[0].trigger()
+    active.canvas.viewport.setFocus()
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_Escape)
+    assert not sheet.isVisible()
+    active.actions_.help[0].trigger()
+    qtbot.mouseClick(sheet._close, LEFT)
+    assert not sheet.isVisible()
+
+
+def test_every_action_of_the_menus_is_there(active, sheet):
+    in_menus = [action for top in active.menuBar().actions() for action in leaves(top.menu())]
+    assert [row.entry.action for row in sheet.rows.values()] == in_menus
+    names = [entry.name for entry in active.actions_.entries]
+    assert len(names) == len(set(names)), "keys are remembered by the name"
+    assert all(" " not in name for name in names)
+    for row in sheet.rows.values():
+        assert not row._symbol.pixmap().isNull()
+        keys = row.entry.action.shortcut().toString(QKeySequence.SequenceFormat.NativeText) or "none"
+        assert f"Keys of {row.entry.title}: {keys}" in row.keys.accessibleName()
+    assert "Open sample: Rubber duck" in shown(sheet)
+
+
+def test_the_mouse_is_explained_in_the_words_of_the_tools(sheet):
+    said = " ".join(label.text() for label in sheet.findChildren(QLabel)).casefold()
+    for way in Way:
+        assert way.words.hint.casefold() in said
+    for tool in (Tool.ORBIT, Tool.MOVE):
+        assert tool.words.hint.partition(": ")[2].casefold() in said
+    assert Tool.HANDLE.hint(Way.BOX).rpartition("; ")[2].casefold() in said
+
+
+def test_the_search_finds_titles_keys_menus_and_gestures(qtbot, sheet):
+    everything = shown(sheet)
+    qtbot.keyClicks(sheet.search, "PAINT h")
+    assert shown(sheet)[0] == "Paint handle"
+    assert set(shown(sheet)) < set(everything)
+    sheet.search.clear()
+    qtbot.keyClicks(sheet.search, "ctrl+e")
+    assert shown(sheet) == ["Export"]
+    sheet.search.clear()
+    qtbot.keyClicks(sheet.search, "lasso")
+    gestures = [row for row in sheet._groups[-1].rows if row.isVisible()]
+    assert [row.accessibleName().partition(":")[0] for row in gestures] == ["Lasso"]
+    qtbot.keyClicks(sheet.search, " nowhere")
+    assert not shown(sheet)
+    assert sheet._nothing.isVisible()
+    assert "lasso nowhere" in sheet._nothing.text()
+    sheet.search.clear()
+    assert shown(sheet) == everything
+    assert not sheet._nothing.isVisible()
+
+
+def test_a_letter_in_the_search_field_takes_no_tool(qtbot, active, sheet):
+    qtbot.keyClicks(sheet.search, "b?")
+    assert sheet.search.text() == "b?"
+    assert active.canvas.tool is Tool.MOVE
+    assert sheet.isVisible()
+
+
+def test_the_window_can_be_used_while_it_is_open(qtbot, active, sheet):
+    active.canvas.viewport.setFocus()
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_O)
+    assert active.canvas.tool is Tool.ORBIT
+    assert sheet.isVisible()
+
+
+def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
+    before, eye = document(bottle), bottle.canvas.viewport.eye.key
+    bottle.actions_.help[0].trigger()
+    label = bottle.help.sheet.findChildren(QLabel)[3]
+    qtbot.mousePress(label, LEFT)
+    qtbot.mouseMove(label)
+    qtbot.mouseRelease(label, LEFT)
+    assert bottle.help.sheet.isVisible()
+    assert document(bottle) is before
+    assert bottle.canvas.viewport.eye.key == eye
+
+
+@pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
+def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
+    window.resize(*size)
+    qtbot.wait(20)
+    window.actions_.help[0].trigger()
+    qtbot.wait(20)
+    sheet = window.help.sheet
+    assert window.canvas.viewport.rect().contains(sheet.geometry())
+    body = sheet._scroll.widget()
+    assert body.height() > sheet._scroll.viewport().height()
+    assert body.width() <= sheet._scroll.viewport().width()
+    last = sheet._groups[-1].rows[-1]
+    bar = sheet._scroll.verticalScrollBar()
+    bar.setValue(bar.maximum())
+    assert not last.visibleRegion().isEmpty()
+    for row in sheet.rows.values():
+        assert row.keys.width() >= row.keys.sizeHint().width()
+    window.resize(900, 700)
+    qtbot.wait(20)
+    assert window.canvas.viewport.rect().contains(sheet.geometry())
+
+
+def test_all_controls_have_names(sheet):
+    for widget in sheet.findChildren(QWidget):
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isVisible():
+            assert widget.accessibleName() or getattr(widget, "text", str)(), widget
+
+
+# Changing keys
+
+
+def test_new_keys_work_at_once_and_after_a_new_start(qtbot, active, sheet, again):
+    press(qtbot, sheet, "take:BASE", Qt.Key.Key_K, CTRL | SHIFT)
+    action = active.actions_.tools[Tool.BASE]
+    assert action.shortcut() == QKeySequence("Ctrl+Shift+K")
+    assert "(Ctrl+Shift+K)" in action.toolTip()
+    assert "(B)" not in action.toolTip()
+    qtbot.keyClick(sheet, Qt.Key.Key_Escape)
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_B)
+    assert active.canvas.tool is Tool.MOVE
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_K, CTRL | SHIFT)
+    assert active.canvas.tool is Tool.BASE
+    other = again()
+    assert other.actions_.tools[Tool.BASE].shortcut() == QKeySequence("Ctrl+Shift+K")
+    assert "(Ctrl+Shift+K)" in other.actions_.tools[Tool.BASE].toolTip()
+    assert other.actions_.tools[Tool.HANDLE].shortcut() == QKeySequence("H")
+
+
+def test_a_sign_is_the_sign_and_shift_with_a_letter_is_shift(qtbot, sheet):
+    press(qtbot, sheet, "frame", Qt.Key.Key_Exclam, SHIFT)
+    press(qtbot, sheet, "edges", Qt.Key.Key_Q, SHIFT)
+    assert sheet.rows["frame"].entry.keys in ("!", "Shift+!")  # a test's event may lack the text
+    assert sheet.rows["edges"].entry.keys == "Shift+Q"
+
+
+def test_keys_can_be_taken_away(qtbot, sheet, again):
+    press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
+    entry = sheet.rows["edges"].entry
+    assert entry.keys == ""
+    assert "(" not in entry.action.toolTip()
+    assert again().actions_.edges.shortcut().isEmpty()
+
+
+@pytest.mark.parametrize("way", ["esc", "elsewhere", "modifiers"])
+def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
+    field = sheet.rows["frame"].keys
+    qtbot.mouseClick(field, LEFT)
+    if way == "esc":
+        qtbot.keyClick(field, Qt.Key.Key_Escape)
+    elif way == "elsewhere":
+        sheet.search.setFocus()
+    else:
+        qtbot.keyPress(field, Qt.Key.Key_Control)
+        assert field.waits, "more is to come"
+        qtbot.keyRelease(field, Qt.Key.Key_Control)
+        qtbot.keyClick(field, Qt.Key.Key_Escape)
+    assert not field.waits
+    assert field._entry.keys == "F"
+    assert sheet.isVisible()
+
+
+def test_while_it_waits_the_keys_do_nothing_else(qtbot, active, sheet):
+    press(qtbot, sheet, "frame", Qt.Key.Key_F1)
+    assert sheet.isVisible()
+    assert "F1 belongs to “Shortcuts”." in sheet.line.text()
+
+
+def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
+    press(qtbot, sheet, "frame", Qt.Key.Key_B)
+    assert sheet.line.text() == "B belongs to “Paint base”."
+    assert sheet.swap.isVisible()
+    assert active.focusWidget() is sheet.swap
+    qtbot.keyClick(sheet.swap, Qt.Key.Key_Escape)
+    assert sheet.isVisible(), "Esc takes back the offer only"
+    assert not sheet.swap.isVisible()
+    assert active.actions_.frame.shortcut() == QKeySequence("F")
+    assert active.actions_.tools[Tool.BASE].shortcut() == QKeySequence("B")
+    assert active.focusWidget() is sheet.rows["frame"].keys
+
+
+def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
+    press(qtbot, sheet, "frame", Qt.Key.Key_B)
+    qtbot.mouseClick(sheet.swap, LEFT)
+    assert active.actions_.frame.shortcut() == QKeySequence("B")
+    assert active.actions_.tools[Tool.BASE].shortcut() == QKeySequence("F")
+    assert "(F)" in active.actions_.tools[Tool.BASE].toolTip()
+    qtbot.keyClick(sheet, Qt.Key.Key_Escape)
+    qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F)
+    assert active.canvas.tool is Tool.BASE
+    other = again()
+    assert other.actions_.frame.shortcut() == QKeySequence("B")
+    assert other.actions_.tools[Tool.BASE].shortcut() == QKeySequence("F")
+
+
+def test_one_of_several_keys_can_be_taken(qtbot, active, sheet):
+    press(qtbot, sheet, "tour", Qt.Key.Key_F1)
+    assert sheet.swap.text() == "Take it"
+    qtbot.mouseClick(sheet.swap, LEFT)
+    assert sheet.rows["tour"].entry.keys == "F1"
+    assert sheet.rows["shortcuts"].entry.keys == "?"
+
+
+def test_keys_that_the_window_needs_are_refused(qtbot, active, sheet):
+    for key, modifiers, word in (
+        (Qt.Key.Key_Return, Qt.KeyboardModifier.NoModifier, "Return"),
+        (Qt.Key.Key_Space, Qt.KeyboardModifier.NoModifier, "Space"),
+        (Qt.Key.Key_Down, Qt.KeyboardModifier.NoModifier, "Down"),
+        (Qt.Key.Key_E, Qt.KeyboardModifier.AltModifier, "menu “Edit”"),
+    ):
+        press(qtbot, sheet, "frame", key, modifiers)
+        assert word in sheet.line.text()
+        assert not sheet.swap.isVisible()
+        assert sheet.rows["frame"].entry.keys == "F"
+
+
+def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
+    assert not sheet.back.isEnabled()
+    press(qtbot, sheet, "frame", Qt.Key.Key_K)
+    press(qtbot, sheet, "export", Qt.Key.Key_K, CTRL)
+    press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
+    rows = sheet.rows
+    assert [row.back.isVisible() for row in (rows["frame"], rows["export"], rows["open"])] == [
+        True,
+        True,
+        False,
+    ]
+    assert "Ctrl+E" in rows["export"].back.accessibleName()
+    qtbot.mouseClick(rows["export"].back, LEFT)
+    assert active.actions_.export.shortcut() == QKeySequence("Ctrl+E")
+    assert not rows["export"].back.isVisible()
+    assert again().actions_.frame.shortcut() == QKeySequence("K")
+    qtbot.mouseClick(sheet.back, LEFT)
+    assert all(not entry.is_changed for entry in active.actions_.entries)
+    assert not sheet.back.isEnabled()
+    other = again()
+    assert all(not entry.is_changed for entry in other.actions_.entries)
+
+
+def test_a_standard_that_another_action_has_by_now_is_a_conflict_too(qtbot, active, sheet):
+    press(qtbot, sheet, "frame", Qt.Key.Key_K)
+    press(qtbot, sheet, "edges", Qt.Key.Key_F)
+    qtbot.mouseClick(sheet.rows["frame"].back, LEFT)
+    assert "“Edges”" in sheet.line.text()
+    assert sheet.rows["frame"].entry.keys == "K"
+    qtbot.mouseClick(sheet.swap, LEFT)
+    assert sheet.rows["frame"].entry.keys == "F"
+    assert sheet.rows["edges"].entry.keys == "K"
+
+
+def test_it_is_used_by_keys_alone(qtbot, active, sheet):
+    qtbot.keyClicks(sheet.search, "front")
+    qtbot.keyClick(sheet.search, Qt.Key.Key_Down)
+    field = active.focusWidget()
+    assert field is sheet.rows["look:front"].keys
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    qtbot.keyClick(field, Qt.Key.Key_5)
+    assert sheet.rows["look:front"].entry.keys == "5"
+    assert active.focusWidget() is field
+    qtbot.keyClick(field, Qt.Key.Key_Up)
+    assert active.focusWidget() is sheet.search
+    sheet.search.clear()
+    sheet.rows["open"].keys.setFocus()
+    qtbot.keyClick(sheet.rows["open"].keys, Qt.Key.Key_Down)
+    assert active.focusWidget() is sheet.rows["open_sample:bottle"].keys
+    qtbot.keyClick(active.focusWidget(), Qt.Key.Key_Tab)
+    assert active.focusWidget() is not sheet.rows["open_sample:bottle"].keys
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["frame nonsense"],
+        ["gone Ctrl+K"],
+        ["frame B"],
+        ["frame"],
+        "frame K",
+        ["take:BASE H", "take:HANDLE H"],
+    ],
+)
+def test_settings_that_others_have_written_make_no_key_work_twice(settings, again, lines):
+    settings.setValue("shortcuts", lines)
+    window = again()
+    keys = [key.toString() for entry in window.actions_.entries for key in entry.action.shortcuts()]
+    assert len(keys) == len(set(keys))
+    assert "" not in keys
+    assert len(keys) > 30
+
+
+def test_a_theme_reaches_the_open_sheet(qtbot, sheet, active):
+    before = sheet.rows["open"]._symbol.pixmap().toImage()
+    active.actions_.schemes.actions()[2].trigger()
+    assert sheet.rows["open"]._symbol.pixmap().toImage() != before

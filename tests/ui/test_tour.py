@@ -1,0 +1,298 @@
+"""The tour around the bottle: it points, follows what is done, blocks nothing, and comes once."""
+
+import gc
+
+import meshes
+import numpy as np
+import pytest
+from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show
+from PySide6.QtCore import QPoint, QRect, QSize, Qt
+
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui.application import _start
+from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.tour_card import placed
+from apd_viewer.ui.window import Window
+
+
+@pytest.fixture
+def toured(qtbot, bottle):
+    """The bottle, with the tour at its first step."""
+    bottle.actions_.help[1].trigger()
+    assert bottle.help.tour.number == 0
+    return bottle
+
+
+@pytest.fixture
+def first(qtbot, settings):
+    """Starts the program once more with the same settings, on the bottle or on a mesh of its own."""
+    made = []
+
+    def begin(on_bottle=True):
+        window = Window(settings)
+        show(qtbot, window, window.canvas.viewport)
+        made.append(window)
+        if on_bottle:
+            window.filing.open_sample("bottle")
+        else:
+            window.filing.show_mesh(Mesh(*meshes.sphere(2)))
+        _start(window, on_bottle)
+        gc.unfreeze()
+        idle(qtbot, window)
+        qtbot.wait(30)
+        return window
+
+    yield begin
+    for window in made:
+        window.filing.may_close = lambda: True
+        window.close()
+        window.deleteLater()
+    qtbot.wait(10)
+
+
+def go_to(qtbot, window, number):
+    while window.help.tour.number < number:
+        qtbot.mouseClick(window.help.tour.card.next, LEFT)
+
+
+def card(window):
+    return window.help.tour.card
+
+
+def turn(qtbot, window):
+    drag(qtbot, window, ring_grip(window, 1), (60, 0), steps=6)
+
+
+# When it comes
+
+
+def test_it_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settings):
+    window = first()
+    assert window.help.tour.number == 0
+    assert card(window).isVisible()
+    assert settings.value("tour", type=bool)
+    window.close()
+    assert first().help.tour.active is False
+
+
+def test_whoever_opens_a_file_at_the_first_start_is_not_bothered(qtbot, first):
+    window = first(on_bottle=False)
+    assert not window.help.tour.active
+    window.filing.open_sample("bottle")
+    idle(qtbot, window)
+    qtbot.wait(30)
+    assert not window.help.tour.active
+    window.close()
+    assert not first().help.tour.active
+
+
+def test_a_window_alone_begins_no_tour(qtbot, bottle, settings):
+    assert not bottle.help.tour.active
+    assert settings.value("tour") is None
+    assert bottle.invitation.isVisible()
+
+
+def test_it_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
+    before = document(bottle).mesh
+    bottle.actions_.help[1].trigger()
+    assert bottle.help.tour.number == 0
+    assert document(bottle).mesh is before, "nothing is opened that is open already"
+    qtbot.keyClick(card(bottle), Qt.Key.Key_Escape)
+    bottle.filing.open_sample("duck")
+    idle(qtbot, bottle)
+    bottle.actions_.help[1].trigger()
+    assert not bottle.help.tour.active, "it waits for the bottle"
+    idle(qtbot, bottle)
+    qtbot.waitUntil(lambda: bottle.help.tour.number == 0)
+    assert document(bottle).mesh.path.name == "bottle.obj"
+
+
+def test_another_mesh_ends_it(qtbot, toured):
+    toured.filing.open_sample("duck")
+    idle(qtbot, toured)
+    assert not toured.help.tour.active
+    assert not card(toured).isVisible()
+
+
+# Going through it
+
+
+def test_it_goes_on_and_back_to_the_end(qtbot, toured):
+    tour, said = toured.help.tour, []
+    assert not card(toured).back.isVisible()
+    for number in range(5):
+        assert tour.number == number
+        said.append(card(toured).sentence.text())
+        assert f"{number + 1} of 5" in card(toured).accessibleName()
+        if number < 4:
+            qtbot.mouseClick(card(toured).next, LEFT)
+    assert len(set(said)) == 5
+    assert card(toured).next.text() == "Done"
+    qtbot.mouseClick(card(toured).back, LEFT)
+    assert tour.number == 3
+    assert card(toured).sentence.text() == said[3]
+    go_to(qtbot, toured, 4)
+    qtbot.mouseClick(card(toured).next, LEFT)
+    assert not tour.active
+    assert not card(toured).isVisible()
+    assert not card(toured)._tip.isVisible()
+
+
+@pytest.mark.parametrize("way", ["skip", "esc", "esc on the canvas"])
+def test_it_is_skipped(qtbot, toured, way):
+    go_to(qtbot, toured, 1)
+    if way == "skip":
+        qtbot.mouseClick(card(toured).skip, LEFT)
+    elif way == "esc":
+        qtbot.keyClick(card(toured).next, Qt.Key.Key_Escape)
+    else:
+        toured.canvas.viewport.setFocus()
+        qtbot.keyClick(toured.canvas.viewport, Qt.Key.Key_Escape)
+    assert not toured.help.tour.active
+    assert not card(toured).isVisible()
+    assert toured.canvas.tool is Tool.MOVE
+    assert toured.focusWidget() is toured.canvas.viewport
+
+
+def test_it_is_used_by_keys_alone(qtbot, toured):
+    toured.activateWindow()
+    qtbot.waitUntil(toured.isActiveWindow)
+    card(toured).next.setFocus()
+    qtbot.keyClick(card(toured).next, Qt.Key.Key_Return)
+    assert toured.help.tour.number == 1
+    qtbot.keyClick(card(toured).next, Qt.Key.Key_Tab, Qt.KeyboardModifier.ShiftModifier)
+    assert toured.focusWidget() is card(toured).back
+    qtbot.keyClick(card(toured).back, Qt.Key.Key_Space)
+    assert toured.help.tour.number == 0
+
+
+def test_a_turn_of_the_ring_and_a_look_at_the_area_move_it_on(qtbot, toured):
+    tour = toured.help.tour
+    go_to(qtbot, toured, 1)
+    drag(qtbot, toured, arrow_grip(toured, 0), (30, 0), steps=3)
+    assert tour.number == 1, "a move is no turn"
+    turn(qtbot, toured)
+    assert tour.number == 2
+    idle(qtbot, toured)
+    qtbot.wait(100)
+    assert tour.number == 2, "it is asked for once more"
+    turn(qtbot, toured)
+    assert tour.number == 2, "the area is there to be read"
+    idle(qtbot, toured)
+    qtbot.waitUntil(lambda: tour.number == 3, timeout=5_000)
+
+
+def test_a_turn_that_is_taken_back_moves_nothing_on(qtbot, toured):
+    go_to(qtbot, toured, 1)
+    mouse, at = Mouse(toured.canvas.viewport), np.asarray(ring_grip(toured, 1))
+    mouse.move(at)
+    mouse.press(at)
+    mouse.move(at + (30, 0))
+    toured.canvas.viewport.setFocus()
+    qtbot.keyClick(toured.canvas.viewport, Qt.Key.Key_Escape)
+    mouse.release(at + (30, 0))
+    assert toured.help.tour.number == 1, "Esc gave the drag up, and no more"
+
+
+# What it leaves alone
+
+
+def test_the_invitation_is_silent_meanwhile(qtbot, toured):
+    assert not toured.invitation.isVisible()
+    toured.take(Tool.BASE)
+    toured.take(Tool.MOVE)
+    assert not toured.invitation.isVisible()
+    qtbot.mouseClick(card(toured).skip, LEFT)
+    assert toured.invitation.isVisible()
+
+
+def test_it_blocks_nothing(qtbot, toured):
+    before = toured.canvas.viewport.eye.key
+    Mouse(toured.canvas.viewport).drag((30, 500), (80, 520), (120, 520))
+    assert toured.canvas.viewport.eye.key != before
+    toured.actions_.tools[Tool.HANDLE].trigger()
+    assert toured.canvas.tool is Tool.HANDLE
+    tip, area = card(toured)._tip.geometry(), card(toured).geometry()
+    beside = tip.center()
+    assert not area.contains(beside)
+    assert toured.childAt(beside) is not card(toured)._tip, "the mouse goes through the tip"
+    assert toured.help.tour.active
+
+
+def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured):
+    toured.take(Tool.BASE)
+    go_to(qtbot, toured, 1)
+    assert toured.canvas.tool is Tool.MOVE
+    sentence = card(toured).sentence.text()
+    toured.take(Tool.ORBIT)
+    toured.help.tour.look()
+    assert "Move handle" in card(toured).sentence.text()
+    assert not card(toured)._tip.isVisible()
+    toured.take(Tool.MOVE)
+    toured.help.tour.look()
+    assert card(toured).sentence.text() == sentence
+
+
+def test_it_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
+    go_to(qtbot, toured, 2)
+    toured._dock.hide()
+    qtbot.wait(50)
+    assert "View menu" in card(toured).sentence.text()
+
+
+def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
+    toured.actions_.help[0].trigger()
+    assert not card(toured).isVisible()
+    assert not card(toured)._tip.isVisible()
+    qtbot.keyClick(toured.help.sheet.search, Qt.Key.Key_Escape)
+    assert card(toured).isVisible()
+    toured.help.tour.look()
+    assert card(toured)._tip.isVisible()
+    toured.actions_.help[0].trigger()
+    toured.actions_.help[1].trigger()
+    assert not toured.help.sheet.isVisible()
+    assert toured.help.tour.number == 0
+
+
+# Where it stands
+
+
+@pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
+def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
+    toured.resize(*size)
+    qtbot.wait(50)
+    tour, places = toured.help.tour, toured.help.tour._places
+    targets = places.mesh, places.rings, places.area, places.brushes, places.export
+    for number, place in enumerate(targets):
+        assert tour.number == number
+        qtbot.wait(50)
+        area, target = card(toured).geometry(), place()
+        assert toured.rect().contains(area)
+        assert not area.intersects(target)
+        tip = card(toured)._tip
+        assert tip.isVisible()
+        assert toured.rect().contains(tip.geometry())
+        assert tip.geometry().adjusted(-2, -2, 2, 2).intersects(target), "it reaches what it points at"
+        if number in (1, 2):
+            assert not area.intersects(places.gizmo()), "the ring can be dragged"
+        text = card(toured).sentence
+        text.setMinimumHeight(0)
+        assert text.height() == text.heightForWidth(text.width()), "no more and no less"
+        qtbot.mouseClick(card(toured).next, LEFT)
+
+
+def test_it_follows_what_it_points_at(qtbot, toured):
+    go_to(qtbot, toured, 1)
+    before = card(toured).pos()
+    view = toured.canvas.viewport
+    view.eye = view.eye.panned(60, 30)
+    qtbot.waitUntil(lambda: card(toured).pos() != before)
+    assert (card(toured).pos() - before - QPoint(60, 30)).manhattanLength() < 8
+
+
+@pytest.mark.parametrize("target", [QRect(0, 0, 40, 40), QRect(760, 600, 40, 40), QRect(300, 200, 200, 400)])
+def test_a_card_is_placed_beside_its_target_wherever_that_is(target):
+    room = QRect(8, 30, 784, 580)
+    rect, _ = placed(QSize(288, 120), target, room, QRect())
+    assert room.contains(rect)
+    assert not rect.intersects(target)
