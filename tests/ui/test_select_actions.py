@@ -7,7 +7,7 @@ import pytest
 from driving import Mouse, idle
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolBar
-from test_selecting import Gesture, Sight, Theatre
+from test_select_ways import Gesture, Sight, Theatre
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.toolbox import Tool, Way

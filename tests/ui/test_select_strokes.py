@@ -6,7 +6,7 @@ import pytest
 from driving import LEFT, Mouse, centre, idle
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QApplication
-from test_selecting import (
+from test_select_ways import (
     ALT,
     CONTROL,
     NONE,
