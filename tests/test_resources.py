@@ -1,5 +1,6 @@
 """The samples are what their README says, the script reproduces them, and the icons are one family."""
 
+import re
 import runpy
 from pathlib import Path
 from xml.etree import ElementTree
@@ -8,24 +9,11 @@ import numpy as np
 import pytest
 import trimesh
 
-RESOURCES = Path(__file__).parents[1] / "resources"
+ROOT = Path(__file__).parents[1]
+RESOURCES = ROOT / "resources"
 SAMPLES = ["bottle", "duck"]
 TRANSFORMS = ["bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"]
-TOOLS = ["orbit", "paint-base", "paint-handle", "paint-region", "erase", "move"]
-ACTIONS = ["undo", "redo", "reset", "open", "export", "add", "remove", "next-handle", "frame"]
-ICONS = [
-    *TOOLS,
-    *ACTIONS,
-    "sample",
-    "about",
-    "folded",
-    "unfolded",
-    "panel",
-    "cancel",
-    "info",
-    "warning",
-    "sound",
-]
+ICONS = sorted(path.stem for path in (RESOURCES / "icons").glob("*.svg") if path.stem != "apd-viewer")
 
 
 def read_mesh(path):
@@ -111,8 +99,10 @@ def test_the_script_reproduces_the_samples(tmp_path):
         np.testing.assert_allclose(np.loadtxt(tmp_path / f"{name}.def"), read_transform(name), atol=1e-6)
 
 
-def test_all_icons_are_there():
-    assert {path.stem for path in (RESOURCES / "icons").glob("*.svg")} == {*ICONS, "apd-viewer"}
+def test_every_icon_is_used_and_every_one_that_is_used_is_there():
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer" / "ui").glob("*.py"))
+    assert [name for name in ICONS if f'"{name}"' not in sources and not name.startswith("nudge-")] == []
+    assert set(re.findall(r'icon\("([a-z-]+)"', sources)) <= set(ICONS)
 
 
 @pytest.mark.parametrize("name", ICONS)

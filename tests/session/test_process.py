@@ -287,7 +287,7 @@ def test_closing_ends_a_factorization_at_once(factoring):
 def test_a_killed_process_takes_its_factorization_along(factoring):
     (before,) = children_of(factoring)
     kill(factoring)
-    factoring.until(lambda: gone(before), 1.0)
+    factoring.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
     factoring.until(lambda: children_of(factoring))
 
 
