@@ -7,6 +7,7 @@ import os
 from dataclasses import replace
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive, npy
@@ -18,6 +19,8 @@ from apd_viewer.geometry.mesh import Mesh
 # Beside a copy in an archive there is nothing, and nobody is to look there.
 _NOWHERE = Path(os.devnull)
 _ARRAYS = ("V", "F")
+# What the files of meshes were when they were last found to hold them; to read a large one takes a second.
+_found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
 
 
 def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
@@ -37,11 +40,20 @@ def _sample(name: str) -> str:
 
 
 def is_there(mesh: Mesh) -> bool:
-    """Whether the file that the mesh came from still holds it."""
-    try:
-        return mesh.path is not None and open_mesh(mesh.path).digest == mesh.digest
-    except InputError:
+    """Whether the file that the mesh came from still holds it; read again only if it was written since."""
+    if mesh.path is None:
         return False
+    try:
+        status = mesh.path.stat()
+        stamp = status.st_mtime_ns, status.st_size, status.st_ino
+        # A .gltf may have its numbers in another file.
+        if _found.get(mesh) != stamp or mesh.path.suffix.lower() == ".gltf":
+            if open_mesh(mesh.path).digest != mesh.digest:
+                return False
+            _found[mesh] = stamp
+    except (InputError, OSError):
+        return False
+    return True
 
 
 def copy_of(mesh: Mesh) -> dict[str, bytes]:

@@ -69,8 +69,13 @@ class Filing:
 
     def open_path(self, path: str | Path) -> None:
         """Open a file, in the background."""
-        self._asked = Path(path)
-        self._open(lambda session: session.open(path))
+
+        def wish(session: Session) -> None:
+            if session.errand is None:  # or it is refused, and another file is the one that comes
+                self._asked = Path(path)
+            session.open(path)
+
+        self._open(wish)
 
     def open_sample(self, name: str) -> None:
         """Open a sample, in the background."""

@@ -121,9 +121,8 @@ class Offer(QFrame):
         if self.isHidden():
             return
         canvas, text = self._canvas, self._text
-        text.setMinimumWidth(0)
-        others = self._row.sizeHint().width() - text.sizeHint().width()
-        room = max(120, canvas.width() - 2 * _MARGIN - others)
+        text.setFixedWidth(0)
+        room = max(120, canvas.width() - 2 * _MARGIN - self.sizeHint().width())
         text.setFixedWidth(min(room, text.fontMetrics().horizontalAdvance(text.text()) + 4))
         self._row.activate()
         self.adjustSize()

@@ -1,0 +1,254 @@
+"""Work that was kept aside, in windows: what becomes of it after it was restored, refused or found twice."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driving import Mouse, centre, document, drag, idle, ring_grip, show
+from PySide6.QtWidgets import QMessageBox
+
+from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.samples import open_sample
+from apd_viewer.geometry.mesh import frozen
+from apd_viewer.session.document import opened
+from apd_viewer.session.recovery import leftovers
+from apd_viewer.session.saved import open_session, save_session
+from apd_viewer.session.view import View
+from apd_viewer.ui import dialogs
+from apd_viewer.ui.application import recovery_folder
+from apd_viewer.ui.window import Window
+
+SLOW = 20_000  # ms; nothing here should come near it
+PROGRAM = """
+import sys
+from pathlib import Path
+from PySide6.QtCore import QSettings
+from apd_viewer.ui.application import make_application
+application = make_application([])
+from apd_viewer.ui.window import Window
+folder = Path(sys.argv[1])
+window = Window(QSettings(str(folder / "other.ini"), QSettings.Format.IniFormat), folder / "recovery")
+window.filing.open_sample("bottle")
+window.show()
+window.start()
+assert window.session.wait_idle(20.0)
+window.session.type_motion("TWIST", "20", 0)
+assert window.session.wait_idle(20.0)
+application.exec()
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "recovery"
+
+
+@pytest.fixture
+def started(qtbot, folder, settings, monkeypatch):
+    """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
+    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    windows = []
+
+    def start():
+        window = Window(settings, folder)
+        window.filing.open_sample("bottle")
+        window.start()
+        show(qtbot, window, window.canvas.viewport)
+        idle(qtbot, window)
+        windows.append(window)
+        return window
+
+    yield start
+    for window in windows:
+        window.close()
+        window.deleteLater()
+    qtbot.wait(10)
+
+
+@pytest.fixture
+def duck(tmp_path):
+    """A duck of one's own, stretched a little: a state that is in no file."""
+    mesh, labels = open_sample("duck")
+    save_mesh(mesh, mesh.V, tmp_path / "my duck.obj")
+    state = opened(open_mesh(tmp_path / "my duck.obj"), labels)
+    return state.at(frame=replace(state.frame, U=frozen(state.frame.U * [1.0, 1.1, 1.0])))
+
+
+def leave(folder, state, name="1-1", age=185.0):
+    """Leave what a program has left that is dead."""
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.apd"
+    save_session(path, state, View())
+    os.utime(path, (time.time() - age,) * 2)
+    return path
+
+
+def click(button):
+    Mouse(button).drag(centre(button))
+
+
+def restore(qtbot, window):
+    click(window.offer.restore)
+    idle(qtbot, window)
+
+
+def files(folder):
+    return sorted(path.name for path in folder.glob("[!.]*.apd"))
+
+
+def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, started, bottle, folder):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (25, 0), steps=4)
+    idle(qtbot, bottle)
+    assert not folder.exists()
+    assert not bottle.offer.text
+    window = started()
+    drag(qtbot, window, ring_grip(window, 1), (25, 0), steps=4)
+    idle(qtbot, window)
+    U = window.session.state.frame.U
+
+    def is_kept():
+        state, view = open_session(folder / files(folder)[0])
+        assert np.array_equal(state.frame.U, U)
+        assert view == window.canvas.view("")
+
+    qtbot.waitUntil(lambda: files(folder) != [], timeout=SLOW)
+    qtbot.waitUntil(is_kept, timeout=SLOW)
+
+
+def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
+    qtbot, started, folder, duck, tmp_path, monkeypatch
+):
+    path = leave(folder, duck)
+    save_session(tmp_path / "earlier.apd", duck, View())
+    earlier = (tmp_path / "earlier.apd").read_bytes()
+    asked, answers = [], []
+    monkeypatch.setattr(dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
+    window = started()
+    assert window.offer.text == "Unsaved when the program ended: my duck.obj, 3 minutes ago"
+    window.filing.open_path(tmp_path / "earlier.apd")
+    idle(qtbot, window)
+    assert not window.filing.worth_asking
+    restore(qtbot, window)
+    assert document(window).mesh.name == "my duck.obj"
+    assert window.filing.worth_asking
+    answers[:] = [None]
+    window.actions_.save.trigger()
+    idle(qtbot, window)
+    assert asked == [1]
+    qtbot.waitUntil(lambda: not path.exists(), timeout=SLOW)
+    assert len(files(folder)) == 1, "the one of this program"
+    answers[:] = [(tmp_path / "mine.apd", False)]
+    window.actions_.save.trigger()
+    idle(qtbot, window)
+    assert (tmp_path / "mine.apd").exists()
+    assert (tmp_path / "earlier.apd").read_bytes() == earlier
+    assert not window.filing.worth_asking
+
+
+def test_what_was_restored_is_offered_again_after_another_crash(qtbot, started, folder, duck):
+    leave(folder, duck)
+    window = started()
+    restore(qtbot, window)
+    qtbot.waitUntil(lambda: "1-1.apd" not in files(folder) and files(folder) != [], timeout=SLOW)
+    state = open_session(folder / files(folder)[0])[0]
+    assert np.array_equal(state.frame.U, duck.frame.U)
+
+
+def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder, duck):
+    leave(folder, duck, "1-1", age=7300.0)
+    leave(folder, opened(*open_sample("bottle")), "2-1", age=61.0)
+    leave(folder, duck, "3-1", age=3 * 86400.0)
+    leave(folder, duck, "4-1", age=31 * 86400.0)
+    window = started()
+    assert files(folder) == ["1-1.apd", "2-1.apd", "3-1.apd"]
+    assert window.offer.text.endswith("bottle.obj, 1 minute ago")
+    click(window.offer.discard)
+    assert window.offer.text.endswith("my duck.obj, 2 hours ago")
+    restore(qtbot, window)
+    assert not window.offer.text
+    qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
+    window.close()
+    assert files(folder) == ["3-1.apd"]
+    assert started().offer.text.endswith("my duck.obj, 3 days ago")
+
+
+def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, started, folder, duck):
+    path = leave(folder, duck)
+    path.write_bytes(path.read_bytes()[:1000])
+    window = started()
+    before = window.session.state
+    assert "a damaged session" in window.offer.text
+    restore(qtbot, window)
+    assert window.notice.text.startswith("What was left of a damaged session cannot be restored: ")
+    assert window.session.state is before
+    assert window.offer.restore.isVisible()
+    assert path.exists()
+    window.close()
+    assert path.exists()
+    window = started()
+    click(window.offer.discard)
+    assert not window.offer.text
+    assert not path.exists()
+
+
+def test_the_bar_does_not_take_the_keys(qtbot, started, folder, duck):
+    leave(folder, duck)
+    window = started()
+    focus = window.focusWidget()
+    click(window.offer.discard)
+    assert window.focusWidget() is focus
+
+
+def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, started, folder, duck, tmp_path):
+    path = tmp_path / f"{'long ' * 40}.obj"
+    save_mesh(duck.document.mesh, duck.document.mesh.V, path)
+    leave(folder, opened(open_mesh(path)))
+    window = started()
+    window.resize(window.minimumSize())
+    qtbot.wait(50)
+    assert window.canvas.viewport.rect().contains(window.offer.geometry())
+    assert not window.offer.geometry().intersects(window.invitation.geometry())
+
+
+def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
+    qtbot, started, folder, duck, monkeypatch
+):
+    leave(folder, duck)
+    window = started()
+    restore(qtbot, window)
+    qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
+    with monkeypatch.context() as patch:
+        patch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Cancel)
+        assert not window.close()
+    assert len(files(folder)) == 1
+    assert window.close()
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGKILL")
+def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, started, folder, tmp_path):
+    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as program:
+        try:
+            qtbot.waitUntil(lambda: files(folder) != [] or program.poll() is not None, timeout=60_000)
+            assert leftovers(folder) == [], "it lives"
+            first = started()
+            assert not first.offer.text
+        finally:
+            program.send_signal(signal.SIGKILL)
+    first.close()
+    window = started()
+    assert window.offer.text.endswith("bottle.obj, just now")
+    restore(qtbot, window)
+    assert not window.offer.text
+    assert window.session.moved
+
+
+def test_the_place_is_the_users_and_the_programs_own():
+    assert recovery_folder().name == "recovery"
+    assert Path.home() in recovery_folder().parents
