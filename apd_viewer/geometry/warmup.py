@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from apd_viewer.geometry.deformation import Deformation
@@ -9,13 +11,18 @@ from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.methods import METHODS
 
 
-def warm_up() -> None:
-    """Use every one once: the first time compiles them (20 s), later ones load them (half a second)."""
+def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
+    """Use every one once: the first time compiles them (20 s), later ones load them (half a second).
+
+    Between two methods ``enough()`` may end it.
+    """
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]
     region = Region("region", np.arange(500), 100.0)
     for method in METHODS:
+        if enough():
+            return
         solver = Deformation(V, F, fixed, method=method, handle=fixed[200:], stiffness=1e-3)
         if method != "paper":
             solver.keep(None, 100.0, (region,))

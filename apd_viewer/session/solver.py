@@ -63,11 +63,13 @@ class Solver:
         self._poses: tuple[object, ...] = ()
         self._generation: int | None = None
 
-    def run(self, at_leisure: Callable[[], object] = lambda: None) -> None:
-        """Answer orders until there are no more; ``at_leisure()`` is called once, while there are none."""
-        idle = not self._orders.comes_within(_SOON)
-        if idle:
-            at_leisure()
+    def run(self, at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
+        """Answer orders until there are no more.
+
+        While there are none ``at_leisure(called)`` is called, until it has come to its end: it should return
+        soon once ``called()``.
+        """
+        done = not self._orders.comes_within(_SOON) and self._rested(at_leisure)
         while (order := self._orders.wait()) is not None:
             self._tell(Progress(order.number, Step.TURNED_TO))
             try:
@@ -79,10 +81,14 @@ class Solver:
                 traceback.print_exc()
                 said = str(error) or type(error).__name__
                 self._fail(order, f"The solver stopped ({said}); undo the last step.")
-            if not idle and not self._orders.waiting:
-                idle = True
-                at_leisure()
+            if not done and not self._orders.waiting:
+                done = self._rested(at_leisure)
         self._drop()
+
+    def _rested(self, at_leisure: Callable[[Callable[[], bool]], object]) -> bool:
+        """Whether there was time for all of it."""
+        at_leisure(lambda: self._orders.waiting)
+        return not self._orders.waiting
 
     def _drop(self) -> None:
         """Forget the deformation, and end what is being factored for it."""

@@ -36,7 +36,7 @@ def serve(
     source: BinaryIO,
     sink: BinaryIO,
     abandoned: Callable[[], object] = lambda: None,
-    at_leisure: Callable[[], object] = lambda: None,
+    at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None,
 ) -> None:
     """Answer the orders that come from ``source`` until it ends, on this thread.
 
@@ -46,7 +46,7 @@ def serve(
     abandoned : callable
         Called on another thread as soon as ``source`` has ended.
     at_leisure : callable
-        Called once, when there is nothing to do for the first time.
+        Called when there is nothing to do: see :meth:`Solver.run`.
     """
     orders: Slot[Order] = Slot()
     one_at_a_time = threading.Lock()
@@ -73,7 +73,7 @@ def serve(
     reader.join()
 
 
-def _compile() -> None:
+def _compile(called: Callable[[], bool]) -> None:
     """Have the kernels ready before the first drag; if they are not, the request that needs them says so."""
     with contextlib.suppress(Exception):
-        warm_up()
+        warm_up(called)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.palette import MARK_COLOR
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -152,6 +153,7 @@ class FindingList(QFrame):
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas, objectName="findings")
+        shield(self)
         self._canvas = canvas
         self.rows: list[FindingRow] = []
         self._title = QLabel(objectName="heading")
@@ -227,11 +229,3 @@ class FindingList(QFrame):
             self.dismissed.emit()
         else:
             super().keyPressEvent(event)
-
-    def event(self, event: QEvent) -> bool:
-        """Keep the mouse from what lies behind."""
-        handled = super().event(event)
-        if event.type() in (QEvent.Type.MouseButtonPress, QEvent.Type.MouseMove, QEvent.Type.Wheel):
-            event.accept()
-            return True
-        return handled

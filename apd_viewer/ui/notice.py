@@ -7,6 +7,7 @@ from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
 
@@ -22,6 +23,7 @@ class Notice(QFrame):
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
+        shield(self)
         self._canvas = canvas
         self._theme = LIGHT
         self.setObjectName("notice")

@@ -7,6 +7,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
 
 from apd_viewer.ui.selector import act_of
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.viewport import Viewport
 
 _WIDTH = 420
@@ -32,6 +33,7 @@ class NumberCard(QFrame):
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas, objectName="notice")
+        shield(self)
         self._canvas = canvas
         self.text = _Line(objectName="typed", placeholderText="y > 0.8Y and x < 0      or ids: 3, 10-20")
         self.text.setAccessibleName("Ids or conditions of the vertices to choose")

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
 
 from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
 
@@ -36,6 +37,7 @@ class Offer(QFrame):
 
     def __init__(self, canvas: Viewport, filing: Filing) -> None:
         super().__init__(canvas)
+        shield(self)
         self._canvas = canvas
         self._filing = filing
         self._waiting: list[Leftover] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QFrame,
@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.shortcut_rows import ActionRow, Group
 from apd_viewer.ui.shortcuts import Shortcuts, native, split
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -55,6 +56,7 @@ class ShortcutSheet(QFrame):
         self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[Group]]
     ) -> None:
         super().__init__(canvas, objectName="sheet", accessibleName="Shortcuts")
+        shield(self)
         self._canvas = canvas
         self._shortcuts = shortcuts
         self._make_groups = groups
@@ -244,11 +246,3 @@ class ShortcutSheet(QFrame):
             shown[0].keys.setFocus(Qt.FocusReason.TabFocusReason)
         else:
             super().keyPressEvent(event)
-
-    def event(self, event: QEvent) -> bool:
-        """Keep the mouse from what lies behind."""
-        handled = super().event(event)
-        if event.type() in (QEvent.Type.MouseButtonPress, QEvent.Type.MouseMove, QEvent.Type.Wheel):
-            event.accept()
-            return True
-        return handled

@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QToolBar
 
 from apd_viewer.ui.icons import SIZE
 from apd_viewer.ui.select_actions import SelectActions
+from apd_viewer.ui.shield import shield
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN = 12
@@ -23,6 +24,7 @@ class WayBar(QToolBar):
 
     def __init__(self, canvas: Viewport, actions: SelectActions) -> None:
         super().__init__("Ways to choose vertices", canvas, objectName="ways")
+        shield(self)
         self.setOrientation(Qt.Orientation.Vertical)
         self.setIconSize(SIZE)
         self.addActions(list(actions.ways.values()))

@@ -96,3 +96,31 @@ def bottle(qtbot, window):
     idle(qtbot, window)
     qtbot.wait(50)
     return window
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Where windows keep what is done, for the case of a crash."""
+    return tmp_path / "recovery"
+
+
+@pytest.fixture
+def started(qtbot, folder, settings, monkeypatch):
+    """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
+    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    windows = []
+
+    def start():
+        window = Window(settings, folder)
+        window.filing.open_sample("bottle")
+        window.start()
+        show(qtbot, window, window.canvas.viewport)
+        idle(qtbot, window)
+        windows.append(window)
+        return window
+
+    yield start
+    for window in windows:
+        window.close()
+        window.deleteLater()
+    qtbot.wait(10)

@@ -2,42 +2,14 @@
 
 import numpy as np
 import pytest
-from driving import idle, show
-from PySide6.QtCore import QSettings, Qt
+from driving import idle
+from PySide6.QtCore import Qt
 
 from apd_viewer.files.samples import open_sample
 from apd_viewer.session.document import opened
 from apd_viewer.session.recovery import owned
 from apd_viewer.session.saved import save_session
 from apd_viewer.session.view import View
-from apd_viewer.ui.window import Window
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "recovery"
-
-
-@pytest.fixture
-def started(qtbot, folder, tmp_path):
-    """Starts windows that keep what is done in the folder, and closes them at last."""
-    windows = []
-
-    def start():
-        settings = QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat)
-        window = Window(settings, folder)
-        window.filing.open_sample("bottle")
-        window.start()
-        show(qtbot, window, window.canvas.viewport)
-        idle(qtbot, window)
-        windows.append(window)
-        return window
-
-    yield start
-    for window in windows:
-        window.close()
-        window.deleteLater()
-    qtbot.wait(10)
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driving import Mouse, centre, document, drag, idle, ring_grip, show
+from driving import Mouse, centre, document, drag, idle, ring_grip
 from PySide6.QtWidgets import QMessageBox
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
@@ -22,7 +22,6 @@ from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.view import View
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import recovery_folder
-from apd_viewer.ui.window import Window
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """
@@ -42,33 +41,6 @@ window.session.type_motion("TWIST", "20", 0)
 assert window.session.wait_idle(20.0)
 application.exec()
 """
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "recovery"
-
-
-@pytest.fixture
-def started(qtbot, folder, settings, monkeypatch):
-    """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
-    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
-    windows = []
-
-    def start():
-        window = Window(settings, folder)
-        window.filing.open_sample("bottle")
-        window.start()
-        show(qtbot, window, window.canvas.viewport)
-        idle(qtbot, window)
-        windows.append(window)
-        return window
-
-    yield start
-    for window in windows:
-        window.close()
-        window.deleteLater()
-    qtbot.wait(10)
 
 
 @pytest.fixture

@@ -1,0 +1,44 @@
+"""What lies over the canvas keeps the mouse: a press on it paints nothing and turns nothing behind it."""
+
+import pytest
+from driving import Mouse
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.ui.toolbox import Tool, Way
+
+
+def number_card(window):
+    window.actions_.select.numbers.trigger()
+    return window.deeds._card
+
+
+def notice(window):
+    window.notice.fail("Something was not done.")
+    return window.notice
+
+
+def way_bar(window):
+    return window.way_bar
+
+
+@pytest.mark.parametrize("over", [number_card, notice, way_bar])
+def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
+    bottle.take(Tool.BASE)
+    bottle.choose_way(Way.SLAB)
+    widget, view = over(bottle), bottle.canvas.viewport
+    qtbot.waitUntil(widget.isVisible)
+    state, eye = bottle.session.state, view.eye.key
+    reached = []
+    view.mousePressEvent = lambda event: reached.append(event)
+    view.mouseDoubleClickEvent = lambda event: reached.append(event)
+    at = QPoint(3, widget.height() // 2)
+    assert widget.childAt(at) is None
+    QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=at)
+    QTest.mouseDClick(widget, Qt.MouseButton.LeftButton, pos=at)
+    Mouse(widget).wheel(at, 1)
+    del view.mousePressEvent, view.mouseDoubleClickEvent
+    assert reached == []
+    assert bottle.session.state is state
+    assert view.eye.key == eye
+    assert bottle.canvas.ways[Way.SLAB].axis == 1, "the wheel has not taken another axis"
