@@ -78,7 +78,7 @@ class Child:
         self._orders: dict[int, tuple[Request, Tray | None]] = {}
         self._tray: tuple[int, Tray | None] | None = None
         self._start: Request | None = None
-        self._mesh: Mesh | None = None
+        self._finder_of: Mesh | None = None
         self._received = threading.Event()
         self._received.set()
         self._thread = threading.Thread(target=self._listen, name="answers", daemon=True)
@@ -96,10 +96,9 @@ class Child:
         self._received.clear()
         number, tray = next(self._numbers), self._tray_for(request)
         self._orders[number] = request, tray
-        mesh, before = request.document.mesh, self._mesh
-        self._mesh = mesh
-        news = () if mesh is before else thinnings
-        order = Order(number, self._from_its_start(request), tray.name if tray else None, news)
+        # With every order, as the process may never look at the one before; what it found itself it has.
+        known = () if request.document.mesh is self._finder_of else thinnings
+        order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
         message = self._packer.packed(order)
         with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
             if self.alive:
@@ -163,7 +162,8 @@ class Child:
         if isinstance(message, Answer):
             self._hear_answer(message)
         elif isinstance(message, Found):
-            self._learned(self._orders[message.number][0].document.mesh, message.thinnings)
+            self._finder_of = self._orders[message.number][0].document.mesh
+            self._learned(self._finder_of, message.thinnings)
         elif message.step is Step.RECEIVED:
             self._discard_envelope()
             self._received.set()

@@ -22,7 +22,7 @@ class Order:
     tray : str or None
         Name of the tray to put shapes into; without one they travel in the answers.
     thinnings : tuple of Thinning
-        Of the mesh, as far as they are known, if the process has not seen that mesh before.
+        Of the mesh, as far as they are known and not found by the process itself.
     """
 
     number: int
