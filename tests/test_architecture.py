@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = "apd_viewer"
 
 # What lies on the right may be imported by what lies on the left, and not the other way around.
-ROOMS = ["top", "ui", "session", "files", "geometry", "errors"]
+ROOMS = ["top", "ui", "session", "files", "geometry", "errors", "language"]
 TOP = {"__main__", "api", "headless", "papertables", "parser"}
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 LIBRARIES = {
@@ -22,6 +22,7 @@ LIBRARIES = {
     "files": {"numpy", "trimesh"},
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification"},
     "errors": set(),
+    "language": set(),
 }
 # Libraries that only the named files may touch.
 DRAWS = {"ui/picture.py", "ui/shading.py", "ui/surface.py", "ui/viewport.py"}

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QPushButton, QWidget
+from PySide6.QtWidgets import QMainWindow, QPushButton
 
 from apd_viewer.files.samples import SAMPLES
+from apd_viewer.language import tr
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
 from apd_viewer.ui.deeds import Deeds
+from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.filing import Filing
 from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.health import Health
@@ -58,6 +60,7 @@ class Window(QMainWindow):
 
     Attributes
     ----------
+    docks : Docks
     session : Session
     parts : Parts
         Both from the start on.
@@ -89,7 +92,7 @@ class Window(QMainWindow):
         self.setStatusBar(self.status)
         self.actions_ = Actions(self, self._verbs())
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
-        self.actions_.add_panels([self._dock.toggleViewAction(), self._history_dock.toggleViewAction()])
+        self.actions_.add_panels(self.docks.toggles)
         for nudge in self.actions_.pose.nudges:  # elsewhere arrows move a slider or a cursor
             nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)
             self.canvas.viewport.addAction(nudge)
@@ -149,16 +152,11 @@ class Window(QMainWindow):
 
     def _make_panel(self) -> None:
         self.panel = Panel()
-        self._dock = QDockWidget("Readings", self, objectName="readings")
-        self._dock.setTitleBarWidget(QWidget())
-        self._dock.setWidget(self.panel)
-        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._dock)
         self.panel.folded = self._memory.folded
         self._history = HistoryList()
-        self._history_dock = QDockWidget("History", self, objectName="history")
-        self._history_dock.setWidget(self._history)
-        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self._history_dock)
-        self._history_dock.hide()
+        self.docks = Docks(self)
+        self.docks.add("readings", tr("Readings"), self.panel)
+        self.docks.add("history", tr("History"), self._history, shown=False)
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
         view = self.canvas.viewport
@@ -240,7 +238,7 @@ class Window(QMainWindow):
         self._invite()
 
     def _type_motion(self) -> None:
-        self._dock.show()
+        self.docks["readings"].show()
         self.panel.show_motion()
 
     def _choose_unit(self, unit: Unit) -> None:

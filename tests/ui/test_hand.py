@@ -223,7 +223,7 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
         idle(qtbot, bottle)
         states.append(bottle.session.state)
     bottle.take(Tool.ORBIT)
-    bottle._history_dock.show()
+    bottle.docks["history"].show()
     steps = bottle._history
     assert [steps.item(k).text() for k in range(steps.count())] == ["As it was opened", "Twist", "Twist"]
     for k in (1, 0, 2, 1):

@@ -235,7 +235,7 @@ def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured
 
 def test_it_says_where_the_area_is_when_the_readings_are_hidden(qtbot, toured):
     go_to(qtbot, toured, 2)
-    toured._dock.hide()
+    toured.docks["readings"].hide()
     qtbot.wait(50)
     assert "View menu" in card(toured).sentence.text()
 

@@ -1,0 +1,48 @@
+"""The panels beside the canvas, each of which can be closed, put elsewhere or taken out of the window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QAction
+
+
+class Docks:
+    """The docks of a window, in the order in which they are offered in its menu.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    """
+
+    def __init__(self, window: QMainWindow) -> None:
+        self._window = window
+        self._docks: dict[str, QDockWidget] = {}
+
+    def add(
+        self,
+        name: str,
+        title: str,
+        content: QWidget,
+        area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
+        shown: bool = True,
+    ) -> QDockWidget:
+        """Put ``content`` into a dock; ``name`` is what the layout is remembered by."""
+        dock = QDockWidget(title, self._window, objectName=name)
+        dock.setWidget(content)
+        self._window.addDockWidget(area, dock)
+        dock.setVisible(shown)
+        self._docks[name] = dock
+        return dock
+
+    def __getitem__(self, name: str) -> QDockWidget:
+        return self._docks[name]
+
+    @property
+    def toggles(self) -> list[QAction]:
+        """What shows and hides each of them."""
+        return [dock.toggleViewAction() for dock in self._docks.values()]
