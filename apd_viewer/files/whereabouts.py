@@ -14,11 +14,12 @@ from apd_viewer.files.archive import Archive, npy
 from apd_viewer.files.fields import Fields
 from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh import Baked, Mesh, check_mesh, frozen
 
 # Beside a copy in an archive there is nothing, and nobody is to look there.
 _NOWHERE = Path(os.devnull)
 _ARRAYS = ("V", "F")
+_REST = "rest.npy"  # the rest positions, where they are not those of the file
 # What the files of meshes were when they were last found to hold them; to read a large one takes a second.
 _found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
 
@@ -41,7 +42,7 @@ def _sample(name: str) -> str:
 
 def is_there(mesh: Mesh) -> bool:
     """Whether the file that the mesh came from still holds it; read again only if it was written since."""
-    if mesh.path is None:
+    if mesh.path is None or isinstance(mesh.origin, Baked):
         return False
     try:
         status = mesh.path.stat()
@@ -58,6 +59,8 @@ def is_there(mesh: Mesh) -> bool:
 
 def copy_of(mesh: Mesh) -> dict[str, bytes]:
     """The members of an archive that hold the mesh: the file that it came from, or else its arrays."""
+    if isinstance(mesh.origin, Baked):
+        return {**copy_of(mesh.origin.mesh), _REST: npy(mesh.V)}
     if mesh.origin is not None:
         name = f"mesh{mesh.origin.suffix}"
         # Some files cannot be written, and a glTF may need others beside it.
@@ -140,7 +143,9 @@ def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
 
 def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
     """The mesh in the archive, as if it came from ``path``; there is no such file."""
-    members = told.texts("embedded", len(_ARRAYS))
+    members = told.texts("embedded", len(_ARRAYS) + 1)
+    rest = members[-1:] == [_REST]
+    members = members[:-1] if rest else members
     try:
         if members == [f"{name}.npy" for name in _ARRAYS]:
             V, F = (
@@ -152,6 +157,10 @@ def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
             mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(members[0])), path=path)
         else:
             raise ValueError("its “embedded” is damaged")
+        if rest:
+            V = archive.array("rest", "<f8", mesh.V.shape)
+            check_mesh(V, mesh.F)
+            mesh = mesh.baked(frozen(V))
     except InputError:
         raise ValueError("the copy of the mesh in it is damaged") from None
     if mesh.digest != told.text("digest"):

@@ -65,6 +65,31 @@ class Mesh:
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
 
+    @classmethod
+    def trusted(
+        cls,
+        V: np.ndarray,
+        F: np.ndarray,
+        path: Path | None = None,
+        origin: Origin | None = None,
+        weld: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> Mesh:
+        """A mesh of read-only arrays that were checked before, with the maps of its weld where it has one."""
+        mesh = cls.__new__(cls)
+        mesh.__dict__.update(V=V, F=F, path=path, origin=origin)
+        if weld is not None:
+            mesh.__dict__["weld"] = Weld.between(V, *weld)
+        return mesh
+
+    def baked(self, U: np.ndarray) -> Mesh:
+        """The same mesh with ``U`` (n, 3), read-only, for its rest positions; what was joined stays joined.
+
+        It came from the same file, and is written into it as a deformed shape would be.
+        """
+        read = self.origin.mesh if isinstance(self.origin, Baked) else self
+        origin = Baked(read, read.origin) if read.origin is not None else None
+        return Mesh.trusted(U, self.F, self.path, origin, (self.weld.first, self.weld.inverse))
+
     @cached_property
     def weld(self) -> Weld:
         """The maps between the file's vertices and the vertices of the solve."""
@@ -85,6 +110,36 @@ class Mesh:
     def name(self) -> str:
         """File name for people, or "mesh"."""
         return self.path.name if self.path else "mesh"
+
+
+@dataclass(frozen=True, eq=False)
+class Baked:
+    """The origin of a mesh whose rest positions are not those of its file.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        As it was read.
+    origin : Origin
+        Of that.
+    """
+
+    mesh: Mesh
+    origin: Origin
+
+    @property
+    def suffix(self) -> str:
+        """Of the file's name."""
+        return self.origin.suffix
+
+    @property
+    def extras(self) -> tuple[str, ...]:
+        """What the file holds besides positions and triangles."""
+        return self.origin.extras
+
+    def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
+        """The file with the positions ``U`` (n, 3); what stands where it stood is written as it was."""
+        return self.origin.rewritten(self.mesh, U)
 
 
 # Vertices at a border that lie closer than that, in diagonals of the bounding box, are joined.

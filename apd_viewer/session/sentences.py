@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from apd_viewer.files.selection import Selection
 from apd_viewer.geometry.inspection import Finding
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 
 
@@ -21,6 +22,13 @@ def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
     """What is in a mesh file that was written: the area measured on it."""
     return (
         f"Exported {name}: area {unit.area(f'{area:.6g}')}, {100.0 * area / at_rest:.3f} % of the rest area."
+    )
+
+
+def about_baking(area: float, before: float, unit: Unit) -> str:
+    """What is 100 % from now on, and what it was of the rest area before."""
+    return tr("This is the rest shape now: 100 % is {area}, {percent} % of before. Undo goes back.").format(
+        area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}"
     )
 
 

@@ -18,7 +18,9 @@ from apd_viewer.files.selection import Selection
 from apd_viewer.files.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.constraints import transform
 from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
+from apd_viewer.session.baking import baked
 from apd_viewer.session.by_numbers import chosen
 from apd_viewer.session.document import IDENTITY, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
@@ -30,6 +32,7 @@ from apd_viewer.session.posing import Motion, amount_of, moved
 from apd_viewer.session.reshaping import Change, reshaped
 from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.sentences import (
+    about_baking,
     about_export,
     about_findings,
     about_loaded_selection,
@@ -310,6 +313,21 @@ class Session:
             self._gestures.record("Reset handle", state)
             rest = rest_frame(state.document.mesh, state.inspection)
             self._stage.jump(state.at(state.document.at_rest(), rest))
+
+    def bake(self) -> None:
+        """Take the shape on screen for the rest shape, in the background: its area is 100 % from then on."""
+        shown = self._gestures.alone()
+
+        def done(at_rest: State) -> None:
+            state = self._gestures.alone()
+            if state.document is not shown.document:
+                self._listener.failed(tr("Something else has been asked for meanwhile; bake the new shape."))
+                return
+            self._gestures.record("Bake as new rest", state)
+            self._stage.jump(at_rest)
+            self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self.unit))
+
+        self._send(tr("Measuring the new rest shape"), lambda: baked(shown), done)
 
     # Going back
 

@@ -171,12 +171,8 @@ class Unpacker:
 
     def _mesh(self, told: _Mesh) -> Mesh:
         known = self._known
-        mesh = Mesh.__new__(Mesh)  # it was checked before it was sent
-        mesh.__dict__.update(V=known[told.V], F=known[told.F], path=told.path)
-        if told.weld:
-            first, inverse = told.weld
-            mesh.__dict__["weld"] = Weld.between(mesh.V, known[first], known[inverse])
-        return mesh
+        weld = (known[told.weld[0]], known[told.weld[1]]) if told.weld else None
+        return Mesh.trusted(known[told.V], known[told.F], told.path, weld=weld)
 
 
 def _pickled(value: object, packer: Packer) -> bytes:

@@ -10,6 +10,7 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
 from apd_viewer.files.samples import SAMPLES
+from apd_viewer.language import tr
 from apd_viewer.ui.action_maker import ActionMaker
 from apd_viewer.ui.icons import SIZE
 from apd_viewer.ui.pose_actions import PoseActions
@@ -88,6 +89,13 @@ class Actions:
             "Ctrl+R",
             "reset",
         )
+        self.bake = make(
+            tr("&Bake as new rest"),
+            "bake",
+            tr("Take this shape for the rest shape: its area becomes the 100 % of all that follows"),
+            "Ctrl+Shift+R",
+            "bake",
+        )
 
     def _make_tools(self) -> None:
         group = QActionGroup(self._window)
@@ -144,7 +152,7 @@ class Actions:
         edit = bar.addMenu("&Edit")
         edit.addActions([self.undo, self.redo])
         edit.addSeparator()
-        edit.addAction(self.reset)
+        edit.addActions([self.reset, self.bake])
         tools = bar.addMenu("&Tools")
         tools.addActions(list(self.tools.values()))
         self.select.fill(bar.addMenu("&Select"))

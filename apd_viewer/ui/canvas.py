@@ -212,6 +212,8 @@ class Canvas(QObject):
         self._handle, self._region = handle, region
         if old is None or old.document.mesh is not document.mesh:
             self._show_mesh(new)
+            if old is None or old.document.mesh.F is not document.mesh.F:  # a baked mesh is where it was
+                self._show_whole(document)
         else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
@@ -228,6 +230,8 @@ class Canvas(QObject):
         self.marks.show(None)
         document = state.document
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
+
+    def _show_whole(self, document: Document) -> None:
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
             self.viewport.look_home()  # otherwise it has, and may have been turned since

@@ -61,6 +61,7 @@ class Deeds:
             "redo": lambda session, _: session.redo(),
             "travel": lambda session, _, steps: session.travel(steps),
             "reshape": lambda session, _, change: session.reshape(self._canvas.part, change),
+            "bake": lambda session, _: session.bake(),
             "put_back": lambda session, parts: session.put_back_handle(parts.handle),
             "nudge": self._nudge,
             "pick_pivot": self._pick_pivot,

@@ -265,7 +265,9 @@ class Window(QMainWindow):
         self.parts.follow(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.mesh is not document.mesh:
-            self._welcome(new)
+            self.health.show(new.inspection.findings)
+            if old is None or old.document.mesh.F is not document.mesh.F:
+                self._welcome(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.labels is not document.labels:
             self._invite()
@@ -288,7 +290,6 @@ class Window(QMainWindow):
         self.setWindowFilePath(str(mesh.path or ""))
         self.setWindowTitle(f"{mesh.name} – APD Viewer")
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
-        self.health.show(state.inspection.findings)
         self.session.unit = self.panel.unit = self._units.of(mesh)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
@@ -309,7 +310,8 @@ class Window(QMainWindow):
         moved = state is not None and self.session.moved
         for action in self.actions_.of_a_mesh:
             action.setEnabled(state is not None)
-        self.actions_.reset.setEnabled(moved)
+        for action in (self.actions_.reset, self.actions_.bake):
+            action.setEnabled(moved)
         self.panel.handles.reset.setEnabled(moved)
         self.panel.setEnabled(state is not None)
         self.panel.area.activity.setText("" if state is None else self._activity(state))

@@ -317,6 +317,22 @@ class Use(RuleBasedStateMachine):
             self.session.receive()
         self._recorded(before)
 
+    @precondition(_at_rest)
+    @rule()
+    def bake(self) -> None:
+        self.session.receive()
+        before = shown = self.session.state
+        self.session.bake()
+        while self.session.errand is not None:
+            before = self.session.state
+            self.session.receive()
+        now = self.session.state.document
+        assert now.mesh.V is shown.frame.U
+        assert now.mesh.F is shown.document.mesh.F
+        assert now.labels is shown.document.labels
+        assert not self.session.moved
+        self._recorded(before)
+
     # Going back
 
     def _expected(self, target, now) -> None:
