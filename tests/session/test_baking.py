@@ -1,4 +1,4 @@
-"""The shape on screen taken for the rest shape: a mesh like any other, of the same file, and a step of undo."""
+"""The shape on screen taken for the rest shape: a mesh like any other, of the same file, and undone."""
 
 import time
 from dataclasses import replace
