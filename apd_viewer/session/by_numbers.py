@@ -1,4 +1,4 @@
-"""Vertices chosen by what a user types: their ids, or where they are."""
+"""Vertices and points by what a user types: their ids, or where they are."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 from apd_viewer.session.expressions import length
 from apd_viewer.session.posing import names_of
 
@@ -85,3 +86,13 @@ def _side(text: str, state: State, unit: Unit) -> np.ndarray | float:
         column: np.ndarray = state.frame.U[:, "xyz".index(text)]
         return column
     return length(text, unit, names_of(state))
+
+
+def place(text: str, state: State, unit: Unit) -> np.ndarray:
+    """The point (3,) whose coordinates a text gives as expressions, parted by semicolons or by commas."""
+    parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
+    if len(parts) != 3:
+        problem = tr("“{text}” is no point; write three coordinates such as 0, 0.5Y, 12mm.")
+        raise InputError(problem.format(text=text.strip()))
+    names = names_of(state)
+    return np.array([length(part, unit, names) for part in parts])

@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import BASE, transform
 from apd_viewer.geometry.motions import bend, scaled_about, shifted, turned_about, twist
+from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.expressions import angle, length, number
 
@@ -31,6 +32,7 @@ class Motion(Enum):
     BEND_X = "Bend about x"
     BEND_Y = "Bend about y"
     BEND_Z = "Bend about z"
+    BEND_LINE = "Bend about a line"
     SCALE = "Scale"
 
 
@@ -52,8 +54,13 @@ def amount_of(motion: Motion, text: str, state: State, unit: Unit) -> float:
     return number(text, names) if motion is Motion.SCALE else angle(text, names)
 
 
-def moved(document: Document, k: int, motion: Motion, amount: float) -> np.ndarray:
-    """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be."""
+def moved(
+    document: Document, k: int, motion: Motion, amount: float, line: np.ndarray | None = None
+) -> np.ndarray:
+    """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be.
+
+    ``line`` (2, 3) is what BEND_LINE bends about: from its first point to its second.
+    """
     gripped = document.pivot(k)
     if gripped is None:
         raise InputError(f"“{document.handles[k].name}” holds nothing yet; paint it first.")
@@ -66,12 +73,22 @@ def moved(document: Document, k: int, motion: Motion, amount: float) -> np.ndarr
         by = turned_about(centre, _AXES[letter], amount)
     elif kind == "SCALE":
         by = scaled_about(centre, amount)
+    elif motion is Motion.BEND_LINE:
+        by = _about_line(line, amount)
     else:
         base = _base_centre(document)
         centre = _centre(document, k)
         by = twist(base, centre, amount) if kind == "TWIST" else bend(base, _AXES[letter], amount)
     posed: np.ndarray = by @ pose
     return posed
+
+
+def _about_line(line: np.ndarray | None, angle: float) -> np.ndarray:
+    if line is None:
+        raise InputError(tr("There is no line to bend about yet: pick it by two clicks on the mesh."))
+    if np.array_equal(line[0], line[1]):
+        raise InputError(tr("Both ends of the line are one point; pick two that are apart."))
+    return turned_about(line[0], line[1] - line[0], angle)
 
 
 def _centre(document: Document, k: int) -> np.ndarray:

@@ -21,14 +21,15 @@ from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
 from apd_viewer.session.baking import baked
-from apd_viewer.session.by_numbers import chosen
+from apd_viewer.session.by_numbers import chosen, place
 from apd_viewer.session.document import IDENTITY, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
+from apd_viewer.session.expressions import length
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
 from apd_viewer.session.part import Part
 from apd_viewer.session.parts import Parts
-from apd_viewer.session.posing import Motion, amount_of, moved
+from apd_viewer.session.posing import Motion, amount_of, moved, names_of
 from apd_viewer.session.reshaping import Change, reshaped
 from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.sentences import (
@@ -264,6 +265,14 @@ class Session:
         """The vertices that a text names by ids or coordinates; raises InputError with a sentence."""
         return chosen(text, self._stage.required(), self.unit)
 
+    def length(self, text: str) -> float:
+        """The length that a text says, mesh units; raises InputError with a sentence."""
+        return length(text, self.unit, names_of(self._stage.required()))
+
+    def place(self, text: str) -> np.ndarray:
+        """The point (3,) that a text names by its coordinates; raises InputError with a sentence."""
+        return place(text, self._stage.required(), self.unit)
+
     def reshape(self, part: Part, change: str) -> None:
         """Change a part as a whole, as a :class:`Change` by its name."""
         self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), Change[change].value)
@@ -285,11 +294,14 @@ class Session:
             self._gestures.record(gesture, state, repeats)
             self._stage.say(state.document.moved(which, pose))
 
-    def type_motion(self, motion: str, text: str, which: int) -> None:
-        """Move a handle by what was typed; ``motion`` names a :class:`Motion`. Raises InputError."""
+    def type_motion(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
+        """Move a handle by what was typed; ``motion`` names a :class:`Motion`. Raises InputError.
+
+        ``line`` (2, 3) is what a bend about a line is about.
+        """
         state, kind = self._gestures.alone(), Motion[motion]
         amount = amount_of(kind, text, state, self.unit)
-        self.pose_handle(moved(state.document, which, kind, amount), which, kind.value)
+        self.pose_handle(moved(state.document, which, kind, amount, line), which, kind.value)
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""

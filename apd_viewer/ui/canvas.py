@@ -21,8 +21,8 @@ from apd_viewer.ui.marks import Marks
 from apd_viewer.ui.outline import Kind, Outline
 from apd_viewer.ui.painter import Painter
 from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors, tinted
-from apd_viewer.ui.pivot_picker import PivotPicker
 from apd_viewer.ui.pivots import Pivot, Pivots
+from apd_viewer.ui.point_picker import PointPicker
 from apd_viewer.ui.selector import Act, Selector
 from apd_viewer.ui.sight import aside, facing, in_view, surroundings
 from apd_viewer.ui.slab import Slab
@@ -59,6 +59,8 @@ class Canvas(QObject):
         The (4, 4) pose of the active handle while the gizmo is dragged.
     handle_chosen : Signal(int)
         Another handle was pressed.
+    line : (2, 3) float array or None
+        Two points on the line to bend about.
     """
 
     stroke_began = Signal()
@@ -81,7 +83,7 @@ class Canvas(QObject):
         self.gizmo.grabs = self._grabs
         self.pivots = Pivots(self.viewport, self._handle_at)
         self.marks = Marks(self.viewport, self.surface)
-        self.picker = PivotPicker(self.viewport, self.surface)
+        self.picker = PointPicker(self.viewport, self.surface)
         self.viewport.tools[:] = [self.picker, self.gizmo, self.pivots, *self.ways.values(), self.marks]
         self.tool, self.way = Tool.ORBIT, Way.BRUSH
         self._handle = self._region = 0
@@ -89,6 +91,7 @@ class Canvas(QObject):
         self._previewed: np.ndarray | None = None
         self._document: Document | None = None
         self._sketched: np.ndarray | None = None
+        self.line: np.ndarray | None = None
         self._connect()
 
     def _make_ways(self) -> dict[Way, Selector]:
@@ -232,6 +235,8 @@ class Canvas(QObject):
         self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
 
     def _show_whole(self, document: Document) -> None:
+        self.painter.length = self.line = None  # they were of another mesh
+        self.picker.shown = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
             self.viewport.look_home()  # otherwise it has, and may have been turned since

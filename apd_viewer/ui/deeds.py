@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh import counted
-from apd_viewer.ui.number_card import HELP, NumberCard
 from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.typed import Typed
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.panel import Panel
     from apd_viewer.ui.parts import Parts
-    from apd_viewer.ui.selector import Act
 
 
 class Deeds:
@@ -36,7 +34,6 @@ class Deeds:
         self._canvas = canvas
         self._panel = panel
         self._take = take
-        self._card = NumberCard(canvas.viewport)
         self._at_work: tuple[Session, Parts] | None = None
 
     def start(self, session: Session, parts: Parts) -> None:
@@ -48,10 +45,9 @@ class Deeds:
         handles.put_back_asked.connect(self.verbs["put_back"])
         handles.motion.typed.connect(self.verbs["move_by"])
         self._panel.regions.added.connect(self.verbs["add_region"])
-        self._canvas.picker.picked.connect(lambda point: session.set_pivot(point, parts.handle))
-        self._card.asked.connect(self._look_for)
-        self._card.entered.connect(self._choose)
-        self._card.closed.connect(lambda: self._canvas.preview(None))
+        handles.motion.line_asked.connect(self.verbs["pick_line"])
+        handles.motion.choice.currentIndexChanged.connect(self._show_line)
+        self.typed = Typed(self._canvas, session, parts, self.give_up)
 
     @property
     def verbs(self) -> dict[str, Callable[..., None]]:
@@ -65,6 +61,7 @@ class Deeds:
             "put_back": lambda session, parts: session.put_back_handle(parts.handle),
             "nudge": self._nudge,
             "pick_pivot": self._pick_pivot,
+            "pick_line": self._pick_line,
             "centre_pivot": lambda session, parts: session.set_pivot(None, parts.handle),
         }
         any_time: dict[str, Callable[..., object]] = {
@@ -73,7 +70,9 @@ class Deeds:
             "next_handle": lambda _, parts: parts.next_handle(),
             "add_region": self._add_region,
             "move_by": self._move_by,
-            "choose_by_numbers": lambda *_: self._card.open_card(),
+            "choose_by_numbers": lambda *_: self.typed.open(self.typed.vertices),
+            "type_brush": self._type_brush,
+            "type_pivot": lambda *_: self.typed.open(self.typed.pivot),
         }
         return {
             **{name: partial(self._do, verb, True) for name, verb in free.items()},
@@ -104,36 +103,33 @@ class Deeds:
     def _move_by(self, session: Session, parts: Parts, motion: str, text: str) -> None:
         field = self._panel.handles.motion
         try:
-            session.type_motion(motion, text, parts.handle)
+            session.type_motion(motion, text, parts.handle, self._canvas.line)
         except InputError as error:
             field.refuse(str(error))
         else:
             field.done()
 
-    def _found(self, text: str) -> np.ndarray | None:
-        """The vertices that a text names; where it names none the card says why."""
-        if self._at_work is None or self._at_work[0].state is None:
-            return None
-        try:
-            return self._at_work[0].chosen(text)
-        except InputError as error:
-            self._card.say(str(error) if text else "")
-            return None
-
-    def _look_for(self, text: str) -> None:
-        ids = self._found(text)
-        self._canvas.preview(ids)
-        if ids is not None:
-            self._card.say(f"{counted(len(ids), 'vertex', 'vertices')}. {HELP}")
-
-    def _choose(self, text: str, act: Act) -> None:
-        ids = self._found(text)
-        if ids is not None and not self.give_up():
-            self._canvas.choose_vertices(ids, act)
-
-    def _pick_pivot(self, _: Session, __: Parts) -> None:
+    def _pick_pivot(self, session: Session, parts: Parts) -> None:
         self._take(Tool.MOVE)
-        self._canvas.picker.ask()
+        self._canvas.picker.ask(1, lambda points: session.set_pivot(points[0], parts.handle))
+
+    def _pick_line(self, _: Session, __: Parts) -> None:
+        self._take(Tool.MOVE)
+        self._canvas.picker.ask(2, self._keep_line)
+
+    def _keep_line(self, line: np.ndarray) -> None:
+        self._canvas.line = line
+        self._show_line()
+        self._panel.show_motion()
+
+    def _show_line(self) -> None:
+        line = self._canvas.line if self._panel.handles.motion.about_line else None
+        self._canvas.picker.shown = np.empty((0, 3)) if line is None else line
+
+    def _type_brush(self, _: Session, __: Parts) -> None:
+        if not self._canvas.tool.words.is_brush:
+            self._take(Tool.HANDLE)
+        self.typed.open(self.typed.brush)
 
     def _nudge(self, session: Session, parts: Parts, step: tuple[int, int, int]) -> None:
         pose = self._canvas.nudged(step)

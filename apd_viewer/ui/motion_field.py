@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.fields import Choice
 from apd_viewer.ui.section import quiet
 
@@ -15,11 +16,13 @@ _MOTIONS = {
     "Turn": ("TURN_X", "TURN_Y", "TURN_Z"),
     "Bend": ("BEND_X", "BEND_Y", "BEND_Z"),
 }
+_LINE = "BEND_LINE"
 _TIPS = {
     "MOVE": "Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh",
     "TURN": "About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn",
     "TWIST": "About the line from the centre of the base to that of the handle: an angle such as 60deg",
     "BEND": "About an axis through the centre of the base: an angle such as 30deg",
+    _LINE: tr("Click two points of the mesh: the bend is about the line through them"),
     "SCALE": "About the centre of the handle: a factor such as 1.2 or 80%",
 }
 
@@ -31,9 +34,12 @@ class MotionField(QWidget):
     ----------
     typed : Signal(str, str)
         Name of the motion, and what was typed.
+    line_asked : Signal()
+        The line to bend about is to be picked on the mesh.
     """
 
     typed = Signal(str, str)
+    line_asked = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -44,7 +50,10 @@ class MotionField(QWidget):
                 self.choice.addItem(
                     f"{title} {'about' if title != 'Move' else 'along'} {name[-1].lower()}", name
                 )
+        self.choice.addItem(tr("Bend about a line"), _LINE)
         self.choice.addItem("Scale", "SCALE")
+        self.pick = QPushButton(tr("Pick the line"), toolTip=_TIPS[_LINE])
+        self.pick.clicked.connect(self.line_asked)
         self.amount = _Amount(objectName="typed", accessibleName="By how much", placeholderText="60deg")
         self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
         self.choice.currentIndexChanged.connect(self._choose)
@@ -58,6 +67,7 @@ class MotionField(QWidget):
         column = QVBoxLayout(self, spacing=4)
         column.setContentsMargins(0, 4, 0, 4)
         column.addLayout(line)
+        column.addWidget(self.pick)
         column.addWidget(self._problem)
         self._choose()
 
@@ -65,6 +75,11 @@ class MotionField(QWidget):
     def motion(self) -> str:
         """Name of the motion that is chosen."""
         return str(self.choice.currentData())
+
+    @property
+    def about_line(self) -> bool:
+        """Whether it is about a line that is picked on the mesh."""
+        return self.motion == _LINE
 
     def done(self) -> None:
         """The motion was made: once more with the same amount is a press of Return."""
@@ -78,7 +93,8 @@ class MotionField(QWidget):
         self.amount.selectAll()
 
     def _choose(self) -> None:
-        kind = self.motion.partition("_")[0]
+        kind = _LINE if self.about_line else self.motion.partition("_")[0]
+        self.pick.setVisible(self.about_line)
         self.amount.setToolTip(_TIPS[kind])
         self.choice.setToolTip(_TIPS[kind])
         examples = {"MOVE": "0.15L", "SCALE": "1.2"}

@@ -40,14 +40,16 @@ class Painter(Selector):
     ----------
     painted : Signal(object)
         Int array of the vertices that the latest part of the stroke covers for the first time.
-    radius_changed : Signal(float)
+    size_changed : Signal()
+        The radius is another one, or meant in another way.
     """
 
-    radius_changed = Signal(float)
+    size_changed = Signal()
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
         self._radius = 24.0
+        self._length: float | None = None
         self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
@@ -61,10 +63,43 @@ class Painter(Selector):
     @radius.setter
     def radius(self, radius: float) -> None:
         radius = float(np.clip(radius, SMALLEST, LARGEST))
-        if radius != self._radius:
-            self._radius = radius
-            self._viewport.overlay.update()
-            self.radius_changed.emit(radius)
+        if radius != self._radius or self._length is not None:
+            self._radius, self._length = radius, None
+            self._changed()
+
+    @property
+    def length(self) -> float | None:
+        """Radius on the mesh, in its units, whatever the camera does; None where it is meant in pixels."""
+        return self._length
+
+    @length.setter
+    def length(self, length: float | None) -> None:
+        if length != self._length:
+            self._length = length
+            self._changed()
+
+    def scale(self, factor: float) -> None:
+        """Make the brush so many times as large."""
+        if self._length is None:
+            self.radius = self._radius * factor
+        else:
+            self.length = self._length * factor
+
+    def _changed(self) -> None:
+        self._viewport.overlay.update()
+        self.size_changed.emit()
+
+    def _reach(self, hit: Hit) -> float:
+        """Radius on the mesh."""
+        return (
+            self._radius * self._viewport.world_per_pixel(hit.point) if self._length is None else self._length
+        )
+
+    def _step(self, hit: Hit | None) -> float:
+        """How far the cursor may go so that dabs leave no gap, in pixels."""
+        if self._length is None or hit is None:
+            return max(self._radius / 2, SMALLEST)
+        return max(self._length / (2 * self._viewport.world_per_pixel(hit.point)), 1.0)
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
@@ -107,7 +142,7 @@ class Painter(Selector):
             return False
         # Qt turns the wheel sideways while Alt is down.
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.radius = self._radius * RADIUS_PER_NOTCH**notches
+        self.scale(RADIUS_PER_NOTCH**notches)
         return True
 
     def leave(self) -> None:
@@ -162,7 +197,7 @@ class Painter(Selector):
         lies between the two was never touched.
         """
         way = end - start
-        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / max(self._radius / 2, SMALLEST))))
+        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self._step(last))))
         spacing = np.hypot(way.x(), way.y()) / count
         for i in range(1, count + 1):
             hit = self._surface.hit(start + way * (i / count))
@@ -189,11 +224,12 @@ class Painter(Selector):
             self.painted.emit(covered)
 
     def _under(self, last: Hit, hit: Hit) -> np.ndarray:
-        radius = self._radius * self._viewport.world_per_pixel(hit.point)
         skin = self._surface.skin
         assert skin is not None
         assert not isinstance(skin, Sketch)  # it is never hit
-        return skin.under_brush(self._surface.U, (hit.face, last.face), last.point, hit.point, radius)
+        return skin.under_brush(
+            self._surface.U, (hit.face, last.face), last.point, hit.point, self._reach(hit)
+        )
 
     def _ring(self, hit: Hit) -> np.ndarray:
         """Circle around the hit, in the plane that touches the surface there, (65, 3)."""
@@ -201,5 +237,4 @@ class Painter(Selector):
         a /= np.linalg.norm(a)
         b = np.cross(hit.normal, a)
         turn = np.linspace(0.0, 2 * np.pi, RING_POINTS)
-        radius = self._radius * self._viewport.world_per_pixel(hit.point)
-        return hit.point + radius * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))
+        return hit.point + self._reach(hit) * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))

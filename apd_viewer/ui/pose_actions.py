@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMainWindow, QMenu
 
+from apd_viewer.language import tr
 from apd_viewer.ui.gizmo import Along
 
 if TYPE_CHECKING:
@@ -67,6 +68,13 @@ class PoseActions:
                 "Click the point of the mesh that the handle turns about",
                 "V",
                 "pick_pivot",
+            ),
+            make(
+                tr("T&ype the pivot…"),
+                "pivot",
+                tr("Type the coordinates of the point that the handle turns about"),
+                "Ctrl+P",
+                "type_pivot",
             ),
             make(
                 "Pivot at the &centre",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMainWindow, QMenu
 
+from apd_viewer.language import tr
 from apd_viewer.ui.toolbox import Way
 
 if TYPE_CHECKING:
@@ -66,6 +67,13 @@ class SelectActions:
         self.sizes = [
             maker.make("&Larger brush", "grow", "Enlarge the brush", "]", "larger"),
             maker.make("S&maller brush", "shrink", "Make the brush smaller", "[", "smaller"),
+            maker.make(
+                tr("Si&ze of the brush…"),
+                "way-brush",
+                tr("Type the radius of the brush, in pixels or as a length on the mesh"),
+                "Shift+D",
+                "type_brush",
+            ),
         ]
         self.numbers = maker.make(
             "By &numbers…", "type", "Choose vertices by ids or coordinates", "Ctrl+L", "choose_by_numbers"

@@ -17,6 +17,7 @@ from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
 from apd_viewer.ui.deeds import Deeds
 from apd_viewer.ui.docks import Docks
+from apd_viewer.ui.figures import short
 from apd_viewer.ui.filing import Filing
 from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.health import Health
@@ -174,8 +175,8 @@ class Window(QMainWindow):
             "take": self.take,
             "way": self.choose_way,
             "through": self.canvas.select_through,
-            "larger": partial(self._scale_brush, 1.25),
-            "smaller": partial(self._scale_brush, 0.8),
+            "larger": partial(self.canvas.painter.scale, 1.25),
+            "smaller": partial(self.canvas.painter.scale, 0.8),
             "type_motion": self._type_motion,
             "along": partial(setattr, self.canvas.gizmo, "along"),
             "frame": self.canvas.frame_mesh,
@@ -195,9 +196,7 @@ class Window(QMainWindow):
         connect_hand(canvas, self.session, self.parts)
         canvas.stroke_ended.connect(self._end_stroke)
         canvas.drag_began.connect(self._guide.moved)
-        canvas.painter.radius_changed.connect(
-            lambda radius: self.status.showMessage(f"Brush {radius:.0f} px", 1500)
-        )
+        canvas.painter.size_changed.connect(self._say_brush)
 
     def _connect_panel(self) -> None:
         panel, session, parts = self.panel, self.session, self.parts
@@ -249,8 +248,14 @@ class Window(QMainWindow):
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.status.show_session(self.session)
 
-    def _scale_brush(self, factor: float) -> None:
-        self.canvas.painter.radius = self.canvas.painter.radius * factor
+    def _say_brush(self) -> None:
+        brush = self.canvas.painter
+        size = (
+            f"{brush.radius:.0f} px"
+            if brush.length is None
+            else self.session.unit.length(short(brush.length))
+        )
+        self.status.showMessage(tr("Brush {size}").format(size=size), 1500)
 
     # Showing
 

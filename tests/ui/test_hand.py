@@ -250,7 +250,7 @@ def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mous
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
     session.type_motion("MOVE_X", "1", 0)
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
-    bottle.actions_.pose.pivots[1].trigger()
+    bottle.actions_.pose.pivots[2].trigger()
     centre = transform(pose(bottle), session.state.document.centre(0)[None])[0]
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, centre, atol=1e-9)
     for _ in range(4):

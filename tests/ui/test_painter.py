@@ -156,7 +156,7 @@ def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
 
 def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
     heard, before = [], view.eye.key
-    painter.radius_changed.connect(heard.append)
+    painter.size_changed.connect(lambda: heard.append(painter.radius))
     mouse(view).wheel(centre(view), 1)
     assert painter.radius > 24
     mouse(view).wheel(centre(view), 100)
@@ -226,3 +226,35 @@ def test_a_stroke_crosses_seams(view, surface, painter, mouse):
     loose = Heard(painter)
     mouse(view).drag(centre(view), centre(view))
     np.testing.assert_array_equal(np.sort(loose.ids), np.sort(first[whole]))
+
+
+def test_a_brush_with_a_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
+    painter.length = 0.2
+    counts = []
+    for _ in range(2):
+        heard = Heard(painter)
+        mouse(view).drag(centre(view), centre(view))
+        hit = surface.hit(centre(view))
+        within = np.flatnonzero(np.linalg.norm(surface.U - hit.point, axis=1) <= 0.2)
+        np.testing.assert_array_equal(np.sort(heard.ids), within)
+        counts.append(len(within))
+        mouse(view).wheel(centre(view), 6, CONTROL)
+    assert counts[0] == counts[1] > 10
+
+
+def test_a_stroke_with_a_small_length_leaves_no_gap(view, surface, painter, heard, mouse):
+    painter.length = 0.05
+    start, end = centre(view) - QPointF(60, 0), centre(view) + QPointF(60, 0)
+    mouse(view).drag(start, end)
+    way = np.linspace(0, 1, 600).tolist()
+    places = [surface.hit(start + (end - start) * t).point for t in way]
+    away = np.min([np.linalg.norm(surface.U - x, axis=1) for x in places], axis=0)
+    assert set(np.flatnonzero(away <= 0.045)) <= set(heard.ids) <= set(np.flatnonzero(away <= 0.0501))
+
+
+def test_the_wheel_scales_a_length_and_pixels_put_it_aside(view, painter, mouse):
+    painter.length = 0.2
+    mouse(view).wheel(centre(view), 1)
+    assert painter.length == pytest.approx(0.2 * 1.12)
+    painter.radius = painter.radius
+    assert painter.length is None

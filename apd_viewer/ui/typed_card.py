@@ -1,4 +1,4 @@
-"""A card over the canvas to choose vertices by their ids or their coordinates."""
+"""A card over the canvas with one line to type into."""
 
 from __future__ import annotations
 
@@ -12,11 +12,18 @@ from apd_viewer.ui.viewport import Viewport
 
 _WIDTH = 420
 _MARGIN = 12
-HELP = "Return adds, Alt+Return removes, Ctrl+Return replaces, Esc closes."
 
 
-class NumberCard(QFrame):
+class TypedCard(QFrame):
     """One line to type into; what it names is previewed while it is typed.
+
+    Parameters
+    ----------
+    canvas : Viewport
+    title, name, example : str
+        What stands before the line, what the line is called, and what could be typed.
+    help : str
+        How to go on, said where nothing else is.
 
     Attributes
     ----------
@@ -31,19 +38,18 @@ class NumberCard(QFrame):
     entered = Signal(str, object)
     closed = Signal()
 
-    def __init__(self, canvas: Viewport) -> None:
+    def __init__(self, canvas: Viewport, title: str, name: str, example: str, help: str) -> None:  # noqa: A002
         super().__init__(canvas, objectName="notice")
         shield(self)
         self._canvas = canvas
-        self.text = _Line(objectName="typed", placeholderText="y > 0.8Y and x < 0      or ids: 3, 10-20")
-        self.text.setAccessibleName("Ids or conditions of the vertices to choose")
+        self.help = help
+        self.text = _Line(objectName="typed", placeholderText=example, accessibleName=name)
         self.text.textChanged.connect(self.asked)
         self.text.entered.connect(lambda act: self.entered.emit(self.text.text(), act))
         self.text.left.connect(self.close_card)
-        self._said = QLabel(HELP, objectName="quiet", wordWrap=True)
-        title = QLabel("Choose by numbers")
+        self._said = QLabel(help, objectName="quiet", wordWrap=True)
         line = QHBoxLayout(spacing=8)
-        line.addWidget(title)
+        line.addWidget(QLabel(title))
         line.addWidget(self.text, 1)
         column = QVBoxLayout(self, spacing=6)
         column.setContentsMargins(12, 10, 12, 10)
@@ -69,7 +75,7 @@ class NumberCard(QFrame):
 
     def say(self, sentence: str) -> None:
         """Show what was found, or what is wrong; how to go on where nothing is said."""
-        self._said.setText(sentence or HELP)
+        self._said.setText(sentence or self.help)
         self._place()
 
     def _place(self) -> None:

@@ -1,0 +1,119 @@
+"""Sizes, points and lines that are typed or clicked, with real keys and a real mouse."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.geometry.constraints import transform
+from apd_viewer.ui.toolbox import Tool
+
+
+def entered(qtbot, card, text):
+    card.text.setText("")
+    QTest.keyClicks(card.text, text)
+    qtbot.keyClick(card.text, Qt.Key.Key_Return)
+
+
+def on_screen(window, point):
+    return QPointF(*window.canvas.viewport.project(np.asarray(point)[None])[0])
+
+
+def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
+    brush, typed = bottle.canvas.painter, bottle.deeds.typed.brush
+    bottle.actions_.select.sizes[2].trigger()
+    assert bottle.canvas.tool is Tool.HANDLE
+    entered(qtbot, typed, "31 px")
+    assert (brush.radius, brush.length, typed.isHidden()) == (31.0, None, True)
+    bottle.actions_.select.sizes[2].trigger()
+    entered(qtbot, typed, "0.05L")
+    assert brush.length == pytest.approx(0.05 * max(bottle.session.state.inspection.size))
+    assert "Brush" in bottle.status.currentMessage()
+    bottle.actions_.select.sizes[0].trigger()
+    assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.state.inspection.size))
+
+
+@pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
+def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
+    brush, typed = bottle.canvas.painter, bottle.deeds.typed.brush
+    before = brush.radius, brush.length
+    bottle.actions_.select.sizes[2].trigger()
+    entered(qtbot, typed, text)
+    assert (brush.radius, brush.length) == before
+    assert not typed.isHidden()
+    assert typed._said.text().endswith(".")
+    assert typed._said.text() != typed.help
+
+
+def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
+    session, typed = bottle.session, bottle.deeds.typed.pivot
+    before = session.state
+    bottle.actions_.pose.pivots[1].trigger()
+    QTest.keyClicks(typed.text, "1, 0.5Y, -2")
+    point = np.array([1.0, 0.5 * session.state.inspection.size[1], -2.0])
+    np.testing.assert_allclose(bottle.canvas.picker.shown, point[None])
+    qtbot.keyClick(typed.text, Qt.Key.Key_Return)
+    assert typed.isHidden()
+    assert len(bottle.canvas.picker.shown) == 0
+    np.testing.assert_allclose(session.state.document.pivot(0), point)
+    session.type_motion("TURN_Z", "30deg", 0)
+    np.testing.assert_allclose(transform(session.state.document.handles[0].pose, point[None])[0], point)
+    session.undo()
+    session.undo()
+    assert session.state is before
+
+
+@pytest.mark.parametrize("text", ["1, 2", "1, 2, 3, 4", "a, b, c"])
+def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
+    before, typed = bottle.session.state, bottle.deeds.typed.pivot
+    bottle.actions_.pose.pivots[1].trigger()
+    entered(qtbot, typed, text)
+    assert bottle.session.state is before
+    assert typed._said.text() != typed.help
+
+
+def test_one_card_at_a_time(bottle):
+    bottle.actions_.pose.pivots[1].trigger()
+    bottle.actions_.select.numbers.trigger()
+    assert bottle.deeds.typed.pivot.isHidden()
+    assert not bottle.deeds.typed.vertices.isHidden()
+
+
+def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
+    session, motion = bottle.session, bottle.panel.handles.motion
+    motion.choice.setCurrentIndex(motion.choice.findData("BEND_LINE"))
+    motion.amount.setText("20deg")
+    qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
+    assert "two clicks" in motion._problem.text()
+    V = session.state.document.mesh.V
+    front = V[:, 2] > 0.5 * V[:, 2].max()
+    ends = [
+        V[np.flatnonzero(front)[np.argmin(np.abs(V[front] - at).sum(axis=1))]]
+        for at in ((-1.0, 6.0, 3.0), (1.5, 9.0, 3.0))
+    ]
+    motion.pick.click()
+    hand = mouse(bottle.canvas.viewport)
+    expected = []
+    for end in ends:
+        at = on_screen(bottle, end)
+        expected.append(bottle.canvas.surface.hit(at).point)
+        hand.move(at)
+        hand.drag(at, at)
+    np.testing.assert_allclose(bottle.canvas.picker.shown, expected)
+    qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
+    pose = session.state.document.handles[0].pose
+    np.testing.assert_allclose(transform(pose, np.array(expected)), expected, atol=1e-9)
+    assert np.trace(pose[:3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 9))
+    assert session.history.next_undo == "Bend about a line"
+    motion.choice.setCurrentIndex(0)
+    assert len(bottle.canvas.picker.shown) == 0
+
+
+def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
+    view = bottle.canvas.viewport
+    bottle.deeds.verbs["pick_line"]()
+    at = on_screen(bottle, bottle.session.state.document.mesh.V.mean(axis=0))
+    mouse(view).drag(at, at)
+    QTest.keyClick(view, Qt.Key.Key_Escape)
+    mouse(view).drag(at, at)
+    assert bottle.canvas.line is None
