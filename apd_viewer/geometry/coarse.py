@@ -59,8 +59,14 @@ class Coarse:
         unchanged = np.array_equal(self.vertices, thinning.vertices)
         self._shape = rest.thinner if unchanged else RestShape(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
-        self._which = np.searchsorted(fixed, self.vertices[held])
-        self._elastic = Elastic(self._shape, held, elastic.material)
+        soft, own = elastic.soft, np.full(len(rest.V), -1)
+        own[self.vertices] = np.arange(len(self.vertices))
+        has = own[soft.ids] >= 0
+        self._which = np.concatenate(
+            [np.searchsorted(fixed, self.vertices[held]), len(fixed) + np.flatnonzero(has)]
+        )
+        drawn = soft.among(has)._replace(ids=own[soft.ids[has]])
+        self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
         self._method = iterations_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
         self._free = elastic.free
@@ -95,7 +101,7 @@ class Coarse:
         self._refer()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the held vertices at the ``targets`` (k, 3) of the fine surface."""
+        """Hold and draw its vertices where the ``targets`` (k + s, 3) of the fine surface say."""
         self._method.aim(targets[self._which])
 
     def go_on(self, iterations: int) -> None:

@@ -54,8 +54,8 @@ class Constrained:
 
     Attributes
     ----------
-    held : (k, 3) float array
-        Positions of the held vertices.
+    held : (k + s, 3) float array
+        Positions of the held vertices, and where the soft ones are drawn to.
     stuck : bool
         Whether the goals have been given up; ``U`` is then the best shape that was found, and stays.
     """
@@ -130,7 +130,7 @@ class Constrained:
         self.restart(shapes[0])
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k, 3) from now on."""
+        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
         self.held = targets
         self._hope_again()
 
@@ -190,7 +190,7 @@ class Constrained:
 
     def _part_of_the_way(self, start: np.ndarray, end: np.ndarray, share: float) -> np.ndarray:
         U = start + share * (end - start)
-        U[self._elastic.fixed] = self.held
+        U[self._elastic.fixed] = self.held[: len(self._elastic.fixed)]
         return U
 
     def _judge(self) -> None:

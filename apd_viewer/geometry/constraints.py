@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.falloff import NO_SOFT, Soft
 
 # The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
@@ -25,11 +26,17 @@ class Constraints(NamedTuple):
         Those of ``fixed`` that belong to each handle; a handle without a vertex is left out.
     targets : (k, 3) float array
         Where each of ``fixed`` is held.
+    soft : Soft
+        What handles draw along without holding it.
+    soft_targets : (s, 3) float array
+        Where each of those is drawn to.
     """
 
     fixed: np.ndarray
     handles: tuple[np.ndarray, ...]
     targets: np.ndarray
+    soft: Soft = NO_SOFT
+    soft_targets: np.ndarray = np.empty((0, 3))
 
 
 def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
@@ -37,7 +44,9 @@ def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
     return X @ pose[:3, :3].T + pose[:3, 3]
 
 
-def constraints(labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray]) -> Constraints:
+def constraints(
+    labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray], soft: Soft = NO_SOFT
+) -> Constraints:
     """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
 
     Parameters
@@ -48,6 +57,8 @@ def constraints(labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray
         vertex that is painted after a drag stays where it is.
     poses : sequence of (4, 4) float arrays
         Motion of each handle since then.
+    soft : Soft
+        What the handles draw along.
 
     Raises
     ------
@@ -69,7 +80,11 @@ def constraints(labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray
         targets[mine] = transform(poses[k], targets[mine])
         if mine.any():
             handles.append(fixed[mine])
-    return Constraints(fixed, tuple(handles), targets)
+    drawn = grip[soft.ids].astype(np.float64)
+    for k in range(count):
+        mine = soft.handle == k
+        drawn[mine] = transform(poses[k], drawn[mine])
+    return Constraints(fixed, tuple(handles), targets, soft, drawn)
 
 
 def what_is_missing(labels: np.ndarray) -> str | None:

@@ -48,7 +48,7 @@ class Cycled(Guided):
         super().keep(goals)
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k, 3) from now on."""
+        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
         self._leave_off()
         super().aim(targets)
 

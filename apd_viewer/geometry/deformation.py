@@ -15,8 +15,10 @@ from apd_viewer.geometry.constrained import Constrained
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.cycles import Cycled
 from apd_viewer.geometry.elastic import Elastic
+from apd_viewer.geometry.falloff import NO_SOFT, Soft
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
+from apd_viewer.geometry.held import checked_ids, numbers_of, soft_of
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.methods import (
@@ -134,6 +136,8 @@ class Deformation:
         Of the same V and F, to save computing it again.
     factored : callable, optional
         Makes a factor: see :class:`apd_viewer.geometry.elastic.Elastic`.
+    soft : Soft
+        Vertices that are drawn along by handles, and not held.
 
     Raises
     ------
@@ -159,6 +163,7 @@ class Deformation:
         plain: bool = False,
         rest: RestMesh | None = None,
         factored: Factored | None = None,
+        soft: Soft = NO_SOFT,
     ) -> None:
         if rest is None:
             V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
@@ -166,11 +171,11 @@ class Deformation:
             rest = RestMesh(V, F)
         self.rest = rest
         self.method = method
-        self.fixed = _checked_ids(fixed, len(rest.V), "held")
+        self.fixed = checked_ids(fixed, len(rest.V), "held")
         self._solve_ids, self._chosen, self._inverse = np.unique(
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
-        self._handle_of = _handle_of(handle, rest, self._solve_ids)
+        self._handle_of = numbers_of(handle, rest, self._solve_ids)
         check_method(method, self._handle_of)
         check_tolerance(tolerance)
         self._tolerance = tolerance
@@ -181,13 +186,16 @@ class Deformation:
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
             started = time.perf_counter()
-            self._method = self._made(Elastic(rest.shape, self._solve_ids, material, factored), goals)
+            self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
+            elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
+            self._method = self._made(elastic, goals)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
     def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
         if self.method == "paper":
-            return LiHui(elastic, self._handle_of, goals, self._tolerance)
+            of = np.concatenate([self._handle_of, self._soft.handle + 1])
+            return LiHui(elastic, of, goals, self._tolerance)
         return guided(elastic, goals, kind=Cycled) if self._descends else Constrained(elastic, goals)
 
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
@@ -230,7 +238,9 @@ class Deformation:
             self._method.keep(self._goals(area, volume, regions))
         self._begin()
 
-    def aim(self, targets: np.ndarray, U: np.ndarray | None = None) -> None:
+    def aim(
+        self, targets: np.ndarray, U: np.ndarray | None = None, soft_targets: np.ndarray | None = None
+    ) -> None:
         """Hold the fixed vertices at ``targets`` from now on.
 
         Parameters
@@ -239,6 +249,8 @@ class Deformation:
             A position for each of ``fixed``.
         U : (n, 3) float array, optional
             Continue from these positions; otherwise from where the last iteration ended.
+        soft_targets : (s, 3) float array, optional
+            Where each of the soft vertices is drawn to; without, to where it is at rest.
         """
         targets = numbers(targets, "Targets")
         if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
@@ -257,7 +269,10 @@ class Deformation:
         with cores_for(len(self.rest.shape.V)):
             if U is not None:
                 self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
-            self._method.aim(self._asked)
+            drawn = self.rest.shape.V[self._soft.ids]
+            if soft_targets is not None:
+                drawn = numbers(soft_targets, "Soft targets")[self._drawn]
+            self._method.aim(np.concatenate([self._asked, drawn]) if len(drawn) else self._asked)
         self._begin()
 
     def _begin(self) -> None:
@@ -348,7 +363,7 @@ class Deformation:
         return last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING
 
     def _drift(self) -> float:
-        away = self._method.held - self._asked
+        away = self._method.held[: len(self._asked)] - self._asked
         handles = range(1, int(self._handle_of.max()) + 1)
         centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
         return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
@@ -370,30 +385,3 @@ class Deformation:
         if missed is None:
             return None
         return f"Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
-
-
-def _checked_ids(ids: np.ndarray | Sequence[int], n: int, what: str) -> np.ndarray:
-    ids = whole_numbers(ids, f"The {what} vertices").ravel()
-    if len(ids) and (ids.min() < 0 or ids.max() >= n):
-        raise InputError(f"A {what} vertex does not exist: ids go from 0 to {n - 1:,}.")
-    return ids
-
-
-def _handle_of(
-    handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
-) -> np.ndarray:
-    """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
-    if handle is not None and not isinstance(handle, (np.ndarray, Sequence)):
-        raise InputError("The handle must be an array of vertex ids, or a list of such arrays.")
-    several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
-    handles = () if handle is None else handle if several else (handle,)
-    number = np.zeros(len(solve_ids), dtype=np.int64)
-    for k, ids in enumerate(handles, start=1):
-        ids = np.unique(rest.weld.inverse[_checked_ids(ids, len(rest.V), "handle")])
-        if not np.isin(ids, solve_ids).all():
-            raise InputError("A handle vertex is not held; name the handle's vertices among the held ones.")
-        mine = np.searchsorted(solve_ids, ids)
-        if (number[mine] > 0).any():
-            raise InputError("A vertex belongs to two handles; give it to one of them.")
-        number[mine] = k
-    return number

@@ -6,6 +6,8 @@ that is only turned (:class:`Bending`). While those are held, the energy is quad
 its matrix is always the same:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
+
+Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
 """
 
 from __future__ import annotations
@@ -15,8 +17,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import coo_array, diags_array, hstack
 
 from apd_viewer.geometry import cells, vectors
+from apd_viewer.geometry.falloff import NO_SOFT, Soft
 from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.membrane import Membrane
 from apd_viewer.geometry.rest_shape import RestShape
@@ -70,6 +74,8 @@ class Elastic:
     material : Material
     factored : callable, optional
         Makes the factor of the matrix that a callable returns; here and now without it.
+    soft : Soft
+        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
 
     Attributes
     ----------
@@ -88,9 +94,12 @@ class Elastic:
         fixed: np.ndarray,
         material: Material | None = None,
         factored: Factored | None = None,
+        soft: Soft = NO_SOFT,
     ) -> None:
         self.rest = rest
         self.fixed = fixed
+        self.soft = soft
+        self._firm = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
         self.factored = factored or _here_and_now
         self.material = material = material or Material()
         moves = np.isin(rest.piece, rest.piece[fixed])
@@ -100,12 +109,13 @@ class Elastic:
         if material.shear > 0.0 or material.area > 0.0:
             self._membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
         self._bending = rest.bending if material.bending > 0.0 else None
-        self.factor = self.factored(lambda: self.K_ff)
-        self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        self._targets = np.empty((0, 3))
+        self.factor = self.factored(lambda: self.K_ff)
+        self._coupling = material.coupling * float(rest.vertex_areas.sum())
+        self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
+        self._from_held: np.ndarray | None = None
         self._q: np.ndarray | None
         self.restart(rest.V)
 
@@ -118,7 +128,13 @@ class Elastic:
         if self._bending is not None:
             K = K + material.bending * self._bending.K
         rows = K.tocsr()[self.free]
-        return rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
+        K_ff, K_fc = rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
+        if not len(self.soft.ids):
+            return K_ff, K_fc
+        place, n = self._place[self.soft.ids], len(self.free)
+        springs = diags_array(np.bincount(place, self._firm, minlength=n))
+        drawn = coo_array((-self._firm, (place, np.arange(len(place)))), shape=(n, len(place)))
+        return (K_ff + springs).tocsr(), hstack([K_fc, drawn]).tocsr()
 
     @property
     def K_ff(self) -> Matrix:
@@ -165,7 +181,7 @@ class Elastic:
 
     def from_held(self, targets: np.ndarray) -> np.ndarray:
         """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
-        if targets is not self._targets:
+        if targets is not self._targets or self._from_held is None:
             self._targets, self._from_held = targets, vectors.product(self._blocks[1], targets)
         return self._from_held
 
@@ -224,4 +240,7 @@ class Elastic:
             E += self._membrane.energy
         if self._bending is not None:
             E += material.bending * self._bending.energy(self.U, self.q)
+        if len(self.soft.ids):
+            away = self.U[self.soft.ids] - self._targets[len(self.fixed) :]
+            E += 2.0 * float(self._firm @ (away * away).sum(axis=1))
         return float(E)

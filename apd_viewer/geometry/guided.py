@@ -133,7 +133,7 @@ class Guided(Constrained):
         self._coarse.put_back(shapes[1:])
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k, 3) from now on."""
+        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
         self._coarse.aim(targets)
         super().aim(targets)
 

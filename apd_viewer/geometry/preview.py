@@ -54,7 +54,7 @@ class Preview:
     def follow(self, targets: np.ndarray) -> None:
         """Go where the coarse surface is, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.carried(self._elastic.U)
-        U[self._elastic.fixed] = targets
+        U[self._elastic.fixed] = targets[: len(self._elastic.fixed)]
         if self._projection.worn:
             self._projection.refresh(U)
         self.U, _ = self._projection.onto(U)

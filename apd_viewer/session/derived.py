@@ -9,8 +9,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import what_is_missing
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.constraints import FREE, HANDLE, what_is_missing
+from apd_viewer.geometry.falloff import Soft, distances, edge_graph, softened, strengths
+from apd_viewer.geometry.mesh import Weld, frozen
 from apd_viewer.geometry.regions import region_areas
 
 T = TypeVar("T")
@@ -55,3 +56,28 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
     """Area of each region at rest: see :func:`apd_viewer.geometry.regions.region_areas`."""
     return tuple(region_areas(V, F, member, count).tolist())
+
+
+_graph = once(edge_graph)
+
+
+@once
+def _away(
+    V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
+) -> np.ndarray:
+    """How far every vertex is from those with a label, along the edges at rest, (n,)."""
+    joined = weld.first[weld.inverse]
+    start = np.unique(joined[labels == label])
+    return frozen(distances(_graph(V, F), start, reach)[joined])
+
+
+@once
+def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
+    """What handles with such falloffs draw along; ``F`` names every place by its first vertex."""
+    # A falloff that is swept needs a search only where it has doubled.
+    reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
+    strength = np.zeros((len(falloffs), len(labels)))
+    for k, (falloff, reach) in enumerate(zip(falloffs, reaches, strict=True)):
+        if falloff > 0.0:
+            strength[k] = strengths(_away(V, F, weld, labels, HANDLE + k, float(reach)), falloff)
+    return softened(labels == FREE, strength, np.array(falloffs))

@@ -11,6 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection
 from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, transform
 from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.falloff import NO_SOFT, Soft
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh import Mesh, frozen
@@ -43,16 +44,19 @@ class Handle:
         Its motion since it was gripped, read-only.
     pivot : (3,) float array or None
         What it turns about, where that was when it was gripped, read-only; None is its centre.
+    falloff : float
+        How far along the surface it draws free vertices along, mesh units.
     """
 
     name: str
     pose: np.ndarray = field(default_factory=lambda: IDENTITY)
     pivot: np.ndarray | None = None
+    falloff: float = 0.0
 
     def gripped(self) -> Handle:
         """The same handle, gripped where it is now."""
         pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
-        return Handle(self.name, pivot=pivot)
+        return replace(self, pose=IDENTITY, pivot=pivot)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +147,15 @@ class Document:
 
     def constraints(self) -> Constraints:
         """Held vertices and where they are held; raises InputError where ``problem`` says why."""
-        return constraints(self.labels, self.grip, [handle.pose for handle in self.handles])
+        return constraints(self.labels, self.grip, [handle.pose for handle in self.handles], self.soft)
+
+    @property
+    def soft(self) -> Soft:
+        """What the handles draw along, of free vertices."""
+        falloffs = tuple(handle.falloff for handle in self.handles)
+        if not any(falloffs):
+            return NO_SOFT
+        return derived.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
 
     @property
     def posed(self) -> bool:

@@ -14,7 +14,8 @@ from apd_viewer.geometry.constraints import Constraints
 from apd_viewer.geometry.deform import Result, iterated, result_of
 from apd_viewer.geometry.deformation import Deformation, Frame
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session.document import Document, State
+from apd_viewer.session.deforming import deformation_of
+from apd_viewer.session.document import State
 from apd_viewer.session.saved import open_session
 
 # In diagonals of the bounding box: how far from its place a held vertex may be by rounding.
@@ -46,27 +47,12 @@ def replay(
     if document.problem:
         raise InputError(f"{Path(path).name}: {document.problem}")
     held = document.constraints()
-    solver = _deformation(document, held)
-    solver.aim(held.targets, None if from_rest else state.frame.U)
+    solver = deformation_of(document, held)
+    solver.aim(held.targets, None if from_rest else state.frame.U, held.soft_targets)
     if from_rest or not _has_settled(state, held, solver):
         return document.mesh, iterated(solver, started, progress=progress)
     frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
     return document.mesh, result_of(solver, frame, time.perf_counter() - started, 0.0)
-
-
-def _deformation(document: Document, held: Constraints) -> Deformation:
-    return Deformation(
-        document.mesh.V,
-        document.mesh.F,
-        held.fixed,
-        method=document.method,
-        handle=held.handles,
-        tolerance=document.tolerance,
-        stiffness=document.stiffness,
-        area_stiffness=document.area_stiffness,
-        shear_stiffness=document.shear_stiffness,
-        **document.asked._asdict(),
-    )
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

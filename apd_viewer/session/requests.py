@@ -61,7 +61,8 @@ class Reply:
 def factored_for(document: Document) -> tuple[object, ...]:
     """What a factorization depends on: where any of it differs, another one is needed."""
     weights = document.stiffness, document.area_stiffness, document.shear_stiffness
-    return (document.mesh, document.labels, document.method, *weights)
+    falloffs = tuple(handle.falloff for handle in document.handles)
+    return (document.mesh, document.labels, document.method, *weights, falloffs)
 
 
 def alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:

@@ -59,6 +59,14 @@ class Settings:
         given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}
         self._set("Change stiffness", **{name: x for name, x in given.items() if x is not None})
 
+    def set_falloff(self, k: int, falloff: float) -> None:
+        """Have handle ``k`` draw along what lies so near it along the surface, mesh units; 0 is nothing."""
+        document = self._stage.required().document
+        handle = document.handles[k]
+        if falloff != handle.falloff:
+            handles = document.with_handle(k, replace(handle, falloff=falloff)).handles
+            self._set("Change falloff", handles=handles)
+
     def set_region_area(self, k: int, percent: float | None) -> None:
         """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
         document = self._stage.required().document

@@ -23,6 +23,7 @@ from apd_viewer.geometry.guided import make_ready
 from apd_viewer.geometry.linear_solver import Factor
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.session.deforming import deformation_of
 from apd_viewer.session.factoring import FarFactor
 from apd_viewer.session.messages import Answer, Found, Message, Order, Progress, Step
 from apd_viewer.session.requests import alike, factored_for
@@ -170,25 +171,13 @@ class Solver:
         jump = fresh or request.generation != self._generation
         # Aiming anew would take the paper's handle back to where it was put.
         if jump or not alike(poses, self._poses):
-            self._solver.aim(held.targets, request.U if jump else None)
+            self._solver.aim(held.targets, request.U if jump else None, held.soft_targets)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         return self._solver
 
     def _made(self, order: Order, held: Constraints) -> Deformation:
         rest, document = self._rest_of(order), order.request.document
-        return Deformation(
-            rest.V,
-            rest.F,
-            held.fixed,
-            method=document.method,
-            handle=held.handles,
-            stiffness=document.stiffness,
-            area_stiffness=document.area_stiffness,
-            shear_stiffness=document.shear_stiffness,
-            **document.asked._asdict(),
-            rest=rest,
-            factored=self._factored if _is_large(rest) else None,
-        )
+        return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
 
     def _factored(self, matrix: Callable[[], Matrix]) -> Factor:
         self._factors.append(FarFactor(matrix))

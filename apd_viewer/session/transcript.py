@@ -44,7 +44,8 @@ def document_said(document: Document) -> dict[str, Any]:
 
 def _handle_said(handle: Handle) -> dict[str, Any]:
     pivot = None if handle.pivot is None else handle.pivot.tolist()
-    return {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
+    said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
+    return {**said, "falloff": _number(handle.falloff)} if handle.falloff else said
 
 
 def _number(value: float | None) -> float | None:
@@ -85,7 +86,8 @@ def _handle(said: Fields) -> Handle:
     if not np.array_equal(pose[3], _MOTIONLESS):
         raise ValueError("the “pose” of a handle is no motion: its last row must be 0 0 0 1")
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
-    return Handle(said.text("name"), frozen(pose), pivot)
+    falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
+    return Handle(said.text("name"), frozen(pose), pivot, falloff)
 
 
 def _region(said: Fields) -> NamedRegion:

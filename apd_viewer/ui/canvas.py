@@ -14,6 +14,7 @@ from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.session.part import Part
 from apd_viewer.session.view import Standpoint, View
+from apd_viewer.ui.coloring import colors_of, differing
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_drag import nice_step, translated
 from apd_viewer.ui.gizmo_geometry import SIZE
@@ -220,8 +221,8 @@ class Canvas(QObject):
         else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
-            if not old.document.painted_like(document):
-                self._recolor(old.document, document)
+            if not old.document.painted_like(document) or old.document.soft is not document.soft:
+                self._paint_over(document, differing(old.document, document))
         if old is not None and old.document.grip is not document.grip:
             self.gizmo.cancel()  # what it held is no longer what is there
         if old is None or old.document is not document:
@@ -232,7 +233,7 @@ class Canvas(QObject):
         self.viewport.cancel()
         self.marks.show(None)
         document = state.document
-        self.surface.set_mesh(state.skin, state.frame.U, label_colors(document.labels, document.member))
+        self.surface.set_mesh(state.skin, state.frame.U, colors_of(document))
 
     def _show_whole(self, document: Document) -> None:
         self.painter.length = self.line = None  # they were of another mesh
@@ -242,13 +243,9 @@ class Canvas(QObject):
             self.viewport.look_home()  # otherwise it has, and may have been turned since
             self.frame_mesh()
 
-    def _recolor(self, old: Document, new: Document) -> None:
-        ids = np.flatnonzero((old.labels != new.labels) | (old.member != new.member))
-        self._paint_over(new, ids)
-
     def _paint_over(self, document: Document, ids: np.ndarray) -> None:
         """Show the vertices in the colours of what they are."""
-        self.surface.set_colors(label_colors(document.labels[ids], document.member[ids]), ids)
+        self.surface.set_colors(colors_of(document, ids), ids)
         if self.marks.ids is not None:
             self.surface.set_colors(self.marks.colors(), self.marks.ids)
 
@@ -264,8 +261,8 @@ class Canvas(QObject):
             erases = self.ways[self.way].act is Act.REMOVE
             paint = self.painter.color
             color = FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue())
-            labels, member = document.labels[self._previewed], document.member[self._previewed]
-            self.surface.set_colors(tinted(label_colors(labels, member), color), self._previewed)
+            colors = colors_of(document, self._previewed)
+            self.surface.set_colors(tinted(colors, color), self._previewed)
 
     def mark(self, vertices: np.ndarray | None) -> None:
         """Mark vertices on the mesh, all where none are named; None takes the marks away."""

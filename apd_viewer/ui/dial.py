@@ -38,7 +38,8 @@ class Scale(NamedTuple):
     neutral: int
 
 
-# Half a percent a step around 100 %; and three decades above nothing at all.
+# Half a percent a step, from nothing or around 100 %; and three decades above nothing at all.
+SHARE = Scale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
 PERCENT = Scale(200, lambda step: 50.0 + step / 2.0, lambda percent: 2.0 * (percent - 50.0), 100)
 DECADES = Scale(
     91,

@@ -36,6 +36,8 @@ REGION_COLORS = (
 MARK_COLOR = (226, 0, 142)
 # A region covers free vertices; of base and handles it must not hide what they are.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
+# What a handle draws along is free all the same.
+_SOFT = 0.5
 # What would be painted is nearly of the colour that it would have.
 _PREVIEWED = 0.6
 
@@ -63,6 +65,14 @@ _MIXED = _mixed()
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:
     """RGBA of every vertex, (n, 4) uint8 array, for its label and the number of its region, both (n,)."""
     return _MIXED[labels, 0 if member is None else member]
+
+
+def drawn_along(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) -> np.ndarray:
+    """The RGBA ``colors`` (k, 4) uint8 of vertices that handles draw along, with a breath of the handles'."""
+    mixed = colors.astype(float)
+    paint = np.array([handle_color(k) for k in range(int(handle.max(initial=0)) + 1)], dtype=float)
+    mixed[:, :3] += _SOFT * strength[:, None] * (paint[handle] - mixed[:, :3])
+    return np.rint(mixed).astype(np.uint8)
 
 
 def tinted(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:

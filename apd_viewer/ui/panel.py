@@ -93,7 +93,7 @@ class Panel(QScrollArea):
     @property
     def dials(self) -> tuple[Dial, ...]:
         """The values that can be swept with a slider."""
-        return self.area.target, self.volume.target, self.method.stiffness
+        return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
 
     def minimumSizeHint(self) -> QSize:
         """As wide as the widest line, so that nothing is ever cut off at the side."""

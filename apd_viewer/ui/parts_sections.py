@@ -10,6 +10,8 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.language import tr
+from apd_viewer.ui.dial import SHARE, Dial
 from apd_viewer.ui.fields import Check, Number, percent_field
 from apd_viewer.ui.figures import figures, length
 from apd_viewer.ui.icons import icon
@@ -37,6 +39,8 @@ class HandleSection(Section):
     ----------
     list : PartList
     motion : MotionField
+    falloff : Dial
+        In percent of the longest side.
     added, reset_asked, put_back_asked : Signal()
     drift : QLabel
     """
@@ -51,6 +55,13 @@ class HandleSection(Section):
         self.column.addWidget(self.list)
         self.motion = MotionField()
         self.column.addWidget(self.motion)
+        tip = tr(
+            "How far around the active handle the surface is drawn along, less and less with the distance; "
+            "in percent of the longest side"
+        )
+        field = Number(brief=True, decimals=2, maximum=100.0, suffix=" %", singleStep=1.0, toolTip=tip)
+        self.falloff = Dial(QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle"))
+        self.column.addWidget(self.falloff)
         self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
         grid = QGridLayout()
         grid.addWidget(QLabel("Drift", objectName="quiet", toolTip=_DRIFT), 0, 0)
@@ -88,6 +99,7 @@ class HandleSection(Section):
             row.reading.setToolTip("Vertices of the handle")
             row.remove.setVisible(len(document.handles) > 1)
         self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
+        self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
@@ -104,6 +116,7 @@ class HandleSection(Section):
         """Redraw the icons."""
         super().set_theme(theme)
         self.list.set_theme(theme)
+        self.falloff.set_theme(theme)
         self.add.setIcon(icon("add", theme))
 
 

@@ -23,7 +23,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
     panel.method.area_stiffness_chosen.connect(lambda x: session.settings.set_material(area_stiffness=x))
     panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))
-    gestures = "Change area", "Change volume", "Change stiffness"
+    gestures = "Change area", "Change volume", "Change stiffness", "Change falloff"
     for dial, gesture in zip(panel.dials, gestures, strict=True):
         dial.sweep_began.connect(session.begin_gesture)
         dial.sweep_ended.connect(partial(session.end_gesture, gesture))
@@ -35,10 +35,17 @@ def connect_parts(panel: Panel, session: Session, parts: Parts) -> None:
     panel.handles.list.chosen.connect(parts.choose_handle)
     panel.handles.list.renamed.connect(session.parts.rename_handle)
     panel.handles.list.removed.connect(parts.remove_handle)
+    panel.handles.falloff.chosen.connect(partial(_set_falloff, session, parts))
     panel.regions.list.chosen.connect(parts.choose_region)
     panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
     panel.regions.kept.connect(session.settings.set_region_area)
+
+
+def _set_falloff(session: Session, parts: Parts, percent: float) -> None:
+    state = session.state
+    if state is not None:
+        session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
 
 def connect_hand(canvas: Canvas, session: Session, parts: Parts) -> None:

@@ -36,6 +36,7 @@ SETTINGS: dict[str, dict[str, tuple]] = {
     "local, total area": {"set_method": ("local",), "hold_area": (True,), "set_volume": (100.0,)},
     "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
+    "a soft handle": {"set_falloff": (1, 1.7)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
 }
 assert {settings.get("set_method", ("exact",))[0] for settings in SETTINGS.values()} == set(METHODS)

@@ -300,6 +300,11 @@ class Use(RuleBasedStateMachine):
     def set_stiffness(self, stiffness) -> None:
         self._set("set_stiffness", stiffness)
 
+    @rule(falloff=st.sampled_from([0.0, 0.7, 1.5]), k=NUMBERS)
+    def set_falloff(self, falloff, k) -> None:
+        # The handle must be there also after a stroke has been taken back.
+        self._set("set_falloff", k % len(self.session.state.document.handles), falloff)
+
     @precondition(_with_regions)
     @rule(percent=st.none() | PERCENT, k=NUMBERS)
     def set_region_area(self, percent, k) -> None:
