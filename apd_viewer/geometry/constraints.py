@@ -8,11 +8,38 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.falloff import NO_SOFT, Soft
 
 # The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
 MOST_HANDLES = 8
+
+
+class Soft(NamedTuple):
+    """Vertices that are drawn to where a handle would carry them: see :mod:`apd_viewer.geometry.falloff`.
+
+    Attributes
+    ----------
+    ids : (s,) int array
+        Ascending; none of them is held.
+    strength : (s,) float array
+        From 1 beside the handle to 0 at its falloff.
+    density : (s,) float array
+        Of the springs: weight per area.
+    handle : (s,) int array
+        Which handle draws each, from 0.
+    """
+
+    ids: np.ndarray
+    strength: np.ndarray
+    density: np.ndarray
+    handle: np.ndarray
+
+    def among(self, keeps: np.ndarray) -> Soft:
+        """Those where ``keeps`` (s,) holds."""
+        return Soft(*(each[keeps] for each in self))
+
+
+NO_SOFT = Soft(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
 
 
 class Constraints(NamedTuple):

@@ -12,10 +12,10 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constrained import Constrained
+from apd_viewer.geometry.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.cycles import Cycled
 from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.falloff import NO_SOFT, Soft
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
 from apd_viewer.geometry.held import checked_ids, numbers_of, soft_of

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.sparse import coo_array, diags_array, hstack
 
 from apd_viewer.geometry import cells, vectors
-from apd_viewer.geometry.falloff import NO_SOFT, Soft
+from apd_viewer.geometry.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.linear_solver import LinearSolver
 from apd_viewer.geometry.membrane import Membrane
 from apd_viewer.geometry.rest_shape import RestShape

@@ -10,44 +10,20 @@ So scaled, springs are as firm against the surface whatever its size, its resolu
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from apd_viewer.geometry.constraints import Soft
+
+Graph: TypeAlias = csr_array
+
 _FIRMNESS = 25.0
 
 
-class Soft(NamedTuple):
-    """Vertices that are drawn to where a handle would carry them.
-
-    Attributes
-    ----------
-    ids : (s,) int array
-        Ascending; none of them is held.
-    strength : (s,) float array
-        From 1 beside the handle to 0 at its falloff.
-    density : (s,) float array
-        Of the springs: weight per area.
-    handle : (s,) int array
-        Which handle draws each, from 0.
-    """
-
-    ids: np.ndarray
-    strength: np.ndarray
-    density: np.ndarray
-    handle: np.ndarray
-
-    def among(self, keeps: np.ndarray) -> Soft:
-        """Those where ``keeps`` (s,) holds."""
-        return Soft(*(each[keeps] for each in self))
-
-
-NO_SOFT = Soft(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
-
-
-def edge_graph(V: np.ndarray, F: np.ndarray) -> csr_array:
+def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Lengths of the edges, (n, n); ``V`` (n, 3), ``F`` (m, 3)."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
@@ -55,11 +31,11 @@ def edge_graph(V: np.ndarray, F: np.ndarray) -> csr_array:
     low, high = key // len(V), key % len(V)
     # An edge of no length would be none to the search.
     length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)
-    graph: csr_array = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
+    graph: Graph = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
     return graph
 
 
-def distances(graph: csr_array, start: np.ndarray, limit: float) -> np.ndarray:
+def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
     """How far each vertex is from those of ``start``, along edges, (n,); infinite beyond ``limit``."""
     if not len(start):
         return np.full(graph.shape[0], np.inf)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.falloff import Soft
+from apd_viewer.geometry.constraints import Soft
 from apd_viewer.geometry.mesh import whole_numbers
 from apd_viewer.geometry.rest_mesh import RestMesh
 

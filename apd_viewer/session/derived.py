@@ -5,14 +5,16 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable
 from functools import wraps
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import FREE, HANDLE, what_is_missing
-from apd_viewer.geometry.falloff import Soft, distances, edge_graph, softened, strengths
+from apd_viewer.geometry.constraints import FREE, HANDLE, Soft, what_is_missing
 from apd_viewer.geometry.mesh import Weld, frozen
 from apd_viewer.geometry.regions import region_areas
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.falloff import Graph
 
 T = TypeVar("T")
 
@@ -58,7 +60,12 @@ def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> 
     return tuple(region_areas(V, F, member, count).tolist())
 
 
-_graph = once(edge_graph)
+@once
+def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
+    """Lengths of the edges, (n, n)."""
+    from apd_viewer.geometry.falloff import edge_graph  # loads what the first picture must not wait for
+
+    return edge_graph(V, F)
 
 
 @once
@@ -66,6 +73,8 @@ def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
     """How far every vertex is from those with a label, along the edges at rest, (n,)."""
+    from apd_viewer.geometry.falloff import distances
+
     joined = weld.first[weld.inverse]
     start = np.unique(joined[labels == label])
     return frozen(distances(_graph(V, F), start, reach)[joined])
@@ -74,6 +83,8 @@ def _away(
 @once
 def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
     """What handles with such falloffs draw along; ``F`` names every place by its first vertex."""
+    from apd_viewer.geometry.falloff import softened, strengths
+
     # A falloff that is swept needs a search only where it has doubled.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
     strength = np.zeros((len(falloffs), len(labels)))

@@ -9,9 +9,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection
-from apd_viewer.geometry.constraints import FREE, HANDLE, Constraints, constraints, transform
+from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints, transform
 from apd_viewer.geometry.deformation import Frame
-from apd_viewer.geometry.falloff import NO_SOFT, Soft
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh import Mesh, frozen
