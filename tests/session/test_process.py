@@ -523,7 +523,7 @@ def resident(pid: int | str) -> int:
 @linux
 def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
     """What the process loads at leisure is not what is meant."""
-    altered("import apd_viewer.session.solver_process as process; process._compile = lambda: None\n")
+    altered("import apd_viewer.session.solver_process as process; process._compile = lambda called: None\n")
     session = request.getfixturevalue("session")
     session.settings.set_method("arap")
     session.drag(pose(0.1))
