@@ -1,12 +1,79 @@
-"""The words of the program in the language of its user."""
+"""The words of the program in the language of its user.
+
+It is fixed when the program starts: where English words are defined they can be looked up at once.
+"""
 
 from __future__ import annotations
 
 import gettext
+import os
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 
-_FOLDER = Path(__file__).parent / "languages"
-_catalogue = gettext.translation("apd_viewer", _FOLDER, fallback=True)
+DOMAIN = "apd_viewer"
+
+_NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first that is set
+_MAC = Path("~/Library/Preferences/.GlobalPreferences.plist")
+_NO_LANGUAGE = "C", "POSIX"
+
+
+def wished(environment: Mapping[str, str]) -> list[str]:
+    """The languages that the user would read, best first, as in ``de_DE``; none from English on.
+
+    Parameters
+    ----------
+    environment : mapping of str to str
+        The variables of the process. Where they say nothing the system is asked.
+    """
+    said = next((environment[name] for name in _NAMES if environment.get(name)), "")
+    names: list[str] = []
+    for name in said.split(":") if said else _of_the_system():
+        plain = name.partition(".")[0].replace("-", "_")
+        language, *rest = plain.split("_")
+        if language in _NO_LANGUAGE or language.lower() == "en":
+            break  # the words are English as they are
+        # macOS names a script too, which the names of catalogues seldom do: zh_Hans_CN is zh_CN.
+        names += [plain, f"{language}_{rest[-1]}"] if len(rest) > 1 else [plain]
+    return names
+
+
+def _of_the_system() -> list[str]:
+    """What Windows or macOS is set to; a program that is started by a click has no variables there."""
+    try:
+        if sys.platform == "win32":
+            import ctypes
+            import locale
+
+            number = ctypes.windll.kernel32.GetUserDefaultUILanguage()
+            return [locale.windows_locale[number]] if number in locale.windows_locale else []
+        if sys.platform == "darwin":
+            import plistlib
+
+            with _MAC.expanduser().open("rb") as stream:
+                return [str(name) for name in plistlib.load(stream).get("AppleLanguages", ())]
+    except Exception:  # whatever is wrong with what the system says, English words are better than none
+        return []
+    return []
+
+
+def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslations]:
+    """The first of the languages that ``folder`` has, and its words; "en" and none where it has none."""
+    for name in names:
+        # An empty list would be a reason for gettext to look into the environment by itself.
+        path = gettext.find(DOMAIN, str(folder), [name])
+        if path is not None:
+            try:
+                with Path(path).open("rb") as stream:
+                    return Path(path).parents[1].name, gettext.GNUTranslations(stream)
+            except (OSError, ValueError, LookupError):
+                print(f"{path} cannot be read; compile it again.", file=sys.stderr)  # noqa: T201
+    return "en", gettext.NullTranslations()
+
+
+LANGUAGE, _catalogue = catalogue(
+    Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages"), wished(os.environ)
+)
 
 
 def tr(text: str) -> str:
@@ -15,3 +82,16 @@ def tr(text: str) -> str:
     Values go into it afterwards: ``tr("{name} has no area.").format(name=...)``.
     """
     return _catalogue.gettext(text)
+
+
+def trn(one: str, many: str, n: int) -> str:
+    """The one of two texts, or of as many as the language of the user has, that goes with a number.
+
+    The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
+    """
+    return _catalogue.ngettext(one, many, n)
+
+
+def trc(context: str, text: str) -> str:
+    """The ``text`` where one English word stands for several: ``trc("view", "Back")`` is no button."""
+    return _catalogue.pgettext(context, text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from enum import Enum
 
@@ -56,7 +57,7 @@ class ActionMaker:
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
-        title = action.text().replace("&", "").rstrip("…")
+        title = plain(action.text())
         entry = Entry.of(action, name, title, image, tip)
         self.entries.append(entry)
         return action
@@ -65,6 +66,11 @@ class ActionMaker:
         """Redraw the icons."""
         for entry in self.entries:
             entry.action.setIcon(icon(entry.image, theme))
+
+
+def plain(text: str) -> str:
+    """The text of an action or a menu without its mnemonic, which other scripts have behind it: 開く(&O)…."""
+    return re.sub(r"\(&\w\)", "", text).replace("&", "").rstrip("…")
 
 
 def _word(what: object) -> str:

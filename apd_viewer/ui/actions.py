@@ -10,8 +10,8 @@ from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
 from apd_viewer.files.samples import SAMPLES
-from apd_viewer.language import tr
-from apd_viewer.ui.action_maker import ActionMaker
+from apd_viewer.language import tr, trc
+from apd_viewer.ui.action_maker import ActionMaker, plain
 from apd_viewer.ui.icons import SIZE
 from apd_viewer.ui.pose_actions import PoseActions
 from apd_viewer.ui.select_actions import SelectActions
@@ -19,8 +19,18 @@ from apd_viewer.ui.shortcuts import Entry
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool
 
-_VIEWS = {"Front": ("front", "1"), "Right": ("side", "3"), "Top": ("top", "7")}
-_OPPOSITES = {"Back": ("-front", "Ctrl+1"), "Left": ("-side", "Ctrl+3"), "Bottom": ("-top", "Ctrl+7")}
+_VIEWS = (
+    (trc("view", "Front"), tr("Look at the mesh from the front"), "1", "front"),
+    (trc("view", "Right"), tr("Look at the mesh from the right"), "3", "side"),
+    (trc("view", "Top"), tr("Look at the mesh from the top"), "7", "top"),
+    (trc("view", "Back"), tr("Look at the mesh from the back"), "Ctrl+1", "-front"),
+    (trc("view", "Left"), tr("Look at the mesh from the left"), "Ctrl+3", "-side"),
+    (trc("view", "Bottom"), tr("Look at the mesh from the bottom"), "Ctrl+7", "-top"),
+)
+_OPEN_SAMPLE = {
+    "bottle": tr("Open the PET bottle, painted"),
+    "duck": tr("Open the rubber duck, painted"),
+}
 _KEYS = QKeySequence.StandardKey
 
 
@@ -53,39 +63,45 @@ class Actions:
         self._make_view()
         self.help = [
             self._maker.make(
-                "&Shortcuts…", "keyboard", "List all keys, and change them", ("F1", "?"), "shortcuts"
+                tr("&Shortcuts…"), "keyboard", tr("List all keys, and change them"), ("F1", "?"), "shortcuts"
             ),
-            self._maker.make("&Tour", "tour", "Show the program in five steps, on a bottle", None, "tour"),
+            self._maker.make(
+                tr("&Tour"), "tour", tr("Show the program in five steps, on a bottle"), None, "tour"
+            ),
         ]
         self.about = self._maker.make(
-            "&About APD Viewer", "about", "Versions, licence and source of the method", None, "about"
+            tr("&About APD Viewer"), "about", tr("Versions, licence and source of the method"), None, "about"
         )
         self._fill_menus()
         self.bar = self._make_bar()
 
     def _make_file(self) -> None:
         make = self._maker.make
-        self.open = make("&Open…", "open", "Open a mesh or a session", _KEYS.Open, "open")
-        self.export = make("&Export…", "export", "Write the deformed mesh to a file", "Ctrl+E", "export")
-        self.save = make("&Save session", "save", "Save what was said and the shape", _KEYS.Save, "save")
-        self.save_as = make(
-            "Save session &as…", "save", "Save the session to another file", "Ctrl+Shift+S", "save_as"
+        self.open = make(tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, "open")
+        self.export = make(
+            tr("&Export…"), "export", tr("Write the deformed mesh to a file"), "Ctrl+E", "export"
         )
-        self.quit = make("&Quit", "quit", "Close the window", _KEYS.Quit, "quit")
-        self.recent = QMenu("Open &recent", self._window)
-        self.samples = QMenu("Open &sample", self._window)
+        self.save = make(
+            tr("&Save session"), "save", tr("Save what was said and the shape"), _KEYS.Save, "save"
+        )
+        self.save_as = make(
+            tr("Save session &as…"), "save", tr("Save the session to another file"), "Ctrl+Shift+S", "save_as"
+        )
+        self.quit = make(tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, "quit")
+        self.recent = QMenu(tr("Open &recent"), self._window)
+        self.samples = QMenu(tr("Open &sample"), self._window)
         for name, title in SAMPLES.items():
-            tip = f"Open the {title.lower()}, painted"
+            tip = _OPEN_SAMPLE[name]
             self.samples.addAction(make(title, "sample", tip, None, "open_sample", name))
 
     def _make_edit(self) -> None:
         make = self._maker.make
-        self.undo = make("&Undo", "undo", "Take the last step back", _KEYS.Undo, "undo")
-        self.redo = make("&Redo", "redo", "Do again what was taken back", _KEYS.Redo, "redo")
+        self.undo = make(tr("&Undo"), "undo", tr("Take the last step back"), _KEYS.Undo, "undo")
+        self.redo = make(tr("&Redo"), "redo", tr("Do again what was taken back"), _KEYS.Redo, "redo")
         self.reset = make(
-            "Re&set handles",
+            tr("Re&set handles"),
             "reset",
-            "Put all handles back, and the mesh in its rest shape",
+            tr("Put all handles back, and the mesh in its rest shape"),
             "Ctrl+R",
             "reset",
         )
@@ -108,29 +124,28 @@ class Actions:
 
     def _make_view(self) -> None:
         make, switch = self._maker.make, self._maker.switch
-        self.frame = make("&Frame the mesh", "frame", "Show the whole mesh", "F", "frame")
+        self.frame = make(tr("&Frame the mesh"), "frame", tr("Show the whole mesh"), "F", "frame")
         self.findings = make(
-            "Fi&ndings",
+            tr("Fi&ndings"),
             "warning",
-            "List what is unusual about the mesh, and show where",
+            tr("List what is unusual about the mesh, and show where"),
             "Ctrl+I",
             "findings",
         )
-        self.views = [
-            make(title, "view", f"Look at the mesh from the {title.lower()}", key, "look", axis)
-            for title, (axis, key) in (_VIEWS | _OPPOSITES).items()
-        ]
-        self.edges = switch("&Edges", "edges", "Show the edges of the triangles", "W", "edges")
-        self.smooth = switch("&Smooth shading", "smooth", "Shade over the edges", None, "smooth", True)
+        self.views = [make(title, "view", tip, key, "look", axis) for title, tip, key, axis in _VIEWS]
+        self.edges = switch(tr("&Edges"), "edges", tr("Show the edges of the triangles"), "W", "edges")
+        self.smooth = switch(
+            tr("&Smooth shading"), "smooth", tr("Shade over the edges"), None, "smooth", True
+        )
         self.schemes = self._make_schemes()
 
     def _make_schemes(self) -> QMenu:
-        menu = QMenu("&Appearance", self._window)
+        menu = QMenu(tr("&Appearance"), self._window)
         group = QActionGroup(menu)
         for title, scheme, tip in (
-            ("As the &system", Qt.ColorScheme.Unknown, "Light or dark as the system is"),
-            ("&Light", Qt.ColorScheme.Light, "Dark letters on light panels"),
-            ("&Dark", Qt.ColorScheme.Dark, "Light letters on dark panels"),
+            (tr("As the &system"), Qt.ColorScheme.Unknown, tr("Light or dark as the system is")),
+            (tr("&Light"), Qt.ColorScheme.Light, tr("Dark letters on light panels")),
+            (tr("&Dark"), Qt.ColorScheme.Dark, tr("Light letters on dark panels")),
         ):
             action = self._maker.make(title, "scheme", tip, None, "scheme", scheme)
             action.setCheckable(True)
@@ -141,7 +156,7 @@ class Actions:
 
     def _fill_menus(self) -> None:
         bar = self._window.menuBar()
-        file = bar.addMenu("&File")
+        file = bar.addMenu(tr("&File"))
         file.addAction(self.open)
         file.addMenu(self.recent)
         file.addMenu(self.samples)
@@ -149,22 +164,22 @@ class Actions:
         file.addActions([self.save, self.save_as, self.export])
         file.addSeparator()
         file.addAction(self.quit)
-        edit = bar.addMenu("&Edit")
+        edit = bar.addMenu(tr("&Edit"))
         edit.addActions([self.undo, self.redo])
         edit.addSeparator()
         edit.addActions([self.reset, self.bake])
-        tools = bar.addMenu("&Tools")
+        tools = bar.addMenu(tr("&Tools"))
         tools.addActions(list(self.tools.values()))
-        self.select.fill(bar.addMenu("&Select"))
-        self.pose.fill(bar.addMenu("&Handle"))
-        self._view_menu = bar.addMenu("&View")
+        self.select.fill(bar.addMenu(tr("&Select")))
+        self.pose.fill(bar.addMenu(tr("&Handle")))
+        self._view_menu = bar.addMenu(tr("&View"))
         self._view_menu.addAction(self.frame)
         self._view_menu.addActions(self.views)
         self._view_menu.addSeparator()
         self._view_menu.addActions([self.edges, self.smooth, self.findings])
         self._view_menu.addSeparator()
         self._view_menu.addMenu(self.schemes)
-        bar.addMenu("&Help").addActions([*self.help, self.about])
+        bar.addMenu(tr("&Help")).addActions([*self.help, self.about])
 
     @property
     def of_a_mesh(self) -> list[QAction]:
@@ -172,7 +187,7 @@ class Actions:
         return [self.save, self.save_as, self.export, *self.select.files, *self.select.changes]
 
     def _make_bar(self) -> QToolBar:
-        bar = QToolBar("Tools", self._window, objectName="tools", movable=False)
+        bar = QToolBar(tr("Tools"), self._window, objectName="tools", movable=False)
         bar.setIconSize(SIZE)
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         bar.addActions([self.open, self.export])
@@ -188,8 +203,8 @@ class Actions:
     def add_panels(self, actions: list[QAction]) -> None:
         """Offer panels that can be hidden in the View menu."""
         for action in actions:
-            title, keys = action.text().replace("&", "").lower(), tuple(action.shortcuts())
-            self._maker.adopt(action, "panel", f"Show or hide the {title}", keys, f"panel:{title}")
+            tip = tr("Show or hide the panel “{title}”").format(title=plain(action.text()))
+            self._maker.adopt(action, "panel", tip, tuple(action.shortcuts()), f"panel:{action.objectName()}")
         self._view_menu.insertActions(self.schemes.menuAction(), actions)
         self._view_menu.insertSeparator(self.schemes.menuAction())
 
@@ -209,8 +224,11 @@ class Actions:
 
     def show_history(self, undo: str | None, redo: str | None) -> None:
         """Name what undo and redo would do."""
-        for action, verb, gesture in ((self.undo, "&Undo", undo), (self.redo, "&Redo", redo)):
-            action.setText(f"{verb} “{gesture}”" if gesture else verb)
+        for action, bare, verb, gesture in (
+            (self.undo, tr("&Undo"), tr("&Undo “{gesture}”"), undo),
+            (self.redo, tr("&Redo"), tr("&Redo “{gesture}”"), redo),
+        ):
+            action.setText(verb.format(gesture=gesture) if gesture else bare)
             action.setEnabled(gesture is not None)
 
     def set_theme(self, theme: Theme) -> None:

@@ -9,17 +9,21 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.language import LANGUAGE, tr
+
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"
 
 from PySide6.QtCore import (
     QCoreApplication,
+    QLibraryInfo,
     QMessageLogContext,
     QSettings,
     QStandardPaths,
     Qt,
     QTimer,
     QtMsgType,
+    QTranslator,
     qFormatLogMessage,
     qInstallMessageHandler,
 )
@@ -64,9 +68,17 @@ def make_application(argv: list[str]) -> QApplication:
     application.setApplicationName("apd-viewer")
     application.setApplicationDisplayName("APD Viewer")
     application.setOrganizationName("apd-viewer")
+    _translate(application)
     GuiThreadGC(application)
     sys.setswitchinterval(SWITCH_INTERVAL)
     return application
+
+
+def _translate(application: QApplication) -> None:
+    """Have Qt's own words, such as those on the buttons of a question, in the language of the program."""
+    words = QTranslator(application)
+    if words.load(f"qtbase_{LANGUAGE}", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)):
+        application.installTranslator(words)
 
 
 def _surface_format() -> QSurfaceFormat:
@@ -150,7 +162,9 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
         return Mesh(surface.points, surface.regular_faces.reshape(-1, 3))
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh.Trimesh
         return Mesh(mesh.vertices, mesh.faces)
-    raise InputError(f"A {type(mesh).__name__} cannot be shown; give a mesh or the path of one.")
+    raise InputError(
+        tr("A {kind} cannot be shown; give a mesh or the path of one.").format(kind=type(mesh).__name__)
+    )
 
 
 def _check_display() -> None:
@@ -158,6 +172,8 @@ def _check_display() -> None:
     named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
     if sys.platform.startswith("linux") and not named:
         raise InputError(
-            "There is no display to open a window on; log in with one, or deform without a window: "
-            "apd-viewer deform --help."
+            tr(
+                "There is no display to open a window on; log in with one, or deform without a window: "
+                "apd-viewer deform --help."
+            )
         )

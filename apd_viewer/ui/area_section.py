@@ -8,6 +8,7 @@ from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
 
 _MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
-_TIP = "What the total area should be, in percent of the area at rest"
+_TIP = tr("What the total area should be, in percent of the area at rest")
 
 
 class Dot(QWidget):
@@ -69,36 +70,36 @@ class AreaSection(QWidget):
         self._add_reading(column)
         self._add_target(column)
         self.unreached = QLabel("", objectName="unreached", wordWrap=True)
-        self.unreached.setAccessibleName("What is out of reach")
+        self.unreached.setAccessibleName(tr("What is out of reach"))
         self.unreached.hide()
         column.addSpacing(4)
         column.addWidget(self.unreached)
         column.addSpacing(4)
-        tip = "The largest change of the area of a triangle, up or down, relative to its area at rest"
-        self.local_change = QLabel("–", accessibleName="Largest local change of the area", toolTip=tip)
+        tip = tr("The largest change of the area of a triangle, up or down, relative to its area at rest")
+        self.local_change = QLabel("–", accessibleName=tr("Largest local change of the area"), toolTip=tip)
         grid = QGridLayout()
-        grid.addWidget(QLabel("Largest local change", objectName="quiet", toolTip=tip), 0, 0)
+        grid.addWidget(QLabel(tr("Largest local change"), objectName="quiet", toolTip=tip), 0, 0)
         grid.addWidget(self.local_change, 0, 1, Qt.AlignmentFlag.AlignRight)
         column.addLayout(grid)
 
     def _add_reading(self, column: QVBoxLayout) -> None:
-        self.activity = QLabel("", objectName="quiet", accessibleName="What the solver is doing")
+        self.activity = QLabel("", objectName="quiet", accessibleName=tr("What the solver is doing"))
         self._dot = Dot()
         row = QHBoxLayout()
-        row.addWidget(QLabel("Area", objectName="heading"))
+        row.addWidget(QLabel(tr("Area"), objectName="heading"))
         row.addStretch(1)
         row.addWidget(self.activity)
         row.addWidget(self._dot)
         column.addLayout(row)
-        self.percent = QLabel("–", accessibleName="Area in percent of the rest area")
+        self.percent = QLabel("–", accessibleName=tr("Area in percent of the rest area"))
         font = QFont(self.percent.font())
         font.setPointSizeF(font.pointSizeF() * 2.5)
         font.setWeight(QFont.Weight.DemiBold)
         self.percent.setFont(font)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
         column.addWidget(self.percent)
-        self.verdict = quiet("Change of the area")
-        self.area = quiet("Area, and area at rest")
+        self.verdict = quiet(tr("Change of the area"))
+        self.area = quiet(tr("Area, and area at rest"))
         column.addWidget(self.verdict)
         self.unit = UnitButton()
         row = QHBoxLayout(spacing=4)
@@ -108,16 +109,17 @@ class AreaSection(QWidget):
 
     def _add_target(self, column: QVBoxLayout) -> None:
         self.hold = Check(
-            "Hold the total area too", toolTip="Keep the sum of all triangles' areas to the last digits"
+            tr("Hold the total area too"),
+            toolTip=tr("Keep the sum of all triangles' areas to the last digits"),
         )
         self.hold.toggled.connect(self.held)
-        label = QLabel("Target", toolTip=_TIP)
+        label = QLabel(tr("Target"), toolTip=_TIP)
         title = QWidget()
         self._title = QStackedLayout(title)
         self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
         for part in (label, self.hold):
             self._title.addWidget(part)
-        self.target = Dial(title, PERCENT, percent_field("", _TIP), "Target of the area")
+        self.target = Dial(title, PERCENT, percent_field("", _TIP), tr("Target of the area"))
         label.setBuddy(self.target.field)
         column.addSpacing(8)
         column.addWidget(self.target)
@@ -139,12 +141,18 @@ class AreaSection(QWidget):
         frame, missed = state.frame, state.lacks
         self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
         self.verdict.setText(verdict(state))
-        self.area.setText(unit.area(f"{figures(frame.area)} of {figures(state.inspection.area)}"))
+        self.area.setText(
+            unit.area(
+                tr("{now} of {rest}").format(now=figures(frame.area), rest=figures(state.inspection.area))
+            )
+        )
         self.local_change.setText(
             f"{short(100 * frame.local_change)} %" if frame.local_change > _MET else "0 %"
         )
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
-        self._dot.setToolTip("Something asked for is not met" if missed else "All that is asked for is met")
+        self._dot.setToolTip(
+            tr("Something asked for is not met") if missed else tr("All that is asked for is met")
+        )
         if frame.unreached is not None and frame.settled:
             self.unreached.setText(frame.unreached)
             self.unreached.show()
@@ -168,9 +176,20 @@ def verdict(state: State) -> str:
     wanted = asked / 100.0
     miss = abs(1.0 + state.frame.area_error - wanted)
     if document.method == "paper":
-        within = "within" if miss <= document.tolerance * wanted else "outside"
-        of = "" if asked == 100.0 else f" of {short(asked)} %"
-        return f"{change} %, {within} {short(100 * document.tolerance)} %{of}"
+        near, tolerance = miss <= document.tolerance * wanted, short(100 * document.tolerance)
+        if asked == 100.0:
+            said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
+        elif near:
+            said = tr("{change} %, within {tolerance} % of {asked} %")
+        else:
+            said = tr("{change} %, outside {tolerance} % of {asked} %")
+        return said.format(change=change, tolerance=tolerance, asked=short(asked))
     if miss > _MET * wanted:
-        return f"{change} %, asked for {signed(asked - 100.0, 3).rstrip('0').rstrip('.')} %"
-    return f"{change} %, exact" if asked == 100.0 else f"{change} %, exactly as asked"
+        return tr("{change} %, asked for {asked} %").format(
+            change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
+        )
+    return (
+        tr("{change} %, exact").format(change=change)
+        if asked == 100.0
+        else tr("{change} %, exactly as asked").format(change=change)
+    )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.typed import Typed
 
@@ -134,4 +135,4 @@ class Deeds:
     def _nudge(self, session: Session, parts: Parts, step: tuple[int, int, int]) -> None:
         pose = self._canvas.nudged(step)
         if pose is not None:
-            session.pose_handle(pose, parts.handle, "Nudge handle", repeats=True)
+            session.pose_handle(pose, parts.handle, tr("Nudge handle"), repeats=True)

@@ -10,6 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QStyle, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.fields import Number, small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.theme import Theme
@@ -192,9 +193,14 @@ class Dial(QWidget):
         self._scale = scale
         self.field = field
         self.field.setAccessibleName(name)
-        self.slider = Slider(scale, accessibleName=f"{name}, slider", toolTip=field.toolTip())
+        self.slider = Slider(
+            scale, accessibleName=tr("{name}, slider").format(name=name), toolTip=field.toolTip()
+        )
         neutral = f"{field.textFromValue(self._neutral)}{field.suffix()}"
-        self.back = small_button(f"{name}: back to {neutral}", f"Back to {neutral}")
+        self.back = small_button(
+            tr("{name}: back to {neutral}").format(name=name, neutral=neutral),
+            tr("Back to {neutral}").format(neutral=neutral),
+        )
         kept = self.back.sizePolicy()
         kept.setRetainSizeWhenHidden(True)
         self.back.setSizePolicy(kept)

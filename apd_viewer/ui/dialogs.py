@@ -9,18 +9,21 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import FORMATS, WRITTEN, dropped
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 from apd_viewer.session.view import SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in FORMATS)
-_OPEN_FILTER = f"Meshes and sessions ({_MESHES} *.apd)"
-_WITHOUT, _WITH = "Session (*.apd)", "Session with the mesh in it (*.apd)"
+_OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
+_WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session with the mesh in it (*.apd)")
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
-_SELECTIONS = f"Selections ({' '.join('*' + suffix for suffix in SELECTION_FORMATS)})"
+_SELECTIONS = tr("Selections ({endings})").format(
+    endings=" ".join("*" + suffix for suffix in SELECTION_FORMATS)
+)
 
 
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
     """Which mesh or session to open; None if the user thought better of it."""
-    path, _ = QFileDialog.getOpenFileName(parent, "Open a mesh or a session", str(folder), _OPEN_FILTER)
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Open a mesh or a session"), str(folder), _OPEN_FILTER)
     return Path(path) if path else None
 
 
@@ -28,7 +31,7 @@ def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bo
     """Where to save the session, and whether with a copy of the mesh in it."""
     stem = mesh.path.stem if mesh.path else "mesh"
     path, chosen = QFileDialog.getSaveFileName(
-        parent, "Save the session", str(folder / f"{stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
+        parent, tr("Save the session"), str(folder / f"{stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
     if not path:
         return None
@@ -38,7 +41,7 @@ def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bo
 
 def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what to paint."""
-    path, _ = QFileDialog.getOpenFileName(parent, "Load a selection", str(folder), _SELECTIONS)
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Load a selection"), str(folder), _SELECTIONS)
     return Path(path) if path else None
 
 
@@ -47,7 +50,10 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     stem = mesh.path.stem if mesh.path else "mesh"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
-        parent, "Save the selection", str(folder / f"{stem}-selection.json"), ";;".join(filters.values())
+        parent,
+        tr("Save the selection"),
+        str(folder / f"{stem}-selection.json"),
+        ";;".join(filters.values()),
     )
     if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
         return Path(path) if path else None
@@ -61,7 +67,7 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
-        "Export the deformed mesh",
+        tr("Export the deformed mesh"),
         str(folder / f"{stem}-deformed{suffix}"),
         ";;".join(filters.values()),
         filters[suffix],
@@ -79,13 +85,17 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     lost = dropped(mesh, target)
     if not lost:
         return True
-    named = lost[0] if len(lost) == 1 else f"{', '.join(lost[:-1])} and {lost[-1]}"
+    named = lost[0]
+    if len(lost) > 1:
+        named = tr("{several} and {last}").format(several=", ".join(lost[:-1]), last=lost[-1])
     kind, own = target.suffix[1:].upper(), mesh.origin.suffix[1:].upper() if mesh.origin else ""
     buttons = QMessageBox.StandardButton
     answer = QMessageBox.question(
         parent,
-        f"Export as {kind}?",
-        f"As {kind}, {mesh.name} is written without its {named}. As {own}, nothing is lost.",
+        tr("Export as {kind}?").format(kind=kind),
+        tr("As {kind}, {name} is written without its {named}. As {own}, nothing is lost.").format(
+            kind=kind, name=mesh.name, named=named, own=own
+        ),
         buttons.Save | buttons.Cancel,
         buttons.Save,
     )
@@ -98,8 +108,10 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     buttons = QMessageBox.StandardButton
     if not target.exists():
         return target
-    question = f"{target.name} already exists. Replace it?"
-    answer = QMessageBox.question(parent, "Replace the file?", question, buttons.Yes | buttons.No, buttons.No)
+    question = tr("{name} already exists. Replace it?").format(name=target.name)
+    answer = QMessageBox.question(
+        parent, tr("Replace the file?"), question, buttons.Yes | buttons.No, buttons.No
+    )
     return target if answer == buttons.Yes else None
 
 
@@ -108,8 +120,8 @@ def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
     buttons = QMessageBox.StandardButton
     return QMessageBox.question(
         parent,
-        "Close without exporting?",
-        "The deformed mesh has not been exported. Closing loses it.",
+        tr("Close without exporting?"),
+        tr("The deformed mesh has not been exported. Closing loses it."),
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Cancel,
     )
@@ -119,9 +131,11 @@ def about(parent: QWidget) -> None:
     """Say what the program is and what it is made of."""
     QMessageBox.about(
         parent,
-        "About APD Viewer",
-        f"<h3>APD Viewer {version('apd-viewer')}</h3>"
-        "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
-        "<p>Built on NumPy, SciPy, Numba, cholespy, fast-simplification, trimesh, PyVista and Qt for Python. "
-        "MIT licence.</p>",
+        tr("About APD Viewer"),
+        tr(
+            "<h3>APD Viewer {version}</h3>"
+            "<p>Area-preserving deformation of 3D objects, after the method of Li and Hui.</p>"
+            "<p>Built on NumPy, SciPy, Numba, cholespy, fast-simplification, trimesh, PyVista and "
+            "Qt for Python. MIT licence.</p>"
+        ).format(version=version("apd-viewer")),
     )

@@ -36,6 +36,7 @@ class Docks:
         dock.setWidget(content)
         self._window.addDockWidget(area, dock)
         dock.setVisible(shown)
+        dock.toggleViewAction().setObjectName(name)  # under which its keys are remembered
         self._docks[name] = dock
         return dock
 

@@ -9,6 +9,7 @@ from PySide6.QtCore import QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr, trn
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.palette import MARK_COLOR
@@ -26,6 +27,10 @@ _ROOM = 0.5  # of the height of the canvas: its middle, where a finding is shown
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
+def _counted(number: int) -> str:
+    return trn("{n} finding", "{n} findings", number).format(n=number)
+
+
 class Badge(QToolButton):
     """How many findings there are: quiet where there are none, a button where there are some."""
 
@@ -41,11 +46,11 @@ class Badge(QToolButton):
         self.setVisible(number is not None)
         self.setEnabled(bool(number))
         if not number:
-            self.setText("No findings")
-            self.setToolTip("Nothing unusual was found in the mesh when it was opened")
+            self.setText(tr("No findings"))
+            self.setToolTip(tr("Nothing unusual was found in the mesh when it was opened"))
         else:
-            self.setText("1 finding" if number == 1 else f"{number} findings")
-            self.setToolTip("What is unusual about the mesh, and where (Ctrl+I)")
+            self.setText(_counted(number))
+            self.setToolTip(tr("What is unusual about the mesh, and where (Ctrl+I)"))
         self.setAccessibleName(self.text())
         self._draw_symbol()
 
@@ -101,7 +106,7 @@ class FindingRow(QFrame):
 
     def __init__(self, sentence: str) -> None:
         super().__init__(objectName="finding", focusPolicy=Qt.FocusPolicy.StrongFocus)
-        self.setToolTip("Show where this is")
+        self.setToolTip(tr("Show where this is"))
         self._sentence = sentence
         self._spot = _Spot()
         row = QHBoxLayout(self, spacing=8)
@@ -112,7 +117,9 @@ class FindingRow(QFrame):
 
     def show_marked(self, on: bool) -> None:
         """Say whether this finding is shown on the mesh."""
-        self.setAccessibleName(f"{self._sentence} Shown on the mesh." if on else self._sentence)
+        self.setAccessibleName(
+            tr("{sentence} Shown on the mesh.").format(sentence=self._sentence) if on else self._sentence
+        )
         self._spot.on = on
         self._spot.update()
         if self.property("marked") != on:
@@ -157,7 +164,7 @@ class FindingList(QFrame):
         self._canvas = canvas
         self.rows: list[FindingRow] = []
         self._title = QLabel(objectName="heading")
-        self._close = small_button("Close the list of findings", "Close (Esc)")
+        self._close = small_button(tr("Close the list of findings"), tr("Close (Esc)"))
         self._close.clicked.connect(self.dismissed)
         head = QHBoxLayout()
         head.setContentsMargins(8, 0, 0, 0)
@@ -185,7 +192,7 @@ class FindingList(QFrame):
             row.stepped.connect(lambda step, k=k: self._step(k + step))
         column.addStretch(1)
         self._scroll.setWidget(body)
-        self._title.setText("1 finding" if len(self.rows) == 1 else f"{len(self.rows)} findings")
+        self._title.setText(_counted(len(self.rows)))
         self.setAccessibleName(self._title.text())
         self.show()
         self.raise_()

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.language import tr
 from apd_viewer.ui.notice import Invitation
 from apd_viewer.ui.toolbox import Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document
 
-_TWIST = "Drag a ring around the handle to twist, an arrow to bend"
+_TWIST = tr("Drag a ring around the handle to twist, an arrow to bend")
 
 
 class Guide:
@@ -37,15 +38,15 @@ class Guide:
 
     def _next_step(self, document: Document, tool: Tool, handle: int) -> str:
         if not document.counts[BASE]:
-            return "Paint the part that stays in place: the base (B)"
+            return tr("Paint the part that stays in place: the base (B)")
         if not document.counts[HANDLE:].any():
-            return "Now paint the part to be moved: the handle (H)"
+            return tr("Now paint the part to be moved: the handle (H)")
         if document.problem:
             return document.problem
         if not document.counts[HANDLE + handle]:
-            return f"Paint the part that “{document.handles[handle].name}” moves (H)"
+            return tr("Paint the part that “{name}” moves (H)").format(name=document.handles[handle].name)
         if tool is Tool.REGION and not document.member.any():
-            return "Paint a part whose area you want to see, or to keep"
+            return tr("Paint a part whose area you want to see, or to keep")
         if self._moved:
             return ""
-        return _TWIST if tool is Tool.MOVE else "Now move the handle (M)"
+        return _TWIST if tool is Tool.MOVE else tr("Now move the handle (M)")

@@ -11,6 +11,8 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
 
 from apd_viewer.files.samples import resource
+from apd_viewer.language import tr
+from apd_viewer.ui.action_maker import plain
 from apd_viewer.ui.mouse_words import gestures
 from apd_viewer.ui.shortcut_rows import ActionRow, GestureRow, Group, Row
 from apd_viewer.ui.shortcut_sheet import ShortcutSheet
@@ -144,8 +146,8 @@ class Help(QObject):
                 for action, within in _leaves(_menu(top))
                 if action in entries
             ]
-            groups.append(Group(_plain(top.text()), rows, parent))
-        groups.append(Group("Mouse", [GestureRow(gesture) for gesture in gestures()], parent))
+            groups.append(Group(plain(top.text()), rows, parent))
+        groups.append(Group(tr("Mouse"), [GestureRow(gesture) for gesture in gestures()], parent))
         return groups
 
 
@@ -156,14 +158,16 @@ def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
 
 def _full(within: str, title: str) -> str:
     """A title with that of its submenu before it, if it does not say the same."""
-    return title if not within or title.startswith(within) else f"{within}: {title}"
+    if not within or title.startswith(within):
+        return title
+    return tr("{menu}: {title}").format(menu=within, title=title)
 
 
 def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
     """The actions of a menu, each with the title of the submenu that it is in."""
     for action in menu.actions():
         if action.menu() is not None:
-            yield from _leaves(_menu(action), _plain(action.text()))
+            yield from _leaves(_menu(action), plain(action.text()))
         elif not action.isSeparator():
             yield action, within
 
@@ -177,8 +181,4 @@ def _menu(action: QAction) -> QMenu:
 def _mnemonics(window: QMainWindow) -> dict[str, str]:
     """The keys that open the menus, and their titles."""
     titles = [top.text() for top in window.menuBar().actions()]
-    return {f"Alt+{title.partition('&')[2][:1].upper()}": _plain(title) for title in titles if "&" in title}
-
-
-def _plain(text: str) -> str:
-    return text.replace("&", "").rstrip("…")
+    return {f"Alt+{title.partition('&')[2][:1].upper()}": plain(title) for title in titles if "&" in title}

@@ -6,7 +6,9 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QFont
 from PySide6.QtWidgets import QListWidget, QListWidgetItem
 
-_START = "As it was opened"
+from apd_viewer.language import tr
+
+_START = tr("As it was opened")
 
 
 class HistoryList(QListWidget):
@@ -21,8 +23,8 @@ class HistoryList(QListWidget):
     chosen = Signal(int)
 
     def __init__(self) -> None:
-        super().__init__(objectName="history", accessibleName="History")
-        self.setToolTip("Click a step to go back, or forth, to where it was done")
+        super().__init__(objectName="history", accessibleName=tr("History"))
+        self.setToolTip(tr("Click a step to go back, or forth, to where it was done"))
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._shown: tuple[list[str], list[str]] = [], []
         self.itemClicked.connect(lambda item: self.chosen.emit(self.row(item)))

@@ -6,10 +6,11 @@ from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import QAbstractButton
 
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.shortcuts import Entry, native, split
 
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
-_PROMPT, _NONE = "Press keys…", "none"
+_PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _ALONE = (  # keys that wait for another one
     Qt.Key.Key_Control,
@@ -53,8 +54,8 @@ class KeyField(QAbstractButton):
     def show_keys(self) -> None:
         """Show the keys that the action has now."""
         keys = native(self._entry.keys) or _NONE
-        self.setAccessibleName(f"Keys of {self._entry.title}: {keys}")
-        self.setToolTip(f"Change the keys of “{self._entry.title}”")
+        self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self._entry.title, keys=keys))
+        self.setToolTip(tr("Change the keys of “{action}”").format(action=self._entry.title))
         self.updateGeometry()
         self.update()
 
@@ -115,7 +116,7 @@ class KeyField(QAbstractButton):
         pieces = []
         for number, key in enumerate(split(self._entry.keys)):
             if number:
-                pieces.append(("or", float(metrics.horizontalAdvance("or") + 2 * _PADDING), False))
+                pieces.append((_OR, float(metrics.horizontalAdvance(_OR) + 2 * _PADDING), False))
             for cap in _caps(native(key)):
                 width = max(_CAP, metrics.horizontalAdvance(cap) + 2 * _PADDING)
                 pieces.append((cap, float(width + _GAP), True))

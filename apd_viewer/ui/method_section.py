@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.dial import DECADES, Dial
 from apd_viewer.ui.fields import Choice, Number
 from apd_viewer.ui.section import Section, quiet
@@ -15,21 +16,26 @@ from apd_viewer.ui.theme import Theme
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document
 
-METHOD_NAMES = {"exact": "Exact", "local": "Local", "paper": "Paper (Li & Hui)", "arap": "ARAP"}
+METHOD_NAMES = {
+    "exact": tr("Exact"),
+    "local": tr("Local"),
+    "paper": tr("Paper (Li & Hui)"),
+    "arap": tr("ARAP"),
+}
 METHOD_WORDS = {
     "exact": (
-        "Keeps the total area exactly, and the handles where you put them.",
-        "Gives up a little rigidity.",
+        tr("Keeps the total area exactly, and the handles where you put them."),
+        tr("Gives up a little rigidity."),
     ),
     "local": (
-        "Keeps the area of every triangle, like fabric or PET film.",
-        "Gives up smoothness: it wrinkles.",
+        tr("Keeps the area of every triangle, like fabric or PET film."),
+        tr("Gives up smoothness: it wrinkles."),
     ),
     "paper": (
-        "Keeps the total area within the tolerance.",
-        "Gives up a little of where you put the handles.",
+        tr("Keeps the total area within the tolerance."),
+        tr("Gives up a little of where you put the handles."),
     ),
-    "arap": ("Keeps the shape as rigid as possible, and the handles in place.", "Gives up the area."),
+    "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
 }
 
 
@@ -51,14 +57,14 @@ class MethodSection(Section):
     shear_stiffness_chosen = Signal(float)
 
     def __init__(self) -> None:
-        super().__init__("Method")
-        self.method = Choice(accessibleName="Method", toolTip="How the free part follows the handles")
+        super().__init__(tr("Method"))
+        self.method = Choice(accessibleName=tr("Method"), toolTip=tr("How the free part follows the handles"))
         for key, name in METHOD_NAMES.items():
             self.method.addItem(name, key)
         self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
         self.column.addWidget(self.method)
-        self._keeps = quiet("What the method keeps")
-        self._gives_up = quiet("What the method gives up")
+        self._keeps = quiet(tr("What the method keeps"))
+        self._gives_up = quiet(tr("What the method gives up"))
         self.column.addWidget(self._keeps)
         self.column.addWidget(self._gives_up)
         self._describe("exact")
@@ -67,36 +73,36 @@ class MethodSection(Section):
 
     def _add_settings(self) -> None:
         self.tolerance = Number(
-            accessibleName="Tolerance of the area in percent",
-            toolTip="How far the total area may be from what it should be",
+            accessibleName=tr("Tolerance of the area in percent"),
+            toolTip=tr("How far the total area may be from what it should be"),
             minimum=0.001,
             maximum=10.0,
             decimals=3,
             suffix=" %",
         )
         self.area_stiffness = _modulus(
-            "Area stiffness",
-            "How firmly a triangle keeps its area: the area modulus, against that of the whole",
+            tr("Area stiffness"),
+            tr("How firmly a triangle keeps its area: the area modulus, against that of the whole"),
         )
         self.shear_stiffness = _modulus(
-            "Shear stiffness",
-            "How firmly a triangle keeps its angles: the shear modulus, against that of the whole",
+            tr("Shear stiffness"),
+            tr("How firmly a triangle keeps its angles: the shear modulus, against that of the whole"),
         )
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
         self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
         self._rows = (
-            ("paper", _row("Tolerance", self.tolerance)),
-            ("local", _row("Area stiffness", self.area_stiffness)),
-            ("local", _row("Shear stiffness", self.shear_stiffness)),
+            ("paper", _row(tr("Tolerance"), self.tolerance)),
+            ("local", _row(tr("Area stiffness"), self.area_stiffness)),
+            ("local", _row(tr("Shear stiffness"), self.shear_stiffness)),
         )
         for _, row in self._rows:
             row.hide()  # until there is a method that it matters for
             self.column.addWidget(row)
-        tip = "How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness"
+        tip = tr("How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness")
         field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
-        label = QLabel("Stiffness", toolTip=tip)
-        self.stiffness = Dial(label, DECADES, field, "Stiffness", ends=("cloth", "sheet metal"))
+        label = QLabel(tr("Stiffness"), toolTip=tip)
+        self.stiffness = Dial(label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal")))
         self.column.addWidget(self.stiffness)
 
     def show_settings(self, document: Document) -> None:

@@ -12,18 +12,27 @@ from apd_viewer.ui.section import quiet
 
 # The names of apd_viewer.session.posing.Motion, which is loaded later, in the order that they are offered.
 _MOTIONS = {
-    "Move": ("MOVE_X", "MOVE_Y", "MOVE_Z"),
-    "Turn": ("TURN_X", "TURN_Y", "TURN_Z"),
-    "Bend": ("BEND_X", "BEND_Y", "BEND_Z"),
+    "TWIST": tr("Twist"),
+    "MOVE_X": tr("Move along x"),
+    "MOVE_Y": tr("Move along y"),
+    "MOVE_Z": tr("Move along z"),
+    "TURN_X": tr("Turn about x"),
+    "TURN_Y": tr("Turn about y"),
+    "TURN_Z": tr("Turn about z"),
+    "BEND_X": tr("Bend about x"),
+    "BEND_Y": tr("Bend about y"),
+    "BEND_Z": tr("Bend about z"),
+    "BEND_LINE": tr("About a line"),
+    "SCALE": tr("Scale"),
 }
 _LINE = "BEND_LINE"
 _TIPS = {
-    "MOVE": "Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh",
-    "TURN": "About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn",
-    "TWIST": "About the line from the centre of the base to that of the handle: an angle such as 60deg",
-    "BEND": "About an axis through the centre of the base: an angle such as 30deg",
+    "MOVE": tr("Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh"),
+    "TURN": tr("About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn"),
+    "TWIST": tr("About the line from the centre of the base to that of the handle: an angle such as 60deg"),
+    "BEND": tr("About an axis through the centre of the base: an angle such as 30deg"),
     _LINE: tr("Click two points of the mesh: the bend is about the line through them"),
-    "SCALE": "About the centre of the handle: a factor such as 1.2 or 80%",
+    "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
 }
 
 
@@ -43,21 +52,15 @@ class MotionField(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.choice = Choice(accessibleName="Motion of the handle")
-        self.choice.addItem("Twist", "TWIST")
-        for title, names in _MOTIONS.items():
-            for name in names:
-                self.choice.addItem(
-                    f"{title} {'about' if title != 'Move' else 'along'} {name[-1].lower()}", name
-                )
-        self.choice.addItem(tr("Bend about a line"), _LINE)
-        self.choice.addItem("Scale", "SCALE")
+        self.choice = Choice(accessibleName=tr("Motion of the handle"))
+        for name, title in _MOTIONS.items():
+            self.choice.addItem(title, name)
         self.pick = QPushButton(tr("Pick the line"), toolTip=_TIPS[_LINE])
         self.pick.clicked.connect(self.line_asked)
-        self.amount = _Amount(objectName="typed", accessibleName="By how much", placeholderText="60deg")
+        self.amount = _Amount(objectName="typed", accessibleName=tr("By how much"), placeholderText="60deg")
         self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
         self.choice.currentIndexChanged.connect(self._choose)
-        self._problem = quiet("What is wrong with the amount")
+        self._problem = quiet(tr("What is wrong with the amount"))
         self._problem.setObjectName("unreached")
         self._problem.setWordWrap(True)
         self._problem.hide()

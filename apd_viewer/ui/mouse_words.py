@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from apd_viewer.language import tr
 from apd_viewer.ui.toolbox import Tool, Way
 
 
@@ -25,23 +26,16 @@ class Gesture(NamedTuple):
 
 
 # What apd_viewer.ui.navigation does whatever tool is in the hand.
-_ALWAYS = "right drag turns, middle button or Shift+drag shifts, Ctrl+right drag zooms"
+_ALWAYS = tr("right drag turns, middle button or Shift+drag shifts, Ctrl+right drag zooms")
 
 
 def gestures() -> list[Gesture]:
     """All that the mouse does."""
     plain = [tool for tool in Tool if not tool.words.is_brush]
-    _, _, modifiers = Tool.HANDLE.hint(Way.BOX).rpartition("; ")
     found = [
-        Gesture("With every tool", "view", _ALWAYS),
-        *(Gesture(tool.words.title, tool.words.icon, tool.hint(Way.BRUSH)) for tool in plain),
-        Gesture("While you paint", Tool.HANDLE.words.icon, modifiers),
+        Gesture(tr("With every tool"), "view", _ALWAYS),
+        *(Gesture(tool.words.title, tool.words.icon, tool.words.hint) for tool in plain),
+        Gesture(tr("While you paint"), Tool.HANDLE.words.icon, Tool.HANDLE.modifiers),
         *(Gesture(way.words.title, way.words.icon, way.words.hint) for way in Way),
     ]
-    return [gesture._replace(words=_sentence(gesture)) for gesture in found]
-
-
-def _sentence(gesture: Gesture) -> str:
-    """The words without the title, which stands over them."""
-    words = gesture.words.removeprefix(f"{gesture.title}: ")
-    return words[:1].upper() + words[1:]
+    return [gesture._replace(words=gesture.words[:1].upper() + gesture.words[1:]) for gesture in found]

@@ -6,6 +6,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -30,7 +31,9 @@ class Notice(QFrame):
         self._text = QLabel(wordWrap=True)
         self._text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._symbol = QLabel()
-        self._close = QToolButton(accessibleName="Dismiss the message", toolTip="Dismiss", iconSize=SIZE)
+        self._close = QToolButton(
+            accessibleName=tr("Dismiss the message"), toolTip=tr("Dismiss"), iconSize=SIZE
+        )
         self._close.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8, 8)
@@ -131,7 +134,7 @@ class Empty(QWidget):
         self.setObjectName("empty")
         column = QVBoxLayout(self)
         column.setSpacing(12)
-        title = QLabel("Drop a mesh here, or open one", alignment=Qt.AlignmentFlag.AlignCenter)
+        title = QLabel(tr("Drop a mesh here, or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
         row = QHBoxLayout()
         for button in buttons:

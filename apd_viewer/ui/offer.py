@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
 
+from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -44,10 +45,14 @@ class Offer(QFrame):
         self.setObjectName("notice")
         self._symbol = QLabel()
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
-        self.restore = self._button("Restore", "Open it as one step, which can be undone", self._restore)
+        self.restore = self._button(
+            tr("Restore"), tr("Open it as one step, which can be undone"), self._restore
+        )
         self.restore.setObjectName("primary")
-        self.discard = self._button("Discard", "Remove it for good", self._discard)
-        self.later = QToolButton(accessibleName="Not now", toolTip="Ask at the next start", iconSize=SIZE)
+        self.discard = self._button(tr("Discard"), tr("Remove it for good"), self._discard)
+        self.later = QToolButton(
+            accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
+        )
         self.later.clicked.connect(self._put_off)
         self._buttons = self.restore, self.discard, self.later
         self._row = QHBoxLayout(self)
@@ -115,7 +120,11 @@ class Offer(QFrame):
 
             left = self._waiting[0]
             name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
-            self._text.setText(f"Unsaved when the program ended: {name}, {ago(time.time() - left.time)}")
+            self._text.setText(
+                tr("Unsaved when the program ended: {name}, {when}").format(
+                    name=name, when=ago(time.time() - left.time)
+                )
+            )
             self.raise_()
             self._place()
 

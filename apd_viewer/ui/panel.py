@@ -8,6 +8,7 @@ from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.area_section import AreaSection
 from apd_viewer.ui.dial import Dial
@@ -29,14 +30,17 @@ class PaintSection(Section):
     """How many vertices are painted as what."""
 
     def __init__(self) -> None:
-        super().__init__("Paint")
+        super().__init__(tr("Paint"))
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         grid.setColumnStretch(1, 1)
         self._counts = []
-        for row, (name, color) in enumerate(
-            (("Base", BASE_COLOR), ("Handles", HANDLE_COLORS[0]), ("Free", FREE_COLOR))
+        for row, (name, tip, color) in enumerate(
+            (
+                (tr("Base"), tr("Vertices: base"), BASE_COLOR),
+                (tr("Handles"), tr("Vertices: handles"), HANDLE_COLORS[0]),
+                (tr("Free"), tr("Vertices: free"), FREE_COLOR),
+            )
         ):
-            tip = f"Vertices: {name.lower()}"
             count = QLabel("–", accessibleName=tip, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
             grid.addWidget(Swatch(color), row, 0)
             grid.addWidget(QLabel(name, objectName="quiet"), row, 1)

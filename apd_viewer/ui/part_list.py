@@ -8,6 +8,7 @@ from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -42,7 +43,7 @@ class Name(QLineEdit):
 
     def __init__(self, text: str) -> None:
         super().__init__(objectName="name", frame=False)
-        self.setAccessibleName("Name")
+        self.setAccessibleName(tr("Name"))
         self.setMinimumHeight(self.fontMetrics().height() + 8)
         self._kept = text
         self.rest()
@@ -104,6 +105,13 @@ class Name(QLineEdit):
             self.chosen.emit(text.strip())
 
 
+# What is said of the parts of a kind: of their reading, and of the button that removes one.
+_SAID = {
+    "handle": (tr("Reading of the handle"), tr("Remove this handle")),
+    "region": (tr("Reading of the region"), tr("Remove this region")),
+}
+
+
 class PartRow(QFrame):
     """A line of the list: colour, name, a reading, and below it what the active part alone shows.
 
@@ -124,11 +132,12 @@ class PartRow(QFrame):
 
     def __init__(self, kind: str, name: str, color: tuple[int, int, int], details: QWidget) -> None:
         super().__init__(objectName="part", focusPolicy=Qt.FocusPolicy.StrongFocus)
-        self.setToolTip("Click makes it active; double click or F2 renames it, Delete removes it")
+        self.setToolTip(tr("Click makes it active; double click or F2 renames it, Delete removes it"))
         self.name = Name(name)
-        self.reading = QLabel("", objectName="quiet", accessibleName=f"Reading of the {kind}")
+        reading, remove = _SAID[kind]
+        self.reading = QLabel("", objectName="quiet", accessibleName=reading)
         self.details = details
-        self.remove = small_button(f"Remove this {kind}", f"Remove this {kind}")
+        self.remove = small_button(remove, remove)
         line = QHBoxLayout(spacing=8)
         line.addWidget(Swatch(color))
         line.addWidget(self.name, 1)
@@ -144,7 +153,7 @@ class PartRow(QFrame):
 
     def set_active(self, on: bool) -> None:
         """Show whether this is the active part."""
-        self.setAccessibleName(f"{self.name.text()}, active" if on else self.name.text())
+        self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
         if self.property("active") != on:
             self.setProperty("active", on)
             self.style().unpolish(self)

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.dial import SHARE, Dial
 from apd_viewer.ui.fields import Check, Number, percent_field
 from apd_viewer.ui.figures import figures, length
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.units import Unit
 
-_DRIFT = "How far a handle is from where it was put; the farthest of several"
+_DRIFT = tr("How far a handle is from where it was put; the farthest of several")
 
 
 # How far a region may be from its target, in percent of its area at rest, to be called kept.
@@ -50,7 +50,7 @@ class HandleSection(Section):
     put_back_asked = Signal()
 
     def __init__(self) -> None:
-        super().__init__("Handles")
+        super().__init__(tr("Handles"))
         self.list = PartList(HANDLE_COLORS, self._row)
         self.column.addWidget(self.list)
         self.motion = MotionField()
@@ -64,17 +64,21 @@ class HandleSection(Section):
         self.column.addWidget(self.falloff)
         self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
         grid = QGridLayout()
-        grid.addWidget(QLabel("Drift", objectName="quiet", toolTip=_DRIFT), 0, 0)
+        grid.addWidget(QLabel(tr("Drift"), objectName="quiet", toolTip=_DRIFT), 0, 0)
         grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
         self.column.addLayout(grid)
         self.add = QPushButton(
-            "Add", accessibleName="Add handle", toolTip="One more part to be moved by itself (Shift+H)"
+            tr("Add"),
+            accessibleName=tr("Add handle"),
+            toolTip=tr("One more part to be moved by itself (Shift+H)"),
         )
         self.back = QPushButton(
-            "Put back", toolTip="Put the active handle back where it was gripped (Shift+M)"
+            tr("Put back"), toolTip=tr("Put the active handle back where it was gripped (Shift+M)")
         )
-        self.back.setAccessibleName("Put the active handle back")
-        self.reset = QPushButton("Reset all", toolTip="Put all handles back, and the mesh in its rest shape")
+        self.back.setAccessibleName(tr("Put the active handle back"))
+        self.reset = QPushButton(
+            tr("Reset all"), toolTip=tr("Put all handles back, and the mesh in its rest shape")
+        )
         self.add.clicked.connect(self.added)
         self.back.clicked.connect(self.put_back_asked)
         self.reset.clicked.connect(self.reset_asked)
@@ -85,7 +89,7 @@ class HandleSection(Section):
         self.column.addLayout(buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet(f"How far {name} was moved and turned")
+        details = quiet(tr("How far {name} was moved and turned").format(name=name))
         details.setIndent(22)
         return PartRow("handle", name, color, details)
 
@@ -95,8 +99,8 @@ class HandleSection(Section):
         self.list.show_parts([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
             count = document.counts[HANDLE + k]
-            row.reading.setText(f"{count:,}" if count else "not painted")
-            row.reading.setToolTip("Vertices of the handle")
+            row.reading.setText(f"{count:,}" if count else tr("not painted"))
+            row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
         self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
         self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
@@ -135,14 +139,14 @@ class RegionSection(Section):
     kept = Signal(int, object)
 
     def __init__(self) -> None:
-        super().__init__("Regions")
-        self.empty = quiet("What regions are for")
-        self.empty.setText("A region is a painted part whose area you can read, and keep.")
+        super().__init__(tr("Regions"))
+        self.empty = quiet(tr("What regions are for"))
+        self.empty.setText(tr("A region is a painted part whose area you can read, and keep."))
         self.list = PartList(REGION_COLORS, self._row)
-        self.note = quiet("Why regions are not kept")
-        self.note.setText("The method Paper only measures regions.")
+        self.note = quiet(tr("Why regions are not kept"))
+        self.note.setText(tr("The method Paper only measures regions."))
         self.note.hide()
-        self.add = QPushButton("Add region", toolTip="One more part whose area is measured (Shift+R)")
+        self.add = QPushButton(tr("Add region"), toolTip=tr("One more part whose area is measured (Shift+R)"))
         self.add.clicked.connect(self.added)
         for part in (self.empty, self.list, self.note):
             self.column.addWidget(part)
@@ -166,7 +170,7 @@ class RegionSection(Section):
                 row.details.show_target(region.area, not only_measured)
         self.empty.setVisible(not regions)
         self.note.setVisible(bool(regions) and only_measured)
-        self.heading.say(f"{len(regions)}" if regions else "none", only_folded=True)
+        self.heading.say(f"{len(regions)}" if regions else trc("regions", "none"), only_folded=True)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
@@ -175,11 +179,13 @@ class RegionSection(Section):
         for row, at_rest, now, target in zip(
             self.list.rows, rest, state.frame.regions, targets, strict=False
         ):
-            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else "no triangle yet"
+            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangle yet")
             kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
-            row.reading.setText(f"{area}, kept" if kept and state.document.method != "paper" else area)
-            sizes = unit.area(f"{figures(now)} of {figures(at_rest)}")
-            row.reading.setToolTip(f"Area in percent of its area at rest: {sizes}")
+            row.reading.setText(
+                tr("{area}, kept").format(area=area) if kept and state.document.method != "paper" else area
+            )
+            sizes = unit.area(tr("{now} of {rest}").format(now=figures(now), rest=figures(at_rest)))
+            row.reading.setToolTip(tr("Area in percent of its area at rest: {sizes}").format(sizes=sizes))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -201,11 +207,11 @@ class Keep(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        tip = "What the area of the region should be, in percent of its area at rest"
+        tip = tr("What the area of the region should be, in percent of its area at rest")
         self.box = Check(
-            "Keep at", toolTip="Keep the area of the region to the last digits, or leave it free"
+            tr("Keep at"), toolTip=tr("Keep the area of the region to the last digits, or leave it free")
         )
-        self.field: Number = percent_field("Target of the area of the region", tip)
+        self.field: Number = percent_field(tr("Target of the area of the region"), tip)
         line = QHBoxLayout(self, spacing=8)
         line.setContentsMargins(22, 0, 0, 2)
         line.addWidget(self.box)
@@ -228,10 +234,10 @@ def _motion(document: Document, k: int, unit: Unit, size: float) -> str:
     """How far a handle was moved and turned since it was gripped."""
     centre = document.centre(k)
     if centre is None:
-        return "Paint it with the tool Paint handle (H)"
+        return tr("Paint it with the tool Paint handle (H)")
     pose = document.handles[k].pose
     moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
     cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
     turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
     way = length(float(np.linalg.norm(moved)), size)
-    return f"moved {unit.length(way)}, turned {turned:.1f}°"
+    return tr("moved {length}, turned {angle:.1f}°").format(length=unit.length(way), angle=turned)

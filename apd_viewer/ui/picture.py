@@ -12,6 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.replacing import replacing
 from apd_viewer.geometry.deform import Result
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 from apd_viewer.ui.palette import label_colors
 
 _SIZE = (1600, 1000)
@@ -47,6 +48,7 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
     plotter = pv.Plotter(off_screen=True, shape=(1, 2), border=False, window_size=list(_SIZE), lighting=None)
     plotter.set_background("white")
     change = f"{100 * result.area_error:+.3f} %"
+    # In English whatever the user speaks: VTK's letters are Latin ones.
     captions = (
         f"rest   area {result.area_rest:.5g}",
         f"{result.method}   area {result.area:.5g}  ({change})",
@@ -68,7 +70,7 @@ def draw(mesh: Mesh, labels: np.ndarray, result: Result, path: Path) -> None:
 def check_picture(path: Path) -> None:
     """Raise InputError unless ``path`` names a picture."""
     if path.suffix.lower() != ".png":
-        raise InputError(f"{path.name} is no name for a picture; end it in .png.")
+        raise InputError(tr("{name} is no name for a picture; end it in .png.").format(name=path.name))
 
 
 def _aim(plotter: object, points: np.ndarray) -> None:

@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (
-    ("left", "Left", (-1, 0, 0)),
-    ("right", "Right", (1, 0, 0)),
-    ("up", "Up", (0, 1, 0)),
-    ("down", "Down", (0, -1, 0)),
-    ("nearer", "PgDown", (0, 0, 1)),
-    ("farther", "PgUp", (0, 0, -1)),
+    (tr("Nudge left"), tr("Move the active handle a little to the left"), "left", "Left", (-1, 0, 0)),
+    (tr("Nudge right"), tr("Move the active handle a little to the right"), "right", "Right", (1, 0, 0)),
+    (tr("Nudge up"), tr("Move the active handle a little up"), "up", "Up", (0, 1, 0)),
+    (tr("Nudge down"), tr("Move the active handle a little down"), "down", "Down", (0, -1, 0)),
+    (tr("Nudge nearer"), tr("Move the active handle a little nearer"), "nearer", "PgDown", (0, 0, 1)),
+    (tr("Nudge farther"), tr("Move the active handle a little farther"), "farther", "PgUp", (0, 0, -1)),
 )
 _ALONG = {
-    Along.WORLD: ("&World axes", "Let arrows and rings stand along the axes of the mesh", "Shift+W"),
-    Along.HANDLE: ("&Handle's axes", "Let arrows and rings turn with the handle", "L"),
-    Along.VIEW: ("&View's axes", "Let arrows and rings stand along the picture", "Shift+V"),
+    Along.WORLD: (tr("&World axes"), tr("Let arrows and rings stand along the axes of the mesh"), "Shift+W"),
+    Along.HANDLE: (tr("&Handle's axes"), tr("Let arrows and rings turn with the handle"), "L"),
+    Along.VIEW: (tr("&View's axes"), tr("Let arrows and rings stand along the picture"), "Shift+V"),
 }
 
 
@@ -47,25 +47,47 @@ class PoseActions:
     def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
         make = maker.make
         self.parts = [
-            make("&Add handle", "add", "Add one more part to be moved by itself", "Shift+H", "add_handle"),
-            make("&Next handle", "next-handle", "Take the next handle into the hand", "N", "next_handle"),
-            make("Add &region", "add", "Add one more part whose area is measured", "Shift+R", "add_region"),
+            make(
+                tr("&Add handle"),
+                "add",
+                tr("Add one more part to be moved by itself"),
+                "Shift+H",
+                "add_handle",
+            ),
+            make(
+                tr("&Next handle"),
+                "next-handle",
+                tr("Take the next handle into the hand"),
+                "N",
+                "next_handle",
+            ),
+            make(
+                tr("Add &region"),
+                "add",
+                tr("Add one more part whose area is measured"),
+                "Shift+R",
+                "add_region",
+            ),
         ]
         self.typed = make(
-            "&Type a motion",
+            tr("&Type a motion"),
             "type",
-            "Type by how much the handle moves, turns, twists or bends",
+            tr("Type by how much the handle moves, turns, twists or bends"),
             "Ctrl+M",
             "type_motion",
         )
         self.put_back = make(
-            "&Put back", "reset", "Put the active handle back where it was gripped", "Shift+M", "put_back"
+            tr("&Put back"),
+            "reset",
+            tr("Put the active handle back where it was gripped"),
+            "Shift+M",
+            "put_back",
         )
         self.pivots = [
             make(
-                "Pick the p&ivot",
+                tr("Pick the p&ivot"),
                 "pivot",
-                "Click the point of the mesh that the handle turns about",
+                tr("Click the point of the mesh that the handle turns about"),
                 "V",
                 "pick_pivot",
             ),
@@ -77,17 +99,16 @@ class PoseActions:
                 "type_pivot",
             ),
             make(
-                "Pivot at the &centre",
+                tr("Pivot at the &centre"),
                 "pivot",
-                "Turn about the middle of the handle again",
+                tr("Turn about the middle of the handle again"),
                 "Shift+P",
                 "centre_pivot",
             ),
         ]
-        self.nudges = []
-        for name, key, step in _NUDGES:
-            tip = f"Move the active handle a little {'to the ' if name in ('left', 'right') else ''}{name}"
-            self.nudges.append(make(f"Nudge {name}", f"nudge-{name}", tip, key, "nudge", step))
+        self.nudges = [
+            make(title, f"nudge-{name}", tip, key, "nudge", step) for title, tip, name, key, step in _NUDGES
+        ]
         group = QActionGroup(window)
         self.along: dict[Along, QAction] = {}
         for along, (title, tip, key) in _ALONG.items():
@@ -102,7 +123,7 @@ class PoseActions:
         menu.addActions(self.parts)
         menu.addSeparator()
         menu.addActions([self.typed, self.put_back, *self.pivots])
-        self.nudge = menu.addMenu("N&udge")
+        self.nudge = menu.addMenu(tr("N&udge"))
         self.nudge.addActions(self.nudges)
         menu.addSeparator()
         menu.addActions(list(self.along.values()))

@@ -6,6 +6,7 @@ from PySide6.QtCore import QRect, QSize, Qt
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.theme import LIGHT, Theme
 
@@ -17,7 +18,7 @@ class Heading(QAbstractButton):
 
     def __init__(self, title: str) -> None:
         super().__init__(checkable=True, checked=True, text=title, accessibleName=title)
-        self.setToolTip(f"Fold or unfold “{title}”")
+        self.setToolTip(tr("Fold or unfold “{title}”").format(title=title))
         self.reading = ""
         self._only_folded = False
         self._theme = LIGHT

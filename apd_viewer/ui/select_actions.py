@@ -15,16 +15,28 @@ if TYPE_CHECKING:
 
 # Title, icon, tip, keys, and the name in apd_viewer.session.reshaping.Change, which is loaded later.
 _CHANGES = (
-    ("&Grow", "grow", "Add the vertices next to the part in hand", "Ctrl++", "GROW"),
-    ("S&hrink", "shrink", "Take its outermost vertices from the part in hand", "Ctrl+-", "SHRINK"),
-    ("&Smooth the border", "smooth-border", "Straighten the border of the part in hand", "Ctrl+B", "SMOOTH"),
-    ("In&vert", "invert", "Paint what is not painted, and free the part in hand", "Ctrl+Shift+I", "INVERT"),
+    (tr("&Grow"), "grow", tr("Add the vertices next to the part in hand"), "Ctrl++", "GROW"),
+    (tr("S&hrink"), "shrink", tr("Take its outermost vertices from the part in hand"), "Ctrl+-", "SHRINK"),
+    (
+        tr("&Smooth the border"),
+        "smooth-border",
+        tr("Straighten the border of the part in hand"),
+        "Ctrl+B",
+        "SMOOTH",
+    ),
+    (
+        tr("In&vert"),
+        "invert",
+        tr("Paint what is not painted, and free the part in hand"),
+        "Ctrl+Shift+I",
+        "INVERT",
+    ),
 )
 _MIRRORS = tuple(
     (
-        f"Along {axis}",
+        tr("Along {axis}").format(axis=axis),
         "mirror",
-        f"Add the mirror image of the part in hand along {axis}",
+        tr("Add the mirror image of the part in hand along {axis}").format(axis=axis),
         None,
         f"MIRROR_{axis}",
     )
@@ -58,15 +70,15 @@ class SelectActions:
             group.addAction(action)
             self.ways[way] = action
         self.through = maker.switch(
-            "Select &through",
+            tr("Select &through"),
             "through",
-            "Let box, lasso and polygon take what the surface hides too",
+            tr("Let box, lasso and polygon take what the surface hides too"),
             "T",
             "through",
         )
         self.sizes = [
-            maker.make("&Larger brush", "grow", "Enlarge the brush", "]", "larger"),
-            maker.make("S&maller brush", "shrink", "Make the brush smaller", "[", "smaller"),
+            maker.make(tr("&Larger brush"), "grow", tr("Enlarge the brush"), "]", "larger"),
+            maker.make(tr("S&maller brush"), "shrink", tr("Make the brush smaller"), "[", "smaller"),
             maker.make(
                 tr("Si&ze of the brush…"),
                 "way-brush",
@@ -76,11 +88,17 @@ class SelectActions:
             ),
         ]
         self.numbers = maker.make(
-            "By &numbers…", "type", "Choose vertices by ids or coordinates", "Ctrl+L", "choose_by_numbers"
+            tr("By &numbers…"),
+            "type",
+            tr("Choose vertices by ids or coordinates"),
+            "Ctrl+L",
+            "choose_by_numbers",
         )
         self.files = [
-            maker.make("&Load selection…", "open", "Paint as a file says", None, "load_selection"),
-            maker.make("Save selec&tion…", "save", "Write what is painted to a file", None, "save_selection"),
+            maker.make(tr("&Load selection…"), "open", tr("Paint as a file says"), None, "load_selection"),
+            maker.make(
+                tr("Save selec&tion…"), "save", tr("Write what is painted to a file"), None, "save_selection"
+            ),
         ]
         self.changes = [maker.make(*words[:4], "reshape", words[4]) for words in _CHANGES]
         self.mirrors = [maker.make(*words[:4], "reshape", words[4]) for words in _MIRRORS]
@@ -92,7 +110,7 @@ class SelectActions:
         menu.addActions([self.numbers, self.through, *self.sizes])
         menu.addSeparator()
         menu.addActions(self.changes)
-        self.mirror = menu.addMenu("&Mirror")
+        self.mirror = menu.addMenu(tr("&Mirror"))
         self.mirror.addActions(self.mirrors)
         menu.addSeparator()
         menu.addActions(self.files)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.key_field import KeyField
@@ -40,9 +41,12 @@ class ActionRow(QFrame):
         self._symbol = QLabel()
         self._symbol.setFixedSize(SIZE)
         self.keys = KeyField(entry)
-        standard = native(entry.standard) or "none"
+        standard = native(entry.standard) or trc("keys", "none")
         self.back = small_button(
-            f"Back to the standard keys of {entry.title}: {standard}", f"Back to the standard: {standard}"
+            tr("Back to the standard keys of {title}: {standard}").format(
+                title=entry.title, standard=standard
+            ),
+            tr("Back to the standard: {standard}").format(standard=standard),
         )
         policy = QSizePolicy(self.back.sizePolicy())
         policy.setRetainSizeWhenHidden(True)
@@ -83,7 +87,7 @@ class GestureRow(QFrame):
     def __init__(self, gesture: Gesture) -> None:
         super().__init__(objectName="gesture")
         self._gesture = gesture
-        self.setAccessibleName(f"{gesture.title}: {gesture.words}")
+        self.setAccessibleName(tr("{title}: {words}").format(title=gesture.title, words=gesture.words))
         self._symbol = QLabel()
         self._symbol.setFixedSize(SIZE)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=1)
@@ -96,7 +100,7 @@ class GestureRow(QFrame):
     @property
     def said(self) -> str:
         """All that can be searched for."""
-        return f"{self._gesture.title} {self._gesture.words} mouse"
+        return f"{self._gesture.title} {self._gesture.words} {tr('mouse')}"
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""

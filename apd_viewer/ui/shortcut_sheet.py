@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.language import tr
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.shield import shield
@@ -27,8 +28,8 @@ from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN, _WIDEST = 12, 560
-_HINT = "Click keys to change them."
-_WAITING = "Press new keys; Delete takes the old ones away, Esc leaves them."
+_HINT = tr("Click keys to change them.")
+_WAITING = tr("Press new keys; Delete takes the old ones away, Esc leaves them.")
 
 
 class ShortcutSheet(QFrame):
@@ -55,7 +56,7 @@ class ShortcutSheet(QFrame):
     def __init__(
         self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[Group]]
     ) -> None:
-        super().__init__(canvas, objectName="sheet", accessibleName="Shortcuts")
+        super().__init__(canvas, objectName="sheet", accessibleName=tr("Shortcuts"))
         shield(self)
         self._canvas = canvas
         self._shortcuts = shortcuts
@@ -74,12 +75,12 @@ class ShortcutSheet(QFrame):
 
     def _make_head(self) -> QHBoxLayout:
         self.search = QLineEdit(
-            placeholderText="Search for an action, keys or a gesture",
-            accessibleName="Search the shortcuts",
+            placeholderText=tr("Search for an action, keys or a gesture"),
+            accessibleName=tr("Search the shortcuts"),
             clearButtonEnabled=True,
         )
         self.search.textChanged.connect(self._filter)
-        self._close = small_button("Close the shortcuts", "Close (Esc)")
+        self._close = small_button(tr("Close the shortcuts"), tr("Close (Esc)"))
         self._close.clicked.connect(self.dismissed)
         row = QHBoxLayout(spacing=8)
         row.addWidget(self.search, 1)
@@ -92,12 +93,12 @@ class ShortcutSheet(QFrame):
         return self._scroll
 
     def _make_foot(self) -> QHBoxLayout:
-        self.line = QLabel(wordWrap=True, accessibleName="What is going on")
+        self.line = QLabel(wordWrap=True, accessibleName=tr("What is going on"))
         self.line.setMinimumHeight(2 * self.line.fontMetrics().lineSpacing())
-        self.swap = QPushButton("Swap", objectName="primary")
+        self.swap = QPushButton(tr("Swap"), objectName="primary")
         self.swap.clicked.connect(self._swap)
-        self.back = QPushButton("All back to the standard")
-        self.back.setToolTip("Give all actions their standard keys")
+        self.back = QPushButton(tr("All back to the standard"))
+        self.back.setToolTip(tr("Give all actions their standard keys"))
         self.back.clicked.connect(self._reset_all)
         row = QHBoxLayout(spacing=8)
         row.setContentsMargins(8, 0, 4, 0)
@@ -152,7 +153,7 @@ class ShortcutSheet(QFrame):
         found = sum(group.show_found(text.casefold().split()) for group in self._groups)
         if self._groups:
             self._nothing.setVisible(not found)
-            self._nothing.setText(f"Nothing here is called “{text.strip()}”.")
+            self._nothing.setText(tr("Nothing here is called “{text}”.").format(text=text.strip()))
 
     @property
     def _shown(self) -> list[ActionRow]:
@@ -182,11 +183,13 @@ class ShortcutSheet(QFrame):
 
     def _offer_swap(self, row: ActionRow, keys: str, other: str) -> None:
         taken = next(key for key in split(keys) if self._shortcuts.holder(key, row.entry))
-        self._say(f"{native(taken)} belongs to “{other}”.", warn=True)
+        self._say(tr("{keys} belongs to “{action}”.").format(keys=native(taken), action=other), warn=True)
         self._wish = row, keys
-        self.swap.setText("Swap" if row.entry.keys else "Take it")
-        instead = native(row.entry.keys) or "no keys"
-        self.swap.setToolTip(f"“{other}” gets {instead} instead (Esc: leave all as it is)")
+        self.swap.setText(tr("Swap") if row.entry.keys else tr("Take it"))
+        instead = native(row.entry.keys) or tr("no keys")
+        self.swap.setToolTip(
+            tr("“{action}” gets {keys} instead (Esc: leave all as it is)").format(action=other, keys=instead)
+        )
         self.swap.setAccessibleDescription(self.line.text())
         self.swap.show()
         self.back.hide()
@@ -198,13 +201,17 @@ class ShortcutSheet(QFrame):
 
     def _give(self, row: ActionRow, keys: str) -> None:
         self._shortcuts.give(row.entry, keys)
-        self._say(f"“{row.entry.title}” has {native(keys) or 'no keys'} now.")
+        self._say(
+            tr("“{action}” has {keys} now.").format(
+                action=row.entry.title, keys=native(keys) or tr("no keys")
+            )
+        )
         self._show_keys()
         row.keys.setFocus()
 
     def _reset_all(self) -> None:
         self._shortcuts.reset_all()
-        self._say("All actions have their standard keys.")
+        self._say(tr("All actions have their standard keys."))
         self._show_keys()
         self.search.setFocus()
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 
+from apd_viewer.language import tr, trc
+
 if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
 
@@ -26,7 +28,7 @@ def split(keys: str) -> list[str]:
 
 def native(keys: str) -> str:
     """Keys as the platform writes them."""
-    return " or ".join(QKeySequence(key, _PORTABLE).toString(_NATIVE) for key in split(keys))
+    return trc("keys", " or ").join(QKeySequence(key, _PORTABLE).toString(_NATIVE) for key in split(keys))
 
 
 @dataclass(eq=False)
@@ -108,9 +110,13 @@ class Shortcuts:
         kept = _ENDS + _WALKS if everywhere else _ENDS
         for key in split("" if keys == entry.standard else keys):
             if key.removeprefix("Shift+") in kept:
-                return f"{native(key)} is needed to get about in the window; choose other keys."
+                return tr("{keys} is needed to get about in the window; choose other keys.").format(
+                    keys=native(key)
+                )
             if key in self._mnemonics:
-                return f"{native(key)} opens the menu “{self._mnemonics[key]}”; choose other keys."
+                return tr("{keys} opens the menu “{menu}”; choose other keys.").format(
+                    keys=native(key), menu=self._mnemonics[key]
+                )
         return ""
 
     def holder(self, keys: str, besides: Entry) -> Entry | None:

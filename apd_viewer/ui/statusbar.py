@@ -8,6 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
+from apd_viewer.language import tr, trn
 from apd_viewer.ui.figures import short
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class StatusBar(QStatusBar):
         super().__init__()
         self.setSizeGripEnabled(False)
         self._hint = Hint()
-        self._cancel = QToolButton(text="Cancel")
+        self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
         self._errand, self._pace, self._size = QLabel(), QLabel(), QLabel()
         # It gives way: a word less of it is no loss, and the tip has it whole.
@@ -56,7 +57,7 @@ class StatusBar(QStatusBar):
         for widget in (self._errand, self._cancel, self._pace, self._size, badge):
             self.addPermanentWidget(widget)
         # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
-        self._errand.setText("Starting…")
+        self._errand.setText(tr("Starting…"))
         self._cancel.hide()
 
     def hint(self, text: str) -> None:
@@ -67,18 +68,27 @@ class StatusBar(QStatusBar):
     def show_session(self, session: Session) -> None:
         """Show what is under way."""
         errand, state = session.errand, session.state
-        self._errand.setText(f"{errand.title}…" if errand else "")
+        self._errand.setText(tr("{errand}…").format(errand=errand.title) if errand else "")
         self._errand.setVisible(errand is not None)
         self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
-        self._size.setText(f"{state.inspection.vertices:,} vertices" if state else "")
+        self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.unit) if state else "")
         iteration = state.frame.iteration if state else 0
-        pace = f"iteration {iteration:,}, {1e3 * session.seconds_per_iteration:.1f} ms an iteration"
+        pace = tr("iteration {iteration:,}, {pace:.1f} ms an iteration").format(
+            iteration=iteration, pace=1e3 * session.seconds_per_iteration
+        )
         self._pace.setText(pace if iteration else "")
+
+
+def _vertices(state: State) -> str:
+    n = state.inspection.vertices
+    return trn("{n:,} vertex", "{n:,} vertices", n).format(n=n)
 
 
 def _extent(state: State, unit: Unit) -> str:
     """How many faces the mesh has, and how far it reaches along x, y and z."""
     found = state.inspection
     size = unit.length(" × ".join(short(extent) for extent in found.size))
-    return f"{found.vertices:,} vertices, {found.faces:,} faces; {size} at rest"
+    return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(
+        vertices=found.vertices, faces=found.faces, size=size
+    )

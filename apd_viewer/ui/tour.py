@@ -9,6 +9,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QRect, QTimer, Signal
 from PySide6.QtWidgets import QMainWindow
 
+from apd_viewer.language import tr
 from apd_viewer.ui.tour_card import TourCard
 
 if TYPE_CHECKING:
@@ -41,28 +42,34 @@ def steps(places: Places) -> tuple[Step, ...]:
     """What is said, and where."""
     return (
         Step(
-            "The blue base of this bottle stays in place, the orange top is the handle that you move. "
-            "Drag beside the bottle to look around.",
+            tr(
+                "The blue base of this bottle stays in place, the orange top is the handle that you move. "
+                "Drag beside the bottle to look around."
+            ),
             places.mesh,
         ),
         Step(
-            "Drag the green ring around the handle, and the bottle twists.",
+            tr("Drag the green ring around the handle, and the bottle twists."),
             places.rings,
-            "The ring is out of sight: take “Move handle”, then “Frame the mesh”.",
+            tr("The ring is out of sight: take “Move handle”, then “Frame the mesh”."),
         ),
         Step(
-            "This is the area of the whole surface. Turn the ring once more: the shape changes, "
-            "the area does not.",
+            tr(
+                "This is the area of the whole surface. Turn the ring once more: the shape changes, "
+                "the area does not."
+            ),
             places.area,
-            "The area is out of sight: open the readings in the View menu, and scroll up.",
+            tr("The area is out of sight: open the readings in the View menu, and scroll up."),
         ),
         Step(
-            "With these you paint parts of your own: base, handle and region, and the eraser frees them "
-            "again.",
+            tr(
+                "With these you paint parts of your own: base, handle and region, and the eraser frees them "
+                "again."
+            ),
             places.brushes,
         ),
         Step(
-            "Export writes the shape to a file. Now open a mesh of your own, or drop it on the window.",
+            tr("Export writes the shape to a file. Now open a mesh of your own, or drop it on the window."),
             places.export,
         ),
     )

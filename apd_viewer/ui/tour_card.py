@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMainWindow, QPushButton, QVBoxLayout, QWidget
 
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.theme import LIGHT, Theme
 
 _WIDTH = 288
@@ -109,9 +110,9 @@ class TourCard(QFrame):
         self._tip = _Tip(window)
         self.sentence = QLabel(wordWrap=True)
         self._number = QLabel(objectName="quiet")
-        self.skip = QPushButton("Skip", objectName="flat", toolTip="End the tour (Esc)")
-        self.back = QPushButton("Back")
-        self.next = QPushButton("Next", objectName="primary")
+        self.skip = QPushButton(tr("Skip"), objectName="flat", toolTip=tr("End the tour (Esc)"))
+        self.back = QPushButton(trc("button", "Back"))
+        self.next = QPushButton(tr("Next"), objectName="primary")
         self.skip.clicked.connect(self.skipped)
         self.back.clicked.connect(lambda: self.stepped.emit(-1))
         self.next.clicked.connect(lambda: self.stepped.emit(1))
@@ -129,11 +130,11 @@ class TourCard(QFrame):
 
     def show_step(self, number: int, count: int, sentence: str) -> None:
         """Show one of the steps, counted from 0."""
-        self._number.setText(f"{number + 1} of {count}")
-        self.setAccessibleName(f"Tour, step {self._number.text()}")
+        self._number.setText(tr("{step} of {count}").format(step=number + 1, count=count))
+        self.setAccessibleName(tr("Tour, step {step}").format(step=self._number.text()))
         self.back.setVisible(number > 0)
         self.skip.setVisible(number < count - 1)
-        self.next.setText("Next" if number < count - 1 else "Done")
+        self.next.setText(tr("Next") if number < count - 1 else tr("Done"))
         self.say(sentence)
         self.show()
         self.raise_()

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh import counted
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trn
 from apd_viewer.ui.typed_card import TypedCard
 
 if TYPE_CHECKING:
@@ -96,7 +95,8 @@ class Typed:
         ids = self._understood(self.vertices, text, self._session.chosen)
         self._canvas.preview(ids if isinstance(ids, np.ndarray) else None)
         if isinstance(ids, np.ndarray):
-            self.vertices.say(f"{counted(len(ids), 'vertex', 'vertices')}. {self.vertices.help}")
+            said = trn("{n:,} vertex.", "{n:,} vertices.", len(ids)).format(n=len(ids))
+            self.vertices.say(f"{said} {self.vertices.help}")
 
     def _choose(self, text: str, act: Act) -> None:
         ids = self._understood(self.vertices, text, self._session.chosen)

@@ -9,6 +9,7 @@ from PySide6.QtCore import QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
 from PySide6.QtWidgets import QMenu, QToolButton
 
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.memory import own_file
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
 
 _NAMES = {
-    Unit.NONE: "No unit",
-    Unit.MILLIMETRE: "Millimetres (mm)",
-    Unit.CENTIMETRE: "Centimetres (cm)",
-    Unit.METRE: "Metres (m)",
+    Unit.NONE: tr("No unit"),
+    Unit.MILLIMETRE: tr("Millimetres (mm)"),
+    Unit.CENTIMETRE: tr("Centimetres (cm)"),
+    Unit.METRE: tr("Metres (m)"),
 }
 _CHEVRON, _PADDING = 16, 6
-_TIP = "The unit of length of this file: readings are shown in it, and nothing is scaled"
+_TIP = tr("The unit of length of this file: readings are shown in it, and nothing is scaled")
 
 
 class UnitButton(QToolButton):
@@ -60,7 +61,7 @@ class UnitButton(QToolButton):
         """Name the unit that is in use."""
         self._unit = unit
         self.setText(unit.title)
-        self.setAccessibleName(f"Unit of length: {unit.title}")
+        self.setAccessibleName(tr("Unit of length: {title}").format(title=unit.title))
         for action in self.menu().actions():
             action.setChecked(action.data() == unit.value)
         self.updateGeometry()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 
+from apd_viewer.language import tr, trc
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, signed
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 
-_TIP = "What the enclosed volume should be, in percent of the volume at rest"
+_TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
 
 
 class VolumeSection(Section):
@@ -34,11 +35,11 @@ class VolumeSection(Section):
     kept = Signal(object)
 
     def __init__(self) -> None:
-        super().__init__("Volume")
-        self.volume = quiet("Volume, and volume at rest")
-        self.keep = Check("Keep the volume", toolTip="Keep the enclosed volume to the last digits")
-        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), "Target of the volume")
-        self.why_not = quiet("Why the volume cannot be kept")
+        super().__init__(tr("Volume"))
+        self.volume = quiet(tr("Volume, and volume at rest"))
+        self.keep = Check(tr("Keep the volume"), toolTip=tr("Keep the enclosed volume to the last digits"))
+        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Target of the volume"))
+        self.why_not = quiet(tr("Why the volume cannot be kept"))
         for part in (self.volume, self.target, self.why_not):
             self.column.addWidget(part)
         for later in (self.target.field, self.target.slider, self.why_not):
@@ -58,9 +59,9 @@ class VolumeSection(Section):
     def show_settings(self, state: State) -> None:
         """Show what is asked for, or why nothing can be."""
         document, inspection = state.document, state.inspection
-        why = "" if inspection.volume else "Only a closed surface has a volume to keep."
+        why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
         if document.method == "paper" and not why:
-            why = "The method Paper cannot keep a volume."
+            why = tr("The method Paper cannot keep a volume.")
         self.why_not.setText(why)
         self.why_not.setVisible(bool(why))
         asked = document.volume is not None
@@ -78,10 +79,10 @@ class VolumeSection(Section):
         """Show the shape's volume."""
         rest, now = state.inspection.volume, state.frame.volume
         if rest is None or now is None or rest == 0.0:
-            self.heading.say("none")
-            why = state.inspection.why_no_volume or "the surface encloses nothing"
-            self.volume.setText(f"{why[0].upper()}{why[1:]}.")
+            self.heading.say(trc("volume", "none"))
+            why = state.inspection.why_no_volume or tr("the surface encloses nothing")
+            self.volume.setText(tr("{reason}.").format(reason=why[0].upper() + why[1:]))
             return
         change = signed(100 * (now / rest - 1), 2)
-        self.heading.say("unchanged" if float(change.replace("−", "-")) == 0 else f"{change} %")
-        self.volume.setText(unit.volume(f"{figures(now)} of {figures(rest)}"))
+        self.heading.say(tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %")
+        self.volume.setText(unit.volume(tr("{now} of {rest}").format(now=figures(now), rest=figures(rest))))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QToolBar
 
+from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE
 from apd_viewer.ui.select_actions import SelectActions
 from apd_viewer.ui.shield import shield
@@ -23,7 +24,7 @@ class WayBar(QToolBar):
     """
 
     def __init__(self, canvas: Viewport, actions: SelectActions) -> None:
-        super().__init__("Ways to choose vertices", canvas, objectName="ways")
+        super().__init__(tr("Ways to choose vertices"), canvas, objectName="ways")
         shield(self)
         self.setOrientation(Qt.Orientation.Vertical)
         self.setIconSize(SIZE)

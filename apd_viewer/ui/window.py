@@ -44,7 +44,12 @@ if TYPE_CHECKING:
     from apd_viewer.session.view import View
 
 # For the values of Activity.
-_WORDS = {"idle": "ready", "refining": "refining", "settled": "settled", "not reached": "not settled"}
+_WORDS = {
+    "idle": tr("ready"),
+    "refining": tr("refining"),
+    "settled": tr("settled"),
+    "not reached": tr("not settled"),
+}
 
 
 class Window(QMainWindow):
@@ -146,7 +151,7 @@ class Window(QMainWindow):
         self.offer = Offer(view, self.filing)
         self._guide = Guide(self.invitation)
         self.health = Health(self.canvas)
-        buttons = [QPushButton("Open a mesh…", objectName="primary", clicked=self.filing.ask_for_file)]
+        buttons = [QPushButton(tr("Open a mesh…"), objectName="primary", clicked=self.filing.ask_for_file)]
         for name, title in SAMPLES.items():
             buttons.append(QPushButton(title, clicked=partial(self.filing.open_sample, name)))
         self._empty = Empty(view, buttons)
@@ -293,7 +298,7 @@ class Window(QMainWindow):
         mesh = state.document.mesh
         self.notice.hide()
         self.setWindowFilePath(str(mesh.path or ""))
-        self.setWindowTitle(f"{mesh.name} – APD Viewer")
+        self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.unit = self.panel.unit = self._units.of(mesh)
         self.filing.opened(state)
@@ -323,9 +328,9 @@ class Window(QMainWindow):
 
     def _activity(self, state: State) -> str:
         if self.session.preparing:
-            return "preparing"
+            return tr("preparing")
         activity = self.session.activity.value
-        return "out of reach" if activity == "not reached" and state.frame.unreached else _WORDS[activity]
+        return tr("out of reach") if activity == "not reached" and state.frame.unreached else _WORDS[activity]
 
     def _invite(self) -> None:
         state = self._state

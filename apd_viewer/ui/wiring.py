@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from apd_viewer.language import tr
+
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.canvas import Canvas
@@ -23,7 +25,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
     panel.method.area_stiffness_chosen.connect(lambda x: session.settings.set_material(area_stiffness=x))
     panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))
-    gestures = "Change area", "Change volume", "Change stiffness", "Change falloff"
+    gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
     for dial, gesture in zip(panel.dials, gestures, strict=True):
         dial.sweep_began.connect(session.begin_gesture)
         dial.sweep_ended.connect(partial(session.end_gesture, gesture))
@@ -54,6 +56,6 @@ def connect_hand(canvas: Canvas, session: Session, parts: Parts) -> None:
     canvas.region_painted.connect(session.paint_region)
     canvas.drag_began.connect(session.begin_gesture)
     canvas.handle_moved.connect(lambda pose: session.move_handle(pose, parts.handle))
-    canvas.drag_ended.connect(partial(session.end_gesture, "Move handle"))
+    canvas.drag_ended.connect(partial(session.end_gesture, tr("Move handle")))
     canvas.gesture_cancelled.connect(session.cancel_gesture)
     canvas.handle_chosen.connect(parts.choose_handle)
