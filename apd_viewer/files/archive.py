@@ -14,6 +14,7 @@ import numpy as np
 
 from apd_viewer.files.replacing import replacing
 from apd_viewer.geometry.mesh import frozen
+from apd_viewer.language import tr
 
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 # What zipfile raises, as the damage may be.
@@ -63,16 +64,16 @@ class Archive:
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(content))
         except _BROKEN:
-            raise ValueError("its archive is broken") from None
+            raise ValueError(tr("its archive is broken")) from None
 
     def content(self, name: str) -> bytes:
         """The content of a member."""
         try:
             entry = self._zip.getinfo(name)
         except KeyError:
-            raise ValueError(f"“{name}” is missing in it") from None
+            raise ValueError(tr("“{name}” is missing in it").format(name=name)) from None
         if entry.file_size > self._most:
-            raise ValueError(f"“{name}” in it is too large")
+            raise ValueError(tr("“{name}” in it is too large").format(name=name))
         try:
             if entry.compress_type not in _KINDS:
                 raise zipfile.BadZipFile
@@ -81,7 +82,7 @@ class Archive:
                 if len(content) != entry.file_size:
                     raise EOFError
         except _BROKEN:
-            raise ValueError(f"“{name}” in its archive is broken") from None
+            raise ValueError(tr("“{name}” in its archive is broken").format(name=name)) from None
         return content
 
     def array(self, name: str, kind: str, shape: tuple[int, ...]) -> np.ndarray:
@@ -98,9 +99,9 @@ class Archive:
         start = 10 + int.from_bytes(content[8:10], "little")
         header = _HEADER.fullmatch(content[10:start])
         if header is None or not content.startswith(_MAGIC):
-            raise ValueError(f"“{name}” in it is no array")
+            raise ValueError(tr("“{name}” in it is no array").format(name=name))
         found = tuple(int(size) for size in header[2].split(b",") if size.strip())
         size = start + math.prod(shape) * np.dtype(kind).itemsize
         if (header[1].decode(), found, len(content)) != (kind, shape, size):
-            raise ValueError(f"“{name}” in it does not fit the mesh")
+            raise ValueError(tr("“{name}” in it does not fit the mesh").format(name=name))
         return frozen(np.frombuffer(content, kind, offset=start).reshape(shape).astype(kind[1:]))

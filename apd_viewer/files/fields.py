@@ -7,6 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from apd_viewer.language import tr
+
 T = TypeVar("T")
 
 # A number beyond that is none that anybody meant, and its powers overflow.
@@ -102,12 +104,12 @@ class Fields:
 
 
 def _damaged(name: str) -> ValueError:
-    return ValueError(f"its “{name}” is damaged")
+    return ValueError(tr("its “{name}” is damaged").format(name=name))
 
 
 def _refused(word: str) -> object:
     """NaN and Infinity, which Python writes and nobody else understands."""
-    raise ValueError(f"{word} is no number")
+    raise ValueError(tr("{word} is no number").format(word=word))
 
 
 def _is_grid(said: object, shape: tuple[int, ...]) -> bool:

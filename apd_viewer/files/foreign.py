@@ -9,6 +9,7 @@ import zipfile
 import numpy as np
 
 from apd_viewer.files.parsed import Parsed
+from apd_viewer.language import tr
 
 _MOST = 1 << 31  # bytes; beyond that an archive is broken, or meant to do harm
 
@@ -27,9 +28,9 @@ def read_3mf(content: bytes) -> Parsed:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
     except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
-        raise ValueError("it is no archive, or a damaged one") from error
+        raise ValueError(tr("it is no archive, or a damaged one")) from error
     if size > _MOST:
-        raise ValueError(f"it would unfold to {size / 2**30:.0f} GiB")
+        raise ValueError(tr("it would unfold to {size:.0f} GiB").format(size=size / 2**30))
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -44,5 +45,5 @@ def read_3mf(content: bytes) -> Parsed:
     except MemoryError:
         raise
     except Exception as error:  # it raises whatever it stumbles over
-        raise ValueError("what its archive holds is damaged") from error
+        raise ValueError(tr("what its archive holds is damaged")) from error
     return Parsed(np.vstack(V), np.vstack(F), None)

@@ -18,6 +18,7 @@ from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.scene import a_list, carried, one, parts, placed, whole
 from apd_viewer.files.spans import spans
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _NAMES = {1: "SCALAR", 3: "VEC3"}
@@ -48,12 +49,22 @@ class GltfFile:
     @property
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
-        has = [what for what in ("materials", "textures", "animations", "skins") if self.document.get(what)]
+        words = {
+            "materials": tr("materials"),
+            "textures": tr("textures"),
+            "animations": tr("animations"),
+            "skins": tr("skins"),
+        }
+        has = [what for name, what in words.items() if self.document.get(name)]
         meshes = {_mesh_of(self.document, node) for node in placed(self.document)}
         attributes = {
             name for mesh in meshes for part in parts(self.document, mesh) for name in part["attributes"]
         }
-        kinds = {"NORMAL": "normals", "TEXCOORD_0": "texture coordinates", "COLOR_0": "vertex colours"}
+        kinds = {
+            "NORMAL": tr("normals"),
+            "TEXCOORD_0": tr("texture coordinates"),
+            "COLOR_0": tr("vertex colours"),
+        }
         return (*has, *(what for name, what in kinds.items() if name in attributes))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
@@ -72,12 +83,14 @@ class GltfFile:
             if block.position in written:
                 if np.abs(written[block.position] - new).max() > 1e-6 * np.ptp(old, axis=0).max():
                     raise InputError(
-                        "The file shows one mesh in several places, which are no longer alike; "
-                        "choose another format to write."
+                        tr(
+                            "The file shows one mesh in several places, which are no longer alike; "
+                            "choose another format to write."
+                        )
                     )
                 continue
             if self._array(self.buffers, block.position).dtype != np.float32:
-                raise InputError("The file holds rounded positions; choose another format to write.")
+                raise InputError(tr("The file holds rounded positions; choose another format to write."))
             written[block.position] = new
             if not moved.any():
                 continue
@@ -87,13 +100,15 @@ class GltfFile:
                 continue
             N = self._array(self.buffers, block.normal)
             if len(N) != len(old):
-                raise ValueError("there are not as many as positions")
+                raise ValueError(tr("there are not as many as positions"))
             if N.dtype == np.float32:
                 F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
                 written[block.normal] = turned(old, new, F, N.astype(np.float64), F)
                 self._array(buffers, block.normal)[...] = written[block.normal]
         if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
-            raise InputError("The file keeps several things in one place; choose another format to write.")
+            raise InputError(
+                tr("The file keeps several things in one place; choose another format to write.")
+            )
         return self._packed(buffers, touched)
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
@@ -132,7 +147,9 @@ class GltfFile:
         uri = self.document["buffers"][k]["uri"]
         if not uri.startswith("data:"):
             raise InputError(
-                f"The file keeps its coordinates in another one, {uri}; pack both into a GLB first."
+                tr(
+                    "The file keeps its coordinates in another one, {uri}; pack both into a GLB first."
+                ).format(uri=uri)
             )
         return uri.partition(",")[0] + "," + base64.b64encode(buffer).decode()
 
@@ -141,9 +158,9 @@ def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
     """The positions (n, 3) that a matrix takes to ``U``."""
     new = (U - matrix[:3, 3]) @ np.linalg.pinv(matrix[:3, :3]).T
     if np.abs(new).max() > np.finfo(np.float32).max:
-        raise InputError("A node of the file shrinks a mesh to nothing; choose another format to write.")
+        raise InputError(tr("A node of the file shrinks a mesh to nothing; choose another format to write."))
     if np.abs(carried(matrix, new) - U).max() > 1e-6 * np.abs(U).max():
-        raise InputError("A node of the file flattens a mesh; choose another format to write.")
+        raise InputError(tr("A node of the file flattens a mesh; choose another format to write."))
     return new
 
 
@@ -160,7 +177,9 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
     text, document = _document(said)
     compressed = [name for name in _COMPRESSED if name in a_list(document, "extensionsRequired")]
     if compressed:
-        raise ValueError(f"it is compressed ({compressed[0]}), which is not supported")
+        raise ValueError(
+            tr("it is compressed ({extension}), which is not supported").format(extension=compressed[0])
+        )
     buffers = [
         _buffer(one(document, "buffers", k), None if k else blob, path)
         for k in range(len(a_list(document, "buffers")))
@@ -197,29 +216,35 @@ def _document(said: bytes) -> tuple[str, dict[str, Any]]:
         text = said.decode("utf-8-sig")
         document = json.loads(text)
     except UnicodeDecodeError as error:
-        raise ValueError(f"its text is damaged at byte {error.start:,}") from None
+        raise ValueError(tr("its text is damaged at byte {at:,}").format(at=error.start)) from None
     except json.JSONDecodeError as error:
-        raise ValueError(f"its JSON is damaged at line {error.lineno:,}, column {error.colno:,}") from None
+        raise ValueError(
+            tr("its JSON is damaged at line {line:,}, column {column:,}").format(
+                line=error.lineno, column=error.colno
+            )
+        ) from None
     except ValueError:  # a number of thousands of digits
-        raise ValueError("its JSON has an absurd number") from None
+        raise ValueError(tr("its JSON has an absurd number")) from None
     except RecursionError:
-        raise ValueError("its JSON is nested without end") from None
+        raise ValueError(tr("its JSON is nested without end")) from None
     if not isinstance(document, dict):
-        raise ValueError("its JSON is no document of glTF")
+        raise ValueError(tr("its JSON is no document of glTF"))
     return text, document
 
 
 def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
     if len(content) < 20:
-        raise ValueError("it ends too early")
+        raise ValueError(tr("it ends too early"))
     magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
     if magic != b"glTF" or kind != b"JSON":
-        raise ValueError("it does not begin as a GLB")
+        raise ValueError(tr("it does not begin as a GLB"))
     if version != 2:
-        raise ValueError(f"it is of version {version}; only version 2 is supported")
+        raise ValueError(
+            tr("it is of version {version}; only version 2 is supported").format(version=version)
+        )
     begin = 20 + length
     if begin > len(content):
-        raise ValueError("it ends too early")
+        raise ValueError(tr("it ends too early"))
     if begin + 8 > len(content):
         return content[20:begin], None
     (size,) = struct.unpack_from("<I", content, begin)
@@ -230,19 +255,19 @@ def _buffer(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     uri = told.get("uri")
     if uri is None:
         if blob is None:
-            raise ValueError("its binary part is missing")
+            raise ValueError(tr("its binary part is missing"))
         return blob
     if not isinstance(uri, str):
-        raise ValueError("it does not say where its coordinates are")
+        raise ValueError(tr("it does not say where its coordinates are"))
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2])
         except ValueError:
-            raise ValueError("the coordinates within it are damaged") from None
+            raise ValueError(tr("the coordinates within it are damaged")) from None
     beside = path.parent / unquote(uri)
     # os.path and not Path: it says no where Path raises.
     if not os.path.isfile(beside):  # noqa: PTH113
-        raise ValueError(f"it needs the file {uri} beside it")
+        raise ValueError(tr("it needs the file {uri} beside it").format(uri=uri))
     return beside.read_bytes()
 
 
@@ -259,18 +284,18 @@ def _array(document: dict[str, Any], buffers: list[Any], accessor: object, width
     """The numbers of an accessor, (count, width): they lie in the buffer."""
     told = one(document, "accessors", accessor)
     if "sparse" in told or "bufferView" not in told:
-        raise ValueError("it has sparse accessors, which are not supported")
+        raise ValueError(tr("it has sparse accessors, which are not supported"))
     view = one(document, "bufferViews", told["bufferView"])
     code = whole(told, "componentType")
     if code not in _TYPES or told.get("type") != _NAMES[width]:
-        raise ValueError("an accessor is of another type than it should be")
+        raise ValueError(tr("an accessor is of another type than it should be"))
     one(document, "buffers", view.get("buffer"))
     kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
     start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
     row = kind.itemsize * width
     stride = whole(view, "byteStride", 0) or row
     if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
-        raise ValueError("it ends within an accessor")
+        raise ValueError(tr("it ends within an accessor"))
     return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
 
 
@@ -280,13 +305,17 @@ def _triangles(document: dict[str, Any], buffers: list[Any], part: dict[str, Any
     if "indices" in part:
         indices = _array(document, buffers, part["indices"], 1)
         if indices.dtype.kind != "u":
-            raise ValueError("its triangles are of another type than they should be")
+            raise ValueError(tr("its triangles are of another type than they should be"))
         corners = indices[:, 0].astype(np.int64)
         if len(corners) and corners.max() >= count:
-            raise ValueError(f"a triangle refers to vertex {corners.max():,} of {count:,}")
+            raise ValueError(
+                tr("a triangle refers to vertex {vertex:,} of {count:,}").format(
+                    vertex=corners.max(), count=count
+                )
+            )
     if mode == _TRIANGLES:
         if len(corners) % 3:
-            raise ValueError("a triangle is not whole")
+            raise ValueError(tr("a triangle is not whole"))
         return corners.reshape(-1, 3)
     k = np.arange(max(len(corners) - 2, 0))
     if mode == _FAN:

@@ -19,11 +19,12 @@ from apd_viewer.files.ply import read_ply
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.stl import read_stl
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 # In which any mesh can be written; a glTF only where it came from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf", ".3mf")
-_NAMES = "OBJ, PLY, STL, OFF, GLB, glTF or 3MF"
+_NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF or 3MF")
 _ROUNDING = 1e-4  # of what is written, relative to its size: beyond that it is another shape
 _LONGEST = 160  # characters of what an error says
 _LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
@@ -54,14 +55,19 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         V, F, origin = _parsed(_read(path) if content is None else content, path)
     except OSError as error:
         raise InputError(
-            f"{path.name} cannot be read ({error.strerror or error}); check the file."
+            tr("{name} cannot be read ({reason}); check the file.").format(
+                name=path.name, reason=error.strerror or error
+            )
         ) from error
     except MemoryError as error:
-        raise InputError(f"{path.name} is too large for the memory; make the mesh coarser.") from error
+        raise InputError(
+            tr("{name} is too large for the memory; make the mesh coarser.").format(name=path.name)
+        ) from error
     except ValueError as error:
         raise InputError(
-            f"{path.name} is not a readable {path.suffix[1:].upper()} file ({_in_one_line(error)}); "
-            "export it again."
+            tr("{name} is not a readable {kind} file ({reason}); export it again.").format(
+                name=path.name, kind=path.suffix[1:].upper(), reason=_in_one_line(error)
+            )
         ) from error
     try:
         mesh = Mesh(V, F, path, origin)
@@ -69,7 +75,11 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         raise InputError(f"{path.name}: {error}") from error
     largest = _largest(V)
     if largest > _LARGEST:
-        raise InputError(f"{path.name} has coordinates as large as {largest:.3g}; repair the file.")
+        raise InputError(
+            tr("{name} has coordinates as large as {largest:.3g}; repair the file.").format(
+                name=path.name, largest=largest
+            )
+        )
     return mesh
 
 
@@ -85,13 +95,15 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
     """
     # os.path and not Path: it says no where Path raises, as for a name that is too long.
     if not os.path.exists(path):  # noqa: PTH110
-        raise InputError(f"There is no file {path}; check the name.")
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
-        raise InputError(f"{path} is not a file; choose a mesh in it.")
+        raise InputError(tr("{path} is not a file; choose a mesh in it.").format(path=path))
     if path.suffix.lower() not in (*FORMATS, *also):
-        raise InputError(f"{path.name} is of a kind that cannot be opened; use {_NAMES}.")
+        raise InputError(
+            tr("{name} is of a kind that cannot be opened; use {kinds}.").format(name=path.name, kinds=_NAMES)
+        )
     if path.stat().st_size == 0:
-        raise InputError(f"{path.name} is empty; export the mesh again.")
+        raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
 
 
 def _in_one_line(error: Exception) -> str:
@@ -115,11 +127,19 @@ def check_target(path: str | Path) -> Path:
     """Return ``path`` if a mesh can be written there as far as its name tells, else raise InputError."""
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path.name} does not name a format to write; end it in {', '.join(WRITTEN)}.")
+        raise InputError(
+            tr("{name} does not name a format to write; end it in {endings}.").format(
+                name=path.name, endings=", ".join(WRITTEN)
+            )
+        )
     if not os.path.isdir(path.parent):  # noqa: PTH112
-        raise InputError(f"There is no folder {path.parent}; make it first or choose another.")
+        raise InputError(
+            tr("There is no folder {folder}; make it first or choose another.").format(folder=path.parent)
+        )
     if os.path.isdir(path):  # noqa: PTH112
-        raise InputError(f"{path} cannot be written (it is a folder); choose another name.")
+        raise InputError(
+            tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
+        )
     return path
 
 
@@ -172,11 +192,15 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     """
     path = check_target(path)
     if np.shape(U) != mesh.V.shape:
-        raise InputError(f"There must be {len(mesh.V):,} positions, one for each vertex of the mesh.")
+        raise InputError(
+            tr("There must be {n:,} positions, one for each vertex of the mesh.").format(n=len(mesh.V))
+        )
     if not np.isfinite(U).all():
-        raise InputError("A position is not a finite number; nothing was written.")
+        raise InputError(tr("A position is not a finite number; nothing was written."))
     if _largest(U) > _LARGEST:
-        raise InputError(f"A position is as large as {_largest(U):.3g}; nothing was written.")
+        raise InputError(
+            tr("A position is as large as {largest:.3g}; nothing was written.").format(largest=_largest(U))
+        )
     from apd_viewer.geometry.operators import area  # loads what the first picture must not wait for
 
     content = _content(mesh, U, path)
@@ -185,7 +209,11 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     except ValueError:
         V, F = U[:0], mesh.F[:0]
     if not _holds(V, F, mesh, U):
-        raise InputError(f"{path.name} would not hold the shape as it is; choose another format to write.")
+        raise InputError(
+            tr("{name} would not hold the shape as it is; choose another format to write.").format(
+                name=path.name
+            )
+        )
     with replacing(path) as scratch:
         scratch.write_bytes(content)
     return Written(area(V, F), dropped(mesh, path))
@@ -210,11 +238,14 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
             raise InputError(f"{path.name}: {error}") from error
         except ValueError as error:  # normals, which nobody has looked at yet
             raise InputError(
-                f"{mesh.name} has normals that are not understood ({_in_one_line(error)}); "
-                "choose another format to write."
+                tr(
+                    "{name} has normals that are not understood ({reason}); choose another format to write."
+                ).format(name=mesh.name, reason=_in_one_line(error))
             ) from error
     if kind not in WRITTEN:
-        raise InputError(f"{path.name} is of a kind that is not written anew; choose OBJ or PLY.")
+        raise InputError(
+            tr("{name} is of a kind that is not written anew; choose OBJ or PLY.").format(name=path.name)
+        )
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 
     largest = _largest(U)

@@ -17,6 +17,7 @@ from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"
 # A line end in front is looked for much faster than the begin of a line.
@@ -26,14 +27,14 @@ _ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
 _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
 _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
-_EXTRAS = {
-    "texture coordinates": rb"vt",
-    "normals": rb"vn",
-    "materials": rb"usemtl",
-    "groups": rb"[go]",
-    "smoothing groups": rb"s",
-    "lines": rb"l",
-}
+_EXTRAS = (
+    (tr("texture coordinates"), rb"vt"),
+    (tr("normals"), rb"vn"),
+    (tr("materials"), rb"usemtl"),
+    (tr("groups"), rb"[go]"),
+    (tr("smoothing groups"), rb"s"),
+    (tr("lines"), rb"l"),
+)
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,9 @@ class ObjFile:
     @property
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
-        has = [
-            name for name, word in _EXTRAS.items() if re.search(rb"^[ \t]*%s[ \t]" % word, self.content, re.M)
-        ]
+        has = [name for name, word in _EXTRAS if re.search(rb"^[ \t]*%s[ \t]" % word, self.content, re.M)]
         colours = re.search(rb"^[ \t]*v(?:[ \t]+[^\s#]+){6}", self.content, re.MULTILINE)
-        return (*has, *(["vertex colours"] if colours else []))
+        return (*has, *([tr("vertex colours")] if colours else []))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3), and normals that have turned along."""
@@ -89,7 +88,7 @@ def read_obj(content: bytes) -> Parsed:
     text = _lines(content)
     words = _POSITION.findall(text)
     if len(words) != len(_ANY_POSITION.findall(text)):
-        raise ValueError("a vertex has fewer than three coordinates")
+        raise ValueError(tr("a vertex has fewer than three coordinates"))
     try:
         V = np.fromiter(map(float, chain.from_iterable(words)), np.float64, 3 * len(words)).reshape(-1, 3)
     except ValueError as error:
@@ -107,7 +106,9 @@ def _not_understood(text: bytes) -> str:
         except ValueError:
             break
     line = text.count(b"\n", 0, match.start() + 1)
-    return f"line {line} is not understood: {match[0].strip().decode(errors='replace')[:60]}"
+    return tr("line {line} is not understood: {text}").format(
+        line=line, text=match[0].strip().decode(errors="replace")[:60]
+    )
 
 
 def _faces_alike(text: bytes) -> np.ndarray | None:
@@ -141,7 +142,9 @@ def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
                 corners = [_index(word[0], positions) for word in words]
                 own = [_index(word[2], normals) if len(word) > 2 and word[2] else -1 for word in words]
             except ValueError as error:
-                raise ValueError(f"line {number} is not understood: {line[:60]}") from error
+                raise ValueError(
+                    tr("line {line} is not understood: {text}").format(line=number, text=line[:60])
+                ) from error
             yield corners, own
 
 

@@ -11,6 +11,7 @@ from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, lines, numbers, plain, shown, whole_numbers
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)
 
@@ -28,7 +29,7 @@ class OffFile:
     @property
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
-        return ("colours",) * self.has_colours + ("normals",) * self.has_normals
+        return (tr("colours"),) * self.has_colours + (tr("normals"),) * self.has_normals
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3), and normals that have turned along."""
@@ -61,20 +62,22 @@ def read_off(content: bytes) -> Parsed:
     rows = list(lines(plain(content)))
     head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
     if head is None:
-        raise ValueError("it does not begin with OFF")
+        raise ValueError(tr("it does not begin with OFF"))
     if head[4].split()[:1] == [b"BINARY"]:
-        raise ValueError("it is of the binary kind, which is not supported")
+        raise ValueError(tr("it is of the binary kind, which is not supported"))
     counts = head[4].split()
     if not counts:
         counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
     if len(counts) < 2:
-        raise ValueError("the numbers of vertices and faces are missing")
+        raise ValueError(tr("the numbers of vertices and faces are missing"))
     n, m = whole_numbers(counts[:2])
     if n < 0 or m < 0 or len(rows) < 1 + n + m:
-        raise ValueError(f"it ends before its last face: {n:,} vertices and {m:,} faces were announced")
+        raise ValueError(
+            tr("it ends before its last face: {n:,} vertices and {m:,} faces were announced").format(n=n, m=m)
+        )
     vertices, has_normals = rows[1 : 1 + n], bool(head[3])
     if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
-        raise ValueError("a vertex has too few numbers")
+        raise ValueError(tr("a vertex has too few numbers"))
     polygons = Polygons.of([_polygon(row) for _, row in rows[1 + n : 1 + n + m]])
     V = numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
     return Parsed(V, polygons.triangles(V), OffFile(content, vertices, bool(head[2]), has_normals))
@@ -85,5 +88,5 @@ def _polygon(line: bytes) -> list[int]:
     words = line.split()
     (count,) = whole_numbers(words[:1])
     if count < 0 or len(words) < 1 + count:
-        raise ValueError(f"a face is not whole: {shown(line)}")
+        raise ValueError(tr("a face is not whole: {text}").format(text=shown(line)))
     return whole_numbers(words[1 : 1 + count])

@@ -14,6 +14,7 @@ from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, numbers, shown, whole_numbers
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 _TYPES |= {"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2"}
@@ -25,7 +26,12 @@ _AXES, _NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
 _LINE, _WORD = re.compile(rb"[^\r\n]+"), re.compile(rb"\S+")
 _INDICES = ("vertex_indices", "vertex_index")
 _MOST_CORNERS = 1 << 16  # of a face; more is a broken file
-_EXTRAS = {"colours": "red", "normals": "nx", "texture coordinates": "s", "transparency": "alpha"}
+_EXTRAS = {
+    "red": tr("colours"),
+    "nx": tr("normals"),
+    "s": tr("texture coordinates"),
+    "alpha": tr("transparency"),
+}
 
 
 @dataclass
@@ -74,8 +80,8 @@ class PlyFile:
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
         names = {name for element in self.elements for name in element.names}
-        found = [what for what, name in _EXTRAS.items() if name in names]
-        known = {*_AXES, *_NORMAL, *_INDICES, *_EXTRAS.values(), "green", "blue", "t"}
+        found = [what for name, what in _EXTRAS.items() if name in names]
+        known = {*_AXES, *_NORMAL, *_INDICES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *(f"“{name}”" for name in sorted(names - known)))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
@@ -84,7 +90,7 @@ class PlyFile:
         element, start = self.elements[at], self.starts[at]
         kinds = {name: kind for name, length, kind in element.properties if length is None}
         if any(kinds[axis][0] != "f" for axis in _AXES):
-            raise InputError("The file holds whole numbers only; choose another format to write.")
+            raise InputError(tr("The file holds whole numbers only; choose another format to write."))
         new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
@@ -166,9 +172,9 @@ def read_ply(content: bytes) -> Parsed:
         if element.name == "vertex":
             missing = [axis for axis in _AXES if axis not in element.names]
             if missing:
-                raise ValueError(f"its vertices have no {missing[0]}")
+                raise ValueError(tr("its vertices have no {axis}").format(axis=missing[0]))
             if any(length and name in _AXES for name, length, _ in element.properties):
-                raise ValueError("its vertices have lists of coordinates")
+                raise ValueError(tr("its vertices have lists of coordinates"))
             V = file.columns(at, _AXES)
             if not order:
                 start = _after_text(content, start, element)
@@ -190,9 +196,9 @@ def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[P
     """The faces, and where the next element begins."""
     name = next((name for name, length, _ in element.properties if length and name in _INDICES), None)
     if name is None:
-        raise ValueError("its faces have no list of vertex_indices")
+        raise ValueError(tr("its faces have no list of vertex_indices"))
     if any(name == other and kind[0] == "f" for other, _, kind in element.properties):
-        raise ValueError("its faces name vertices by fractions")
+        raise ValueError(tr("its faces name vertices by fractions"))
     if not order:
         column = element.names.index(name)
         words = _rows_alike(content, start, element) if len(element.names) == 1 else None
@@ -254,7 +260,7 @@ def _walk(content: bytes, start: int, element: _Element, order: str) -> Iterator
                 if length:
                     (count,) = struct.unpack_from(length, content, start)
                     if not 0 <= count <= _MOST_CORNERS:
-                        raise ValueError(f"a list of {count:,} is absurd")
+                        raise ValueError(tr("a list of {count:,} is absurd").format(count=count))
                     start += head
                     offsets[name] = start
                     start += count * size
@@ -271,7 +277,7 @@ def _walk(content: bytes, start: int, element: _Element, order: str) -> Iterator
 
 
 def _ends_within(element: _Element) -> str:
-    return f"it ends within its {element.rows:,} rows of {element.name}"
+    return tr("it ends within its {rows:,} rows of {element}").format(rows=element.rows, element=element.name)
 
 
 def _text_rows(
@@ -334,7 +340,7 @@ def _head(content: bytes) -> tuple[str, list[_Element], int]:
     """Byte order ("" for text), the elements, and where their rows begin."""
     head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
     if not content.startswith(b"ply") or head is None:
-        raise ValueError("it has no PLY header")
+        raise ValueError(tr("it has no PLY header"))
     order: str | None = None
     elements: list[_Element] = []
     for line in _LINE.findall(content[: head.start()]):
@@ -348,14 +354,16 @@ def _head(content: bytes) -> tuple[str, list[_Element], int]:
             case ["property", kind, name] if elements and kind in _TYPES:
                 elements[-1].properties.append((name, None, _TYPES[kind]))
             case ["format" | "element" | "property", *_]:
-                raise ValueError(f"its header has a line that is not understood: {shown(line)}")
+                raise ValueError(
+                    tr("its header has a line that is not understood: {text}").format(text=shown(line))
+                )
     if order is None:
-        raise ValueError("its header does not say whether it is text or binary")
+        raise ValueError(tr("its header does not say whether it is text or binary"))
     for names in ([element.name for element in elements], *(element.names for element in elements)):
         if len(set(names)) < len(names):
-            raise ValueError("its header gives one name twice")
+            raise ValueError(tr("its header gives one name twice"))
     if any(element.rows < 0 for element in elements):
-        raise ValueError("its header announces less than nothing")
+        raise ValueError(tr("its header announces less than nothing"))
     if any(length and length[0] == "f" for element in elements for _, length, _ in element.properties):
-        raise ValueError("its header announces lists of fractional lengths")
+        raise ValueError(tr("its header announces lists of fractional lengths"))
     return order, elements, head.end()

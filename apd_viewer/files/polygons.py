@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.language import tr
+
 # Faces with more corners than that are left as fans, however they look.
 _MOST_TO_CLIP = 100
 # Corners that are tried as ears, of all faces together; then the rest are left as fans too.
@@ -28,7 +30,7 @@ class Polygons(NamedTuple):
         try:
             corner = np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1]))
         except OverflowError:
-            raise ValueError("a face names a vertex by an absurd number") from None
+            raise ValueError(tr("a face names a vertex by an absurd number")) from None
         return cls(corner, start)
 
     @classmethod

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,7 +49,9 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            f"{path} cannot be written ({reason}); choose another place. Nothing was changed there."
+            tr(
+                "{path} cannot be written ({reason}); choose another place. Nothing was changed there."
+            ).format(path=path, reason=reason)
         ) from error
     finally:
         if scratch is not None:
@@ -87,5 +90,7 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"The folder {path} cannot be made ({error.strerror or error}); choose another place."
+            tr("The folder {path} cannot be made ({reason}); choose another place.").format(
+                path=path, reason=error.strerror or error
+            )
         ) from error

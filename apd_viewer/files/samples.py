@@ -9,8 +9,9 @@ import numpy as np
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections import read_selection
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
-SAMPLES = {"bottle": "PET bottle", "duck": "Rubber duck"}
+SAMPLES = {"bottle": tr("PET bottle"), "duck": tr("Rubber duck")}
 
 
 def resource(name: str) -> Path:

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from apd_viewer.language import tr
+
 _MOST = 1 << 40  # bytes or numbers
 
 
@@ -17,7 +19,7 @@ def one(document: dict[str, Any], what: str, k: object) -> dict[str, Any]:
     """One of its nodes, meshes, accessors and so on; raises ValueError if there is none of that number."""
     things = a_list(document, what)
     if type(k) is not int or not 0 <= k < len(things) or not isinstance(things[k], dict):
-        raise ValueError(f"it refers to one of its {what} that is not there")
+        raise ValueError(tr("it refers to one of its {what} that is not there").format(what=what))
     return things[k]
 
 
@@ -25,7 +27,7 @@ def a_list(told: dict[str, Any], key: str) -> list[Any]:
     """What stands under a key; raises ValueError if it is no list."""
     found = told.get(key, [])
     if not isinstance(found, list):
-        raise ValueError(f"its {key} are no list")
+        raise ValueError(tr("its {key} are no list").format(key=key))
     return found
 
 
@@ -35,7 +37,7 @@ def whole(told: dict[str, Any], key: str, default: int | None = None) -> int:
     if isinstance(number, float) and number.is_integer():
         number = int(number)
     if type(number) is not int or not 0 <= number <= _MOST:
-        raise ValueError(f"a {key} in it is missing or absurd")
+        raise ValueError(tr("a {key} in it is missing or absurd").format(key=key))
     return number
 
 
@@ -43,7 +45,7 @@ def parts(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
     """The primitives of a mesh; all have attributes."""
     found = a_list(one(document, "meshes", mesh), "primitives")
     if not all(isinstance(part, dict) and isinstance(part.get("attributes"), dict) for part in found):
-        raise ValueError("a part of a mesh has no attributes")
+        raise ValueError(tr("a part of a mesh has no attributes"))
     return found
 
 
@@ -56,7 +58,7 @@ def placed(document: dict[str, Any]) -> dict[int, np.ndarray]:
         k, above = todo.pop()
         node = one(document, "nodes", k)
         if k in seen:
-            raise ValueError("its nodes are no tree")
+            raise ValueError(tr("its nodes are no tree"))
         seen.add(k)
         with np.errstate(all="ignore"):  # absurd positions are refused later
             matrix = above @ _matrix(node)
@@ -97,9 +99,11 @@ def _numbers(node: dict[str, Any], key: str, default: Any) -> np.ndarray:
     given = node.get(key, default)
     if given is not default:
         if not isinstance(given, list) or len(given) != len(default):
-            raise ValueError(f"the {key} of a node does not have {len(default)} numbers")
+            raise ValueError(
+                tr("the {key} of a node does not have {n} numbers").format(key=key, n=len(default))
+            )
         if not all(isinstance(number, int | float) and _is_sane(number) for number in given):
-            raise ValueError(f"the {key} of a node has something else than numbers")
+            raise ValueError(tr("the {key} of a node has something else than numbers").format(key=key))
     return np.array(given, dtype=np.float64)
 
 

@@ -5,18 +5,48 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import frozen
+from apd_viewer.language import tr
 
 MOST_REGIONS = 8
 # Percent; what geometry.goals takes.
 LEAST_AREA, MOST_AREA = 1.0, 1000.0
 # Control characters and halves of characters, which no text should hold.
 _UNFIT = ("Cc", "Cs")
+
+
+class _Refusals(NamedTuple):
+    """What is said of the names of handles, or of regions, that are none."""
+
+    many: str
+    nameless: str
+    unfit: str
+    twice: str
+
+
+_HANDLES = _Refusals(
+    tr("It has {n:,} handles, but there can be {most}; remove some."),
+    tr("It has a handle without a name; name all of them."),
+    tr("The name of a handle has signs that are no text; correct it."),
+    tr("It has two handles of one name; give each its own."),
+)
+_REGIONS = _Refusals(
+    tr("It has {n:,} regions, but there can be {most}; remove some."),
+    tr("It has a region without a name; name all of them."),
+    tr("The name of a region has signs that are no text; correct it."),
+    tr("It has two regions of one name; give each its own."),
+)
+
+
+def numbered(kind: str, number: int) -> str:
+    """The name of a part that has none of its own."""
+    return tr("{kind} {number}").format(kind=kind, number=number)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +77,18 @@ class Selection:
     same_mesh: bool = True
 
     def __post_init__(self) -> None:
-        _check_names("handle", self.handles, MOST_HANDLES)
-        _check_names("region", self.regions, MOST_REGIONS)
+        _check_names(_HANDLES, self.handles, MOST_HANDLES)
+        _check_names(_REGIONS, self.regions, MOST_REGIONS)
         if len(self.areas) != len(self.regions) or not all(map(_is_area, self.areas)):
             raise InputError(
-                f"The area of a region is no percentage from {LEAST_AREA:g} to {MOST_AREA:g}; correct it."
+                tr("The area of a region is no percentage from {least:g} to {most:g}; correct it.").format(
+                    least=LEAST_AREA, most=MOST_AREA
+                )
             )
         if not self.handles or _last(self.labels) >= HANDLE + len(self.handles):
-            raise InputError("It has a handle without a name; name all of them.")
+            raise InputError(_HANDLES.nameless)
         if _last(self.member) > len(self.regions):
-            raise InputError("It has a region without a name; name all of them.")
+            raise InputError(_REGIONS.nameless)
         for name in ("labels", "member"):
             array = getattr(self, name)
             object.__setattr__(self, name, frozen(array.copy()) if array.flags.writeable else array)
@@ -74,8 +106,9 @@ class Selection:
         """The selection with "Handle 1", "Region 1" and so on where no names are given."""
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
-        handles = handles or [f"Handle {k + 1}" for k in range(max(1, _last(labels) - HANDLE + 1))]
-        regions = regions or [f"Region {k + 1}" for k in range(_last(member))]
+        count = max(1, _last(labels) - HANDLE + 1)
+        handles = handles or [numbered(tr("Handle"), k + 1) for k in range(count)]
+        regions = regions or [numbered(tr("Region"), k + 1) for k in range(_last(member))]
         areas = areas or [None] * len(regions)
         return cls(labels, member, tuple(handles), tuple(regions), tuple(areas), same_mesh)
 
@@ -83,29 +116,33 @@ class Selection:
 def labels_of(numbers: np.ndarray, n: int) -> np.ndarray:
     """The numbers of a file as labels of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
     last = HANDLE + MOST_HANDLES - 1
-    return _codes(numbers, n, last, f"label other than 0 (held), 1 (free) and 2 to {last} (handles)")
+    otherwise = tr("It has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it.")
+    return _codes(numbers, n, last, otherwise.format(last=last))
 
 
 def member_of(numbers: np.ndarray, n: int) -> np.ndarray:
     """The numbers of a file as regions of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
-    return _codes(numbers, n, MOST_REGIONS, f"region other than 0 (none) and 1 to {MOST_REGIONS}")
+    otherwise = tr("It has a region other than 0 (none) and 1 to {last}; correct it.")
+    return _codes(numbers, n, MOST_REGIONS, otherwise.format(last=MOST_REGIONS))
 
 
 def check_count(found: int, n: int) -> None:
     """Raise InputError unless a file for ``found`` vertices is one for ``n``."""
     if found != n:
         raise InputError(
-            f"It is for a mesh of {found:,} vertices, but this one has {n:,}; "
-            "use the file that was made for it."
+            tr(
+                "It is for a mesh of {found:,} vertices, but this one has {n:,}; use the file that was "
+                "made for it."
+            ).format(found=found, n=n)
         )
 
 
 def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray:
     if numbers.ndim != 1 or numbers.dtype.kind not in "iuf":
-        raise ValueError("it has something other than one number a vertex")
+        raise ValueError(tr("it has something other than one number a vertex"))
     check_count(len(numbers), n)
     if not np.isin(numbers, np.arange(last + 1)).all():
-        raise InputError(f"It has a {otherwise}; correct it.")
+        raise InputError(otherwise)
     return numbers.astype(np.uint8)
 
 
@@ -119,13 +156,13 @@ def _is_area(area: object) -> bool:
     return isinstance(area, int | float) and not isinstance(area, bool) and LEAST_AREA <= area <= MOST_AREA
 
 
-def _check_names(what: str, names: Sequence[str], most: int) -> None:
+def _check_names(said: _Refusals, names: Sequence[str], most: int) -> None:
     if len(names) > most:
-        raise InputError(f"It has {len(names):,} {what}s, but there can be {most}; remove some.")
+        raise InputError(said.many.format(n=len(names), most=most))
     for name in names:
         if not isinstance(name, str) or not name.strip():
-            raise InputError(f"It has a {what} without a name; name all of them.")
+            raise InputError(said.nameless)
         if any(unicodedata.category(sign) in _UNFIT for sign in name):
-            raise InputError(f"The name of a {what} has signs that are no text; correct it.")
+            raise InputError(said.unfit)
     if len(set(names)) < len(names):
-        raise InputError(f"It has two {what}s of one name; give each its own.")
+        raise InputError(said.twice)

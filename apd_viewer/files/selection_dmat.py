@@ -16,6 +16,7 @@ from apd_viewer.files.selection import Selection, check_count
 from apd_viewer.files.text import numbers
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _HEAD = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})[ \t]*(?:\r\n|\n|\r)")
 _FREE = -1
@@ -36,14 +37,14 @@ def read_dmat(content: bytes, mesh: Mesh) -> Selection:
     if binary:
         columns, rows, start = _head(content, start)
     if columns != 1:
-        raise ValueError(f"it has {columns:,} columns instead of one")
+        raise ValueError(tr("it has {columns:,} columns instead of one").format(columns=columns))
     check_count(rows, len(mesh.V))
     if binary:
         groups = np.frombuffer(content[start:], "<f8", (len(content) - start) // 8)
     else:
         groups = numbers(content[start:].split())
     if len(groups) != rows:
-        raise ValueError(f"it has {len(groups):,} numbers, but announces {rows:,}")
+        raise ValueError(tr("it has {n:,} numbers, but announces {rows:,}").format(n=len(groups), rows=rows))
     return Selection.of(_labels(groups))
 
 
@@ -51,7 +52,7 @@ def _head(content: bytes, start: int) -> tuple[int, int, int]:
     """Numbers of columns and rows, and where the line after them begins."""
     head = _HEAD.match(content, start)
     if head is None:
-        raise ValueError("it does not begin with the numbers of columns and rows")
+        raise ValueError(tr("it does not begin with the numbers of columns and rows"))
     return int(head[1]), int(head[2]), head.end()
 
 
@@ -59,12 +60,14 @@ def _labels(groups: np.ndarray) -> np.ndarray:
     """Labels (n,) for the group of each vertex, (n,) floats."""
     whole = np.isfinite(groups) & (groups == np.rint(groups))
     if not (whole & (groups >= _FREE) & (groups < _LARGEST)).all():
-        raise InputError("It has a number that is neither -1 (free) nor 0, 1, 2 and so on; correct it.")
+        raise InputError(tr("It has a number that is neither -1 (free) nor 0, 1, 2 and so on; correct it."))
     held = groups != _FREE
     present, order = np.unique(groups[held], return_inverse=True)
     if len(present) > 1 + MOST_HANDLES:
         raise InputError(
-            f"It has {len(present):,} groups, but there can be a base and {MOST_HANDLES} handles; join some."
+            tr("It has {n:,} groups, but there can be a base and {most} handles; join some.").format(
+                n=len(present), most=MOST_HANDLES
+            )
         )
     labels = np.full(len(groups), FREE, dtype=np.uint8)
     labels[held] = np.array([BASE, *range(HANDLE, HANDLE + MOST_HANDLES)])[order]

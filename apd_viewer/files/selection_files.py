@@ -27,6 +27,7 @@ from apd_viewer.files.selection_npz import npz_of, read_npz
 from apd_viewer.files.selection_ply import ply_of, read_selection_ply
 from apd_viewer.files.selections import read_selection, sel_of
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _READERS: dict[str, Callable[[bytes, Mesh], Selection]] = {
     ".json": read_json,
@@ -67,10 +68,14 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     except InputError as error:
         raise InputError(f"{path.name}: {_in_one_line(error)}") from error
     except MemoryError as error:
-        raise InputError(f"{path.name} is too large for the memory; choose another file.") from error
+        raise InputError(
+            tr("{name} is too large for the memory; choose another file.").format(name=path.name)
+        ) from error
     except ValueError as error:
         raise InputError(
-            f"{path.name} is not a readable selection ({_in_one_line(error)}); choose another file."
+            tr("{name} is not a readable selection ({reason}); choose another file.").format(
+                name=path.name, reason=_in_one_line(error)
+            )
         ) from error
 
 
@@ -98,14 +103,17 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
     write = _WRITERS.get(path.suffix.lower())
     if write is None:
         raise InputError(
-            f"{path.name} does not name a format to write; end it in {', '.join(SELECTION_FORMATS)}."
+            tr("{name} does not name a format to write; end it in {endings}.").format(
+                name=path.name, endings=", ".join(SELECTION_FORMATS)
+            )
         )
     if _is_file_of(mesh, path):
-        raise InputError(f"{path.name} is the file of the mesh; choose another name.")
+        raise InputError(tr("{name} is the file of the mesh; choose another name.").format(name=path.name))
     if len(selection.labels) != len(mesh.V):
         raise InputError(
-            f"The selection is of {len(selection.labels):,} vertices, but the mesh has {len(mesh.V):,}; "
-            "nothing was written."
+            tr("The selection is of {n:,} vertices, but the mesh has {other:,}; nothing was written.").format(
+                n=len(selection.labels), other=len(mesh.V)
+            )
         )
     content = write(mesh, selection)
     with replacing(path) as scratch:
@@ -113,8 +121,10 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
         there = read_selection_file(scratch, mesh)
         if not np.array_equal(there.labels, selection.labels):
             raise InputError(
-                f"{path.name} would be read with other labels, for it counts only what holds a vertex; "
-                "choose .json, which holds all."
+                tr(
+                    "{name} would be read with other labels, for it counts only what holds a vertex; choose "
+                    ".json, which holds all."
+                ).format(name=path.name)
             )
     return _dropped(selection, there)
 
@@ -128,30 +138,37 @@ def _is_file_of(mesh: Mesh, path: Path) -> bool:
 
 def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
     """What the selection has, and ``there`` has not."""
-    lost = _lost("handles", selection.handles, there.handles)
+    renamed, fewer = _lost(selection.handles, there.handles)
+    lost = (tr("names of the handles"),) * renamed + (tr("handles that hold no vertex"),) * fewer
     if not np.array_equal(selection.member, there.member):
-        return (*lost, "regions")
-    lost += _lost("regions", selection.regions, there.regions)
+        return (*lost, tr("regions"))
+    renamed, fewer = _lost(selection.regions, there.regions)
+    lost += (tr("names of the regions"),) * renamed + (tr("regions that hold no vertex"),) * fewer
     if selection.areas[: len(there.areas)] != there.areas:
-        lost += ("areas of the regions",)
+        lost += (tr("areas of the regions"),)
     return lost
 
 
-def _lost(what: str, names: tuple[str, ...], there: tuple[str, ...]) -> tuple[str, ...]:
-    renamed = names[: len(there)] != there
-    fewer = len(there) < len(names)
-    return (f"names of the {what}",) * renamed + (f"{what} that hold no vertex",) * fewer
+def _lost(names: tuple[str, ...], there: tuple[str, ...]) -> tuple[bool, bool]:
+    """Whether there are other names ``there``, and fewer of them."""
+    return names[: len(there)] != there, len(there) < len(names)
 
 
 def _content(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except FileNotFoundError as error:
-        raise InputError(f"There is no file {path}; check the name.") from error
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
     except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror or error}); check the file.") from error
+        raise InputError(
+            tr("{path} cannot be read ({reason}); check the file.").format(
+                path=path, reason=error.strerror or error
+            )
+        ) from error
     except MemoryError as error:
-        raise InputError(f"{path.name} is too large for the memory; choose another file.") from error
+        raise InputError(
+            tr("{name} is too large for the memory; choose another file.").format(name=path.name)
+        ) from error
 
 
 def _in_one_line(error: Exception) -> str:

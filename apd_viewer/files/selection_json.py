@@ -24,6 +24,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selection import MOST_REGIONS, Selection, check_count
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _FORMAT, _VERSION = "apd-selection", 1
 
@@ -66,12 +67,14 @@ def _runs(chosen: np.ndarray) -> list[int | list[int]]:
 
 def read_json(content: bytes, mesh: Mesh) -> Selection:
     """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
-    said = _object(_loaded(content), "it")
+    said = _object(_loaded(content), tr("it"))
     if said.get("format") != _FORMAT:
-        raise ValueError(f"it does not say that its format is “{_FORMAT}”")
+        raise ValueError(tr("it does not say that its format is “{format}”").format(format=_FORMAT))
     if said.get("version") != _VERSION:
-        raise InputError("It is of a version that this program does not know; write it again as version 1.")
-    same_mesh = _is_for(_object(said.get("mesh"), "its “mesh”"), mesh)
+        raise InputError(
+            tr("It is of a version that this program does not know; write it again as version 1.")
+        )
+    same_mesh = _is_for(_object(said.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
     handles = _parts(said, "handles", MOST_HANDLES)
     regions = _parts(said, "regions", MOST_REGIONS)
@@ -91,38 +94,44 @@ def _loaded(content: bytes) -> object:
     try:
         return json.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
-        raise ValueError("it is not text in UTF-8") from None
+        raise ValueError(tr("it is not text in UTF-8")) from None
     except json.JSONDecodeError as error:
-        raise ValueError(f"its line {error.lineno:,} is no JSON") from None
+        raise ValueError(tr("its line {line:,} is no JSON").format(line=error.lineno)) from None
     except (ValueError, RecursionError):  # a number of thousands of digits, brackets in brackets
-        raise ValueError("it is no JSON that can be read") from None
+        raise ValueError(tr("it is no JSON that can be read")) from None
 
 
 def _object(value: object, what: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise ValueError(f"{what} is no object with keys")
+        raise ValueError(tr("{what} is no object with keys").format(what=what))
     return value
 
 
 def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
     parts = said.get(key, [])
     if not isinstance(parts, list):
-        raise ValueError(f"its “{key}” are no list")
+        raise ValueError(tr("its “{key}” are no list").format(key=key))
     if len(parts) > most:
-        raise InputError(f"It has {len(parts):,} {key}, but there can be {most}; remove some.")
-    return [_object(part, f"one of its “{key}”") for part in parts]
+        raise InputError(
+            tr("It has {n:,} {key}, but there can be {most}; remove some.").format(
+                n=len(parts), key=key, most=most
+            )
+        )
+    return [_object(part, tr("one of its “{key}”").format(key=key)) for part in parts]
 
 
 def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
     """Whether it was made for this very mesh; raises InputError if for one of other numbers."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):
-        raise ValueError("it does not say how many vertices and faces its mesh has")
+        raise ValueError(tr("it does not say how many vertices and faces its mesh has"))
     check_count(n, len(mesh.V))
     if m != len(mesh.F):
         raise InputError(
-            f"It is for a mesh of {m:,} triangles, but this one has {len(mesh.F):,}; "
-            "use the file that was made for it."
+            tr(
+                "It is for a mesh of {found:,} triangles, but this one has {n:,}; use the file that was made "
+                "for it."
+            ).format(found=m, n=len(mesh.F))
         )
     return digest == mesh.digest
 
@@ -135,7 +144,9 @@ def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndar
         ids = _ids(part, n)
         if taken[ids].any():
             raise InputError(
-                f"Vertex {ids[taken[ids]][0]} is in two parts that exclude each other; correct one."
+                tr("Vertex {vertex} is in two parts that exclude each other; correct one.").format(
+                    vertex=ids[taken[ids]][0]
+                )
             )
         taken[ids] = True
         result[ids] = code
@@ -145,15 +156,19 @@ def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndar
 def _ids(runs: object, n: int) -> np.ndarray:
     """The vertices that ids and runs of them name, (k,) int array."""
     if not isinstance(runs, list):
-        raise ValueError("a part of it has no list of vertices")
+        raise ValueError(tr("a part of it has no list of vertices"))
     pairs = [run if isinstance(run, list) else [run, run] for run in runs]
     if not all(len(pair) == 2 and type(pair[0]) is int and type(pair[1]) is int for pair in pairs):
-        raise ValueError("its vertices are not all ids and pairs of ids")
+        raise ValueError(tr("its vertices are not all ids and pairs of ids"))
     if not all(0 <= first <= last < n for first, last in pairs):
-        raise InputError(f"It names a vertex that does not exist (they go from 0 to {n - 1:,}); correct it.")
+        raise InputError(
+            tr("It names a vertex that does not exist (they go from 0 to {last:,}); correct it.").format(
+                last=n - 1
+            )
+        )
     first, last = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     lengths = last - first + 1
     if lengths.sum() > n:  # before what they name takes more memory than there is
-        raise InputError("A part of it names a vertex twice; correct it.")
+        raise InputError(tr("A part of it names a vertex twice; correct it."))
     ends = np.cumsum(lengths)
     return np.arange(lengths.sum()) + np.repeat(last + 1 - ends, lengths)

@@ -15,6 +15,7 @@ import numpy as np
 
 from apd_viewer.files.selection import Selection, labels_of, member_of
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _KEYS = ("labels", "member", "handles", "regions", "areas", "digest")
 _MOST_NAMES = 100
@@ -40,7 +41,7 @@ def read_npz(content: bytes, mesh: Mesh) -> Selection:
     n = len(mesh.V)
     arrays = _arrays(content, 32 * n + (1 << 23))
     if "labels" not in arrays:
-        raise ValueError("it has no array “labels”")
+        raise ValueError(tr("it has no array “labels”"))
     labels = labels_of(arrays["labels"], n)
     member = member_of(arrays["member"], n) if "member" in arrays else None
     handles, regions = (_names(arrays, key) for key in ("handles", "regions"))
@@ -57,28 +58,28 @@ def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
             with np.load(io.BytesIO(content), allow_pickle=False) as file:
                 return {key: np.asarray(file[key]) for key in _KEYS if key in file.files}
     except Exception as error:  # zipfile and NumPy raise whatever they stumble over
-        raise ValueError("it is no archive of arrays, or a damaged one") from error
-    raise ValueError(f"it would unfold to {size:,} bytes")
+        raise ValueError(tr("it is no archive of arrays, or a damaged one")) from error
+    raise ValueError(tr("it would unfold to {size:,} bytes").format(size=size))
 
 
 def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
     names = arrays.get(key, np.array([], dtype=np.str_))
     if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
-        raise ValueError(f"its “{key}” are no list of names")
+        raise ValueError(tr("its “{key}” are no list of names").format(key=key))
     codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
     if codes.max(initial=0) > sys.maxunicode:  # Python would make broken texts of them
-        raise ValueError(f"its “{key}” are damaged")
+        raise ValueError(tr("its “{key}” are damaged").format(key=key))
     return [str(name) for name in names]
 
 
 def _areas(arrays: dict[str, np.ndarray]) -> list[float | None]:
     areas = arrays.get("areas", np.array([]))
     if areas.dtype.kind not in "iuf" or areas.ndim != 1 or len(areas) > _MOST_NAMES:
-        raise ValueError("its “areas” are no list of numbers")
+        raise ValueError(tr("its “areas” are no list of numbers"))
     return [None if np.isnan(area) else float(area) for area in areas]
 
 
 def _is(digest: np.ndarray, expected: str) -> bool:
     if digest.dtype.kind != "U" or digest.ndim != 0:
-        raise ValueError("its “digest” is no text")
+        raise ValueError(tr("its “digest” is no text"))
     return bool(digest == expected)

@@ -13,6 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.ply import PlyFile, read_ply
 from apd_viewer.files.selection import Selection, check_count, labels_of, member_of
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _LABEL, _REGION = "apd_label", "apd_region"
 _HEAD = f"""ply
@@ -43,12 +44,14 @@ def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
     """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
     file = read_ply(content).origin
     if not isinstance(file, PlyFile):
-        raise ValueError("it has no vertices")
+        raise ValueError(tr("it has no vertices"))
     at = next(k for k, element in enumerate(file.elements) if element.name == "vertex")
     there = {name for name, length, kind in file.elements[at].properties if not length and kind[0] in "iu"}
     if _LABEL not in there:
         raise InputError(
-            f"Its vertices have no whole-number property “{_LABEL}”; choose a file with a selection."
+            tr("Its vertices have no whole-number property “{name}”; choose a file with a selection.").format(
+                name=_LABEL
+            )
         )
     n = len(mesh.V)
     check_count(file.elements[at].rows, n)

@@ -12,6 +12,13 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import frozen
+from apd_viewer.language import tr
+
+_SELECTION = tr(
+    "{name} is not a selection: one integer (0 held, 1 free, 2 handle) a vertex; choose another file."
+)
+_REGION = tr("{name} is not a region: one number (0 outside, 1 inside) a vertex; choose another file.")
+_TRANSFORM = tr("{name} is not a transform: four rows of four numbers; choose another file.")
 
 
 def read_selection(path: str | Path, n: int) -> np.ndarray:
@@ -27,11 +34,13 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
         If the file does not fit the mesh or is no selection.
     """
     path = Path(path)
-    labels = _one_a_vertex(path, n, "a selection: one integer (0 held, 1 free, 2 handle) a vertex")
+    labels = _one_a_vertex(path, n, _SELECTION)
     last = HANDLE + MOST_HANDLES - 1
     if not np.isin(labels, np.arange(BASE, last + 1)).all():
         raise InputError(
-            f"{path.name} has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it."
+            tr(
+                "{name} has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it."
+            ).format(name=path.name, last=last)
         )
     return frozen(labels.astype(np.uint8))
 
@@ -51,7 +60,7 @@ def read_region(path: str | Path, n: int) -> np.ndarray:
     InputError
         If the file does not fit the mesh of ``n`` vertices.
     """
-    return np.flatnonzero(_one_a_vertex(Path(path), n, "a region: one number (0 outside, 1 inside) a vertex"))
+    return np.flatnonzero(_one_a_vertex(Path(path), n, _REGION))
 
 
 def read_transform(path: str | Path) -> np.ndarray:
@@ -63,33 +72,43 @@ def read_transform(path: str | Path) -> np.ndarray:
         If the file does not hold an affine 4x4 matrix.
     """
     path = Path(path)
-    numbers = _numbers(path, "a transform: four rows of four numbers")
+    numbers = _numbers(path, _TRANSFORM)
     if len(numbers) != 16 or not np.isfinite(numbers).all():
-        raise InputError(f"{path.name} does not hold a 4x4 matrix; write four rows of four numbers.")
+        raise InputError(
+            tr("{name} does not hold a 4x4 matrix; write four rows of four numbers.").format(name=path.name)
+        )
     M = numbers.reshape(4, 4)
     if not np.array_equal(M[3], [0, 0, 0, 1]):
-        raise InputError(f"{path.name} is not an affine transform; its last row must be 0 0 0 1.")
+        raise InputError(
+            tr("{name} is not an affine transform; its last row must be 0 0 0 1.").format(name=path.name)
+        )
     return M
 
 
-def _one_a_vertex(path: Path, n: int, what: str) -> np.ndarray:
-    numbers = _numbers(path, what)
+def _one_a_vertex(path: Path, n: int, otherwise: str) -> np.ndarray:
+    numbers = _numbers(path, otherwise)
     if len(numbers) != n:
         raise InputError(
-            f"{path.name} is for a mesh of {len(numbers):,} vertices, but this one has {n:,}; "
-            "use the file that was made for it."
+            tr(
+                "{name} is for a mesh of {found:,} vertices, but this one has {n:,}; use the file that was "
+                "made for it."
+            ).format(name=path.name, found=len(numbers), n=n)
         )
     return numbers
 
 
-def _numbers(path: Path, what: str) -> np.ndarray:
+def _numbers(path: Path, otherwise: str) -> np.ndarray:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
         words = [word for line in lines for word in line.partition("#")[0].split()]
         return np.array([float(word) for word in words])
     except FileNotFoundError as error:
-        raise InputError(f"There is no file {path}; check the name.") from error
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
     except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror or error}); check the file.") from error
+        raise InputError(
+            tr("{path} cannot be read ({reason}); check the file.").format(
+                path=path, reason=error.strerror or error
+            )
+        ) from error
     except ValueError as error:
-        raise InputError(f"{path.name} is not {what}; choose another file.") from error
+        raise InputError(otherwise.format(name=path.name)) from error

@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -31,7 +32,7 @@ class StlFile:
     def extras(self) -> tuple[str, ...]:
         """What it holds besides positions and triangles, in words."""
         facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
-        return ("attributes of facets",) if facets is not None and facets["attribute"].any() else ()
+        return (tr("attributes of facets"),) if facets is not None and facets["attribute"].any() else ()
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (3 m, 3), and new normals where it had some."""
@@ -94,8 +95,10 @@ def _text(content: bytes) -> np.ndarray:
     words = content.split(None, 1)
     last = content.rstrip().rpartition(b"\n")[2].split(None, 1)
     if not words or words[0].lower() != b"solid" or not last or last[0].lower() != b"endsolid":
-        raise ValueError("it does not go from solid to endsolid, and its length is not that of a binary file")
+        raise ValueError(
+            tr("it does not go from solid to endsolid, and its length is not that of a binary file")
+        )
     V = _numbers(_VERTEX, content)
     if len(V) != 3 * len(_FACETS.findall(content)) or len(V) != len(_VERTICES.findall(content)):
-        raise ValueError("a facet is not whole")
+        raise ValueError(tr("a facet is not whole"))
     return V

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
+from apd_viewer.language import tr
+
 _BOM = b"\xef\xbb\xbf"
 _LONGEST = 40  # characters of what is shown of a file
 
@@ -33,7 +35,7 @@ def numbers(words: Sequence[bytes]) -> np.ndarray:
         return np.array([float(word) for word in words], dtype=np.float64)
     except ValueError:
         bad = next(word for word in words if not _names(float, word))
-        raise ValueError(f"{shown(bad)} is no number") from None
+        raise ValueError(tr("{text} is no number").format(text=shown(bad))) from None
 
 
 def whole_numbers(words: Sequence[bytes]) -> list[int]:
@@ -42,7 +44,7 @@ def whole_numbers(words: Sequence[bytes]) -> list[int]:
         return [int(word) for word in words]
     except ValueError:
         bad = next(word for word in words if not _names(int, word))
-        raise ValueError(f"{shown(bad)} is no whole number") from None
+        raise ValueError(tr("{text} is no whole number").format(text=shown(bad))) from None
 
 
 def shown(said: bytes) -> str:

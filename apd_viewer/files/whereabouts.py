@@ -15,6 +15,7 @@ from apd_viewer.files.fields import Fields
 from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.geometry.mesh import Baked, Mesh, check_mesh, frozen
+from apd_viewer.language import tr
 
 # Beside a copy in an archive there is nothing, and nobody is to look there.
 _NOWHERE = Path(os.devnull)
@@ -105,9 +106,11 @@ def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
         return _embedded(told, session.parent / name, archive)
     if problems:
         raise InputError(problems[0])
-    looked = " and ".join(str(path) for path in places)
+    looked = tr(" and ").join(str(path) for path in places)
     raise InputError(
-        f"{name}, the mesh of {session.name}, is missing (looked for at {looked}); put it beside the session."
+        tr(
+            "{name}, the mesh of {session}, is missing (looked for at {looked}); put it beside the session."
+        ).format(name=name, session=session.name, looked=looked)
     )
 
 
@@ -115,7 +118,7 @@ def _file_name(told: Fields) -> str:
     """The name of the mesh's file, without any folder, of whatever system."""
     name = PureWindowsPath(PurePosixPath(told.text("name")).name).name
     if not name or "\0" in name:
-        raise ValueError("its “name” is damaged")
+        raise ValueError(tr("its “name” is damaged"))
     return name
 
 
@@ -133,12 +136,13 @@ def _places(told: Fields, session: Path, name: str) -> list[Path]:
 
 def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
     before = told.count("vertices")
-    other = f"it has {len(mesh.V):,} vertices instead of {before:,}"
-    return (
-        f"{mesh.path} is not the mesh that {session.name} was made with "
-        f"({'it has changed since' if len(mesh.V) == before else other}); "
-        "put the old file back, there or beside the session."
-    )
+    change = tr("it has changed since")
+    if len(mesh.V) != before:
+        change = tr("it has {n:,} vertices instead of {before:,}").format(n=len(mesh.V), before=before)
+    return tr(
+        "{path} is not the mesh that {session} was made with ({change}); put the old file back, there or "
+        "beside the session."
+    ).format(path=mesh.path, session=session.name, change=change)
 
 
 def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
@@ -156,13 +160,13 @@ def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
         elif len(members) == 1 and members[0] in [f"mesh{suffix}" for suffix in FORMATS]:
             mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(members[0])), path=path)
         else:
-            raise ValueError("its “embedded” is damaged")
+            raise ValueError(tr("its “embedded” is damaged"))
         if rest:
             V = archive.array("rest", "<f8", mesh.V.shape)
             check_mesh(V, mesh.F)
             mesh = mesh.baked(frozen(V))
     except InputError:
-        raise ValueError("the copy of the mesh in it is damaged") from None
+        raise ValueError(tr("the copy of the mesh in it is damaged")) from None
     if mesh.digest != told.text("digest"):
-        raise ValueError("the copy of the mesh in it is another mesh")
+        raise ValueError(tr("the copy of the mesh in it is another mesh"))
     return mesh

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from apd_viewer.files.lock import Lock
+from apd_viewer.language import tr
 from apd_viewer.session.document import State
 from apd_viewer.session.recovery import Leftover, owned, remove
 from apd_viewer.session.saved import save_session
@@ -19,7 +20,7 @@ from apd_viewer.session.view import View
 # A step may be told of in two parts; and the first shape of it is worth more than its copy.
 _CALM = 0.02  # s
 _PATIENCE = 10.0  # s, for the disk, when the program ends
-_FAILED = "Your work cannot be kept for the case of a crash ({why}); save the session now and then."
+_FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import Selection
+from apd_viewer.files.selection import Selection, numbered
 from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints, transform
 from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
@@ -22,6 +22,7 @@ from apd_viewer.geometry.methods import (
 )
 from apd_viewer.geometry.regions import region_areas
 from apd_viewer.geometry.skin import Skin
+from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.names import next_name
 
@@ -112,7 +113,7 @@ class Document:
     labels: np.ndarray
     grip: np.ndarray
     member: np.ndarray
-    handles: tuple[Handle, ...] = (Handle("Handle 1"),)
+    handles: tuple[Handle, ...] = (Handle(numbered(tr("Handle"), 1)),)
     regions: tuple[NamedRegion, ...] = ()
     method: str = DEFAULT_METHOD
     tolerance: float = DEFAULT_TOLERANCE
@@ -287,14 +288,14 @@ class Document:
 
     def with_next_region(self) -> Document:
         """The same document with one more region, whose name is not in use."""
-        name = next_name("Region", [region.name for region in self.regions])
+        name = next_name(tr("Region"), [region.name for region in self.regions])
         return self.with_region(len(self.regions), NamedRegion(name))
 
     def without_handle(self, k: int) -> Document:
         """The same document without handle ``k``; what it held is free."""
         left = self.handles[:k] + self.handles[k + 1 :]
         labels = _without(self.labels, HANDLE + k, FREE)
-        return replace(self, handles=left or (Handle("Handle 1"),), labels=labels)
+        return replace(self, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
 
     def without_region(self, k: int) -> Document:
         """The same document without region ``k``."""
@@ -371,14 +372,16 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
     inspection = inspect(mesh)
     if inspection.area <= 0.0:
-        raise InputError(f"{mesh.name} has no area: all its faces are degenerate; export it again.")
+        raise InputError(
+            tr("{name} has no area: all its faces are degenerate; export it again.").format(name=mesh.name)
+        )
     count = max(1, int(labels.max()) - HANDLE + 1)
     document = Document(
         mesh,
         labels,
         grip=mesh.V,
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
-        handles=tuple(Handle(f"Handle {k}") for k in range(1, count + 1)),
+        handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
     )
     skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
     return State(document, inspection, skin, rest_frame(mesh, inspection))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,12 @@ class Errand:
             outcome = Outcome(self, failure=str(error))
         except Exception as error:
             traceback.print_exc()
-            outcome = Outcome(self, failure=f"{self.title} failed ({str(error) or type(error).__name__}).")
+            outcome = Outcome(
+                self,
+                failure=tr("{title} failed ({reason}).").format(
+                    title=self.title, reason=str(error) or type(error).__name__
+                ),
+            )
         self._deliver(outcome)
 
 
@@ -92,7 +98,9 @@ class Errands:
     ) -> None:
         """Begin to ``work()``, and call ``done`` with its value when that is received; one at a time."""
         if self.current is not None:
-            self._failed(f"{self.current.title} is not finished; wait for it or cancel it.")
+            self._failed(
+                tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
+            )
         else:
             self.current = Errand(title, work, done, self._deliver, can_be_cancelled)
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 
 MOST_CHARACTERS = 200
@@ -42,11 +43,11 @@ _NO_COSINE = 1e-15
 
 _BARE = (0.0, 0.0)
 _KINDS = {
-    _BARE: "a number",
-    (1.0, 0.0): "a length",
-    (2.0, 0.0): "an area",
-    (3.0, 0.0): "a volume",
-    (0.0, 1.0): "an angle",
+    _BARE: tr("a number"),
+    (1.0, 0.0): tr("a length"),
+    (2.0, 0.0): tr("an area"),
+    (3.0, 0.0): tr("a volume"),
+    (0.0, 1.0): tr("an angle"),
 }
 
 
@@ -60,7 +61,7 @@ class Quantity:
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.value):
-            raise InputError("The result is too large; write smaller numbers.")
+            raise InputError(tr("The result is too large; write smaller numbers."))
 
     @property
     def powers(self) -> tuple[float, float]:
@@ -70,7 +71,7 @@ class Quantity:
     @property
     def kind(self) -> str:
         """What it is, in words."""
-        return _KINDS.get(self.powers, "a product of lengths and angles")
+        return _KINDS.get(self.powers, tr("a product of lengths and angles"))
 
     def beside(self, other: Quantity) -> Quantity:
         """Itself, as what it is next to ``other``: a bare number is of any kind."""
@@ -78,7 +79,11 @@ class Quantity:
             return replace(other, value=self.value)
         if other.powers in (_BARE, self.powers):
             return self
-        raise InputError(f"It adds or compares {self.kind} and {other.kind}; take both of one kind.")
+        raise InputError(
+            tr("It adds or compares {kind} and {other}; take both of one kind.").format(
+                kind=self.kind, other=other.kind
+            )
+        )
 
     def __add__(self, other: Quantity) -> Quantity:
         return replace(self.beside(other), value=self.value + other.value)
@@ -88,20 +93,22 @@ class Quantity:
 
     def __truediv__(self, other: Quantity) -> Quantity:
         if other.value == 0.0:
-            raise InputError("It divides by zero; write another divisor.")
+            raise InputError(tr("It divides by zero; write another divisor."))
         return Quantity(self.value / other.value, self.length - other.length, self.angle - other.angle)
 
     def __pow__(self, other: Quantity) -> Quantity:
         if other.powers != _BARE:
-            raise InputError(f"An exponent cannot be {other.kind}; write a number.")
+            raise InputError(tr("An exponent cannot be {kind}; write a number.").format(kind=other.kind))
         try:
             value = self.value**other.value
         except ZeroDivisionError:
-            raise InputError("It divides by zero: 0 has no negative power; write another exponent.") from None
+            raise InputError(
+                tr("It divides by zero: 0 has no negative power; write another exponent.")
+            ) from None
         except OverflowError:
             value = math.inf
         if isinstance(value, complex):
-            raise InputError("A negative number has no such root; write a positive one.")
+            raise InputError(tr("A negative number has no such root; write a positive one."))
         return Quantity(value, self.length * other.value, self.angle * other.value)
 
 
@@ -121,17 +128,17 @@ def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
     InputError
         If the text says no finite length.
     """
-    return _said(text, names, unit, (1.0, 0.0), "a length such as 0.5")
+    return _said(text, names, unit, (1.0, 0.0), tr("a length such as 0.5"))
 
 
 def angle(text: str, names: Mapping[str, float]) -> float:
     """The angle that ``text`` says, in radians; a bare number is in degrees. Otherwise as :func:`length`."""
-    return math.radians(_said(text, names, None, (0.0, 1.0), "an angle such as 30 or 30deg"))
+    return math.radians(_said(text, names, None, (0.0, 1.0), tr("an angle such as 30 or 30deg")))
 
 
 def number(text: str, names: Mapping[str, float]) -> float:
     """The number that ``text`` says. Otherwise as :func:`length`."""
-    return _said(text, names, None, _BARE, "a number such as 0.5")
+    return _said(text, names, None, _BARE, tr("a number such as 0.5"))
 
 
 def _said(
@@ -139,12 +146,12 @@ def _said(
 ) -> float:
     text = text.translate(_SPELLINGS).strip()
     if not text:
-        raise InputError(f"There is nothing to read; write {wanted}.")
+        raise InputError(tr("There is nothing to read; write {wanted}.").format(wanted=wanted))
     if len(text) > MOST_CHARACTERS:
-        raise InputError(f"It is too long; write at most {MOST_CHARACTERS} characters.")
+        raise InputError(tr("It is too long; write at most {most} characters.").format(most=MOST_CHARACTERS))
     said = _Reader(_tokens(text), names, unit).whole()
     if said.powers not in (_BARE, powers):
-        raise InputError(f"This is {said.kind}; write {wanted}.")
+        raise InputError(tr("This is {kind}; write {wanted}.").format(kind=said.kind, wanted=wanted))
     return said.value
 
 
@@ -156,7 +163,9 @@ def _tokens(text: str) -> list[str]:
     while at < len(text):
         found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
         if not found:
-            raise InputError(f"{_quoted(text[at:].lstrip()[0])} has no meaning here; take it away.")
+            raise InputError(
+                tr("{text} has no meaning here; take it away.").format(text=_quoted(text[at:].lstrip()[0]))
+            )
         token, at = found[1], found.end()
         if token == "(":
             lists.append(tokens[-1:] != [] and tokens[-1] in _OF_MANY)
@@ -215,7 +224,7 @@ class _Reader:
     def _signed(self) -> Quantity:
         self._nested += 1
         if self._nested > _MOST_NESTED:
-            raise InputError("It is nested too deeply; write it with fewer parentheses.")
+            raise InputError(tr("It is nested too deeply; write it with fewer parentheses."))
         sign = 1.0
         while self._token in ("+", "-"):
             sign *= 1.0 if self._take() == "+" else -1.0
@@ -249,7 +258,7 @@ class _Reader:
 
     def _arguments(self) -> list[Quantity]:
         if self._take() != "(":
-            raise InputError("A function needs parentheses; write it as in sqrt(2).")
+            raise InputError(tr("A function needs parentheses; write it as in sqrt(2)."))
         values = [self._sum()]
         while self._token == ",":
             self._take()
@@ -261,7 +270,7 @@ class _Reader:
         if self._token and self._token != ")":
             raise self._misplaced()
         if not self._take():
-            raise InputError("A parenthesis is open; close it.")
+            raise InputError(tr("A parenthesis is open; close it."))
 
     def _unit_behind(self) -> Quantity:
         """The unit behind a number; 1 if there is none."""
@@ -279,26 +288,39 @@ class _Reader:
         if word in _MICROMETRES:
             return self._unit_of_length(word)
         raise InputError(
-            f"{_quoted(word)} is unknown; use {', '.join([*self._names, 'pi'])}, a unit such as mm or deg, "
-            "or a function such as sqrt."
+            tr(
+                "{text} is unknown; use {names}, a unit such as mm or deg, or a function such as sqrt."
+            ).format(text=_quoted(word), names=", ".join([*self._names, "pi"]))
         )
 
     def _unit_of_length(self, word: str) -> Quantity:
         if self._unit is None:
-            raise InputError(f"{_quoted(word)} is a unit of length, which has no place here; take it away.")
+            raise InputError(
+                tr("{text} is a unit of length, which has no place here; take it away.").format(
+                    text=_quoted(word)
+                )
+            )
         if self._unit is Unit.NONE:
             raise InputError(
-                f"The unit of the mesh is not known; choose it before writing a length in {word}."
+                tr("The unit of the mesh is not known; choose it before writing a length in {word}.").format(
+                    word=word
+                )
             )
         return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.value], length=1.0)
 
     def _misplaced(self) -> InputError:
         if not self._token:
-            return InputError("Something is missing at the end; complete it.")
+            return InputError(tr("Something is missing at the end; complete it."))
         if _is_number(self._token):
-            return InputError(f"There is no sign before {_quoted(self._token)}; write one, such as * or +.")
+            return InputError(
+                tr("There is no sign before {text}; write one, such as * or +.").format(
+                    text=_quoted(self._token)
+                )
+            )
         return InputError(
-            f"{_quoted(self._token)} is out of place; take it away or complete what is around it."
+            tr("{text} is out of place; take it away or complete what is around it.").format(
+                text=_quoted(self._token)
+            )
         )
 
 
@@ -310,7 +332,9 @@ def _number(token: str) -> Quantity:
     point = token.replace(",", ".")
     if _THOUSANDS.fullmatch(token):
         raise InputError(
-            f"“{token}” could be {point} or {token.replace(',', '')}; write it without the comma."
+            tr("“{token}” could be {point} or {other}; write it without the comma.").format(
+                token=token, point=point, other=token.replace(",", "")
+            )
         )
     return Quantity(float(point))
 
@@ -323,7 +347,9 @@ def _called(name: str, values: list[Quantity]) -> Quantity:
             first = first.beside(value)
         return replace(first, value=_OF_MANY[name](value.value for value in values))
     if len(values) != 1:
-        raise InputError(f"{name} takes one value, not {len(values)}; write it as in {name}(1).")
+        raise InputError(
+            tr("{name} takes one value, not {n}; write it as in {name}(1).").format(name=name, n=len(values))
+        )
     if name == "abs":
         return replace(first, value=abs(first.value))
     if name == "sqrt":
@@ -333,22 +359,32 @@ def _called(name: str, values: list[Quantity]) -> Quantity:
 
 def _of_angle(name: str, value: Quantity) -> Quantity:
     if value.powers not in (_BARE, (0.0, 1.0)):
-        raise InputError(f"{name} cannot be taken of {value.kind}; write an angle, as in {name}(30deg).")
+        raise InputError(
+            tr("{name} cannot be taken of {kind}; write an angle, as in {name}(30deg).").format(
+                name=name, kind=value.kind
+            )
+        )
     turn = math.radians(value.value)
     if name == "tan" and abs(math.cos(turn)) < _NO_COSINE:
-        raise InputError("The tangent of a right angle is infinite; write another angle.")
+        raise InputError(tr("The tangent of a right angle is infinite; write another angle."))
     return Quantity(_OF_ANGLES[name](turn))
 
 
 def _to_angle(name: str, value: Quantity) -> Quantity:
     if value.powers != _BARE:
-        raise InputError(f"{name} cannot be taken of {value.kind}; write a number, as in {name}(0.5).")
+        raise InputError(
+            tr("{name} cannot be taken of {kind}; write a number, as in {name}(0.5).").format(
+                name=name, kind=value.kind
+            )
+        )
     if name != "atan" and abs(value.value) > 1.0:
-        raise InputError(f"{name} can be taken of numbers from -1 to 1 only; write one of these.")
+        raise InputError(
+            tr("{name} can be taken of numbers from -1 to 1 only; write one of these.").format(name=name)
+        )
     return Quantity(math.degrees(_TO_ANGLES[name](value.value)), angle=1.0)
 
 
 def _quoted(said: str) -> str:
     """What was typed, within a sentence: short, and with a code in place of what cannot be seen."""
     short = said if len(said) <= 20 else f"{said[:19]}…"
-    return f"“{short}”" if short.isprintable() else f"The character U+{ord(said[0]):04X}"
+    return f"“{short}”" if short.isprintable() else tr("The character U+{code:04X}").format(code=ord(said[0]))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.linear_solver import rows_of
+from apd_viewer.language import tr
 from apd_viewer.session import wire
 from apd_viewer.session.processes import START, Process, started
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 _START = START.format(module="factor_process")
 _MOST_DEATHS = 3
-_ENDED = "the process that factors has ended {times} times; it may lack memory"
+_ENDED = tr("the process that factors has ended {times} times; it may lack memory")
 
 
 class FarFactor:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection
 from itertools import count
 
+from apd_viewer.files.selection import numbered
+
 
 def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:
     """The first of "kind 1", "kind 2" and so on that is not taken."""
-    return next(name for k in count(first) if (name := f"{kind} {k}") not in taken)
+    return next(name for k in count(first) if (name := numbered(kind, k)) not in taken)
 
 
 def new_name(asked: str, present: str, taken: Collection[str]) -> str:

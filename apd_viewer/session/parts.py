@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from apd_viewer.language import tr
 from apd_viewer.session.document import Handle
 from apd_viewer.session.names import new_name, next_name
 
@@ -35,17 +36,19 @@ class Parts:
         state = self._gestures.alone()
         handles = state.document.handles
         if len(handles) >= MOST_HANDLES:
-            self._listener.failed(f"There are {MOST_HANDLES} handles already; remove one of them first.")
+            self._listener.failed(
+                tr("There are {most} handles already; remove one of them first.").format(most=MOST_HANDLES)
+            )
             return len(handles) - 1
-        self._gestures.record("Add handle", state)
-        name = next_name("Handle", [handle.name for handle in handles])
+        self._gestures.record(tr("Add handle"), state)
+        name = next_name(tr("Handle"), [handle.name for handle in handles])
         self._stage.note(state.document.with_handle(len(handles), Handle(name)))
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
         state = self._gestures.alone()
-        self._gestures.record("Remove handle", state)
+        self._gestures.record(tr("Remove handle"), state)
         self._stage.regrip(state.document, state.document.without_handle(k))
 
     def rename_handle(self, k: int, name: str) -> None:
@@ -55,7 +58,7 @@ class Parts:
         name = new_name(name, handle.name, [other.name for other in state.document.handles])
         if name != handle.name:
             state = self._gestures.alone()
-            self._gestures.record("Rename", state)
+            self._gestures.record(tr("Rename"), state)
             self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
@@ -63,16 +66,18 @@ class Parts:
         state = self._gestures.alone()
         regions = state.document.regions
         if len(regions) >= MOST_REGIONS:
-            self._listener.failed(f"There are {MOST_REGIONS} regions already; remove one of them first.")
+            self._listener.failed(
+                tr("There are {most} regions already; remove one of them first.").format(most=MOST_REGIONS)
+            )
             return len(regions) - 1
-        self._gestures.record("Add region", state)
+        self._gestures.record(tr("Add region"), state)
         self._stage.note(state.document.with_next_region())
         return len(regions)
 
     def remove_region(self, k: int) -> None:
         """Remove region ``k``, and what is asked of its area."""
         state = self._gestures.alone()
-        self._gestures.record("Remove region", state)
+        self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
         (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
 
@@ -83,5 +88,5 @@ class Parts:
         name = new_name(name, region.name, [other.name for other in state.document.regions])
         if name != region.name:
             state = self._gestures.alone()
-            self._gestures.record("Rename", state)
+            self._gestures.record(tr("Rename"), state)
             self._stage.note(state.document.with_region(k, replace(region, name=name)))

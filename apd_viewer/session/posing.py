@@ -36,6 +36,21 @@ class Motion(Enum):
     SCALE = "Scale"
 
 
+# The names of steps of undo; a table, for words that are one in another language would be one member.
+MOTIONS = {
+    Motion.MOVE_X: tr("Move along x"),
+    Motion.MOVE_Y: tr("Move along y"),
+    Motion.MOVE_Z: tr("Move along z"),
+    Motion.TURN_X: tr("Turn about x"),
+    Motion.TURN_Y: tr("Turn about y"),
+    Motion.TURN_Z: tr("Turn about z"),
+    Motion.TWIST: tr("Twist"),
+    Motion.BEND_X: tr("Bend about x"),
+    Motion.BEND_Y: tr("Bend about y"),
+    Motion.BEND_Z: tr("Bend about z"),
+    Motion.BEND_LINE: tr("Bend about a line"),
+    Motion.SCALE: tr("Scale"),
+}
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
@@ -63,7 +78,9 @@ def moved(
     """
     gripped = document.pivot(k)
     if gripped is None:
-        raise InputError(f"“{document.handles[k].name}” holds nothing yet; paint it first.")
+        raise InputError(
+            tr("“{name}” holds nothing yet; paint it first.").format(name=document.handles[k].name)
+        )
     pose = document.handles[k].pose
     centre = transform(pose, gripped[None])[0]
     kind, _, letter = motion.name.partition("_")
@@ -101,5 +118,5 @@ def _centre(document: Document, k: int) -> np.ndarray:
 
 def _base_centre(document: Document) -> np.ndarray:
     if not document.counts[BASE]:
-        raise InputError("There is no base to twist or bend against; paint the part that stays in place.")
+        raise InputError(tr("There is no base to twist or bend against; paint the part that stays in place."))
     return derived.centre(document.labels, document.grip, BASE)

@@ -17,13 +17,14 @@ from apd_viewer.files.archive import Archive
 from apd_viewer.files.fields import Fields
 from apd_viewer.files.lock import Lock, take
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr, trn
 from apd_viewer.session.document import State
 from apd_viewer.session.saved import open_session
 from apd_viewer.session.view import SUFFIX, View
 
 LONGEST_KEPT = 30 * 86400.0  # s
 _NAME = re.compile(r"\d+-\d+")
-_UNITS = {"day": 86400, "hour": 3600, "minute": 60}  # s
+_DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
 _MOST_TRIES = 5
 
 
@@ -61,7 +62,9 @@ class Leftover:
             found = open_session(self.path)
         except InputError as error:
             why = str(error.__cause__ or error).rstrip(".")
-            raise InputError(f"What was left of {self.name} cannot be restored: {why}.") from error
+            raise InputError(
+                tr("What was left of {name} cannot be restored: {why}.").format(name=self.name, why=why)
+            ) from error
         self.mesh = found[0].document.mesh
         return found
 
@@ -109,7 +112,7 @@ def owned(folder: Path) -> tuple[Path, Lock]:
         path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
         if (lock := take(lock_path(path))) is not None:
             return path, lock
-    raise OSError("no file in it can be locked")
+    raise OSError(tr("no file in it can be locked"))
 
 
 def lock_path(path: Path) -> Path:
@@ -127,10 +130,14 @@ def remove(path: Path, lock: Lock) -> None:
 
 def ago(seconds: float) -> str:
     """How long ago something was, in the words of people."""
-    for unit, size in _UNITS.items():
-        if count := int(seconds // size) if seconds > 0 else 0:
-            return f"{count} {unit}{'s' if count > 1 else ''} ago"
-    return "just now"
+    days, hours, minutes = (int(max(seconds, 0.0) // size) for size in (_DAY, _HOUR, _MINUTE))
+    if days:
+        return trn("{n} day ago", "{n} days ago", days).format(n=days)
+    if hours:
+        return trn("{n} hour ago", "{n} hours ago", hours).format(n=hours)
+    if minutes:
+        return trn("{n} minute ago", "{n} minutes ago", minutes).format(n=minutes)
+    return tr("just now")
 
 
 def _name_of_mesh(path: Path) -> str:
@@ -139,4 +146,4 @@ def _name_of_mesh(path: Path) -> str:
         said = Fields.of(Archive(path.read_bytes()).content("session.json"), path.name)
         return PurePath(said.part("mesh").text("name")).name
     except ValueError:
-        return "a damaged session"
+        return tr("a damaged session")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.selecting import grown, mirrored, shrunk, smoothed
+from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Change(Enum):
-    """A way to change a part; its value names the step of undo."""
+    """A way to change a part; its value names the step of undo in English."""
 
     GROW = "Grow"
     SHRINK = "Shrink"
@@ -27,6 +28,18 @@ class Change(Enum):
     MIRROR_X = "Mirror along x"
     MIRROR_Y = "Mirror along y"
     MIRROR_Z = "Mirror along z"
+
+
+# A table beside the enum: two words that are one in another language would make one of two members.
+CHANGES = {
+    Change.GROW: tr("Grow"),
+    Change.SHRINK: tr("Shrink"),
+    Change.SMOOTH: tr("Smooth the border"),
+    Change.INVERT: tr("Invert"),
+    Change.MIRROR_X: tr("Mirror along x"),
+    Change.MIRROR_Y: tr("Mirror along y"),
+    Change.MIRROR_Z: tr("Mirror along z"),
+}
 
 
 def reshaped(state: State, part: Part, change: Change) -> np.ndarray:

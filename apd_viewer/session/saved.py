@@ -21,6 +21,7 @@ from apd_viewer.files.archive import Archive, npy, write_archive
 from apd_viewer.files.fields import Fields
 from apd_viewer.files.whereabouts import copy_of, find_mesh, is_there, whereabouts
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened
 from apd_viewer.session.transcript import (
     document_of,
@@ -63,7 +64,9 @@ def save_session(path: str | Path, state: State, view: View, embed: bool = False
     """
     path = Path(path)
     if path.suffix.lower() != SUFFIX:
-        raise InputError(f"{path.name} is no name for a session; end it in {SUFFIX}.")
+        raise InputError(
+            tr("{name} is no name for a session; end it in {ending}.").format(name=path.name, ending=SUFFIX)
+        )
     document, mesh = state.document, state.document.mesh
     copy = copy_of(mesh) if embed or not is_there(mesh) else {}
     arrays = {"labels": document.labels, "member": document.member}
@@ -113,7 +116,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         state, arrays = opened(mesh), _arrays(said, archive, mesh)
         document = document_of(said.part("document"), mesh, arrays)
         if document.volume is not None and not state.inspection.volume:
-            raise ValueError("its “volume” is damaged")
+            raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)
         frame = frame_of(said.part("frame"), state, arrays["shape"])
         return replace(state, frame=frame), view_of(said.part("view"))
@@ -128,36 +131,44 @@ def _explained(path: Path) -> Iterator[None]:
         raise
     except ValueError as error:
         raise InputError(
-            f"{path.name} is not a readable session ({error}); save it again, or open another copy of it."
+            tr(
+                "{name} is not a readable session ({reason}); save it again, or open another copy of it."
+            ).format(name=path.name, reason=error)
         ) from error
     except MemoryError as error:
-        raise InputError(f"{path.name} is too large for the memory; close other programs.") from error
+        raise InputError(
+            tr("{name} is too large for the memory; close other programs.").format(name=path.name)
+        ) from error
 
 
 def _content(path: Path) -> bytes:
     # os.path and not Path: it says no where Path raises, as for a name that is too long.
     if not os.path.exists(path):  # noqa: PTH110
-        raise InputError(f"There is no file {path}; check the name.")
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
-        raise InputError(f"{path} is not a file; choose a session in it.")
+        raise InputError(tr("{path} is not a file; choose a session in it.").format(path=path))
     try:
         return path.read_bytes()
     except OSError as error:
         raise InputError(
-            f"{path.name} cannot be read ({error.strerror or error}); check the file."
+            tr("{name} cannot be read ({reason}); check the file.").format(
+                name=path.name, reason=error.strerror or error
+            )
         ) from error
 
 
 def _check_version(said: Fields, path: Path) -> None:
     if said.text("format") != FORMAT:
-        raise ValueError("it is of another kind")
+        raise ValueError(tr("it is of another kind"))
     version = said.count("version")
     if version > VERSION:
         raise InputError(
-            f"{path.name} was saved by a newer version of the program; update apd-viewer to open it."
+            tr("{name} was saved by a newer version of the program; update apd-viewer to open it.").format(
+                name=path.name
+            )
         )
     if version < 1:
-        raise ValueError("its “version” is damaged")
+        raise ValueError(tr("its “version” is damaged"))
 
 
 def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
@@ -169,5 +180,5 @@ def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V
         X = arrays[name]
         if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
-            raise ValueError(f"“{name}” in it is no shape of the mesh")
+            raise ValueError(tr("“{name}” in it is no shape of the mesh").format(name=name))
     return arrays

@@ -6,22 +6,26 @@ from collections.abc import Sequence
 
 from apd_viewer.files.selection import Selection
 from apd_viewer.geometry.inspection import Finding
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trn
 from apd_viewer.session.units import Unit
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
     """What is unusual about a mesh that was opened; None if nothing is."""
     if len(findings) > 1:
-        count = f"{len(findings)} findings"
-        return f"The mesh has {count}: the badge at the lower right lists and shows them."
+        n = len(findings)
+        return trn(
+            "The mesh has {n} finding: the badge at the lower right lists and shows it.",
+            "The mesh has {n} findings: the badge at the lower right lists and shows them.",
+            n,
+        ).format(n=n)
     return findings[0].sentence if findings else None
 
 
 def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
     """What is in a mesh file that was written: the area measured on it."""
-    return (
-        f"Exported {name}: area {unit.area(f'{area:.6g}')}, {100.0 * area / at_rest:.3f} % of the rest area."
+    return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
+        name=name, area=unit.area(f"{area:.6g}"), percent=100.0 * area / at_rest
     )
 
 
@@ -34,15 +38,18 @@ def about_baking(area: float, before: float, unit: Unit) -> str:
 
 def about_session(name: str, embedded: bool) -> str:
     """What is in a session file that was written."""
-    return f"Saved {name}, with a copy of the mesh in it." if embedded else f"Saved {name}."
+    said = tr("Saved {name}, with a copy of the mesh in it.") if embedded else tr("Saved {name}.")
+    return said.format(name=name)
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:
     """What is in a selection file that was written."""
-    return f"Saved {name}, without the {' and the '.join(left_out)}." if left_out else f"Saved {name}."
+    said = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
+    return said.format(name=name, things=tr(" and the ").join(left_out))
 
 
 def about_loaded_selection(name: str, selection: Selection) -> str:
     """What a selection file was made for."""
-    other = "" if selection.same_mesh else "; it was made for another shape of as many vertices"
-    return f"Painted as {name} says{other}."
+    if selection.same_mesh:
+        return tr("Painted as {name} says.").format(name=name)
+    return tr("Painted as {name} says; it was made for another shape of as many vertices.").format(name=name)

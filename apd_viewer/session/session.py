@@ -29,8 +29,8 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
 from apd_viewer.session.part import Part
 from apd_viewer.session.parts import Parts
-from apd_viewer.session.posing import Motion, amount_of, moved, names_of
-from apd_viewer.session.reshaping import Change, reshaped
+from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of
+from apd_viewer.session.reshaping import CHANGES, Change, reshaped
 from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.sentences import (
     about_baking,
@@ -115,13 +115,15 @@ class Session:
         self._open(mesh.name, lambda: opened(mesh))
 
     def _open(self, name: str, work: Callable[[], State | tuple[State, View]], kept: bool = True) -> None:
-        self._send(f"Opening {name}", work, lambda found: self._opened(found, name, kept))
+        self._send(
+            tr("Opening {name}").format(name=name), work, lambda found: self._opened(found, name, kept)
+        )
 
     def _opened(self, found: State | tuple[State, View], name: str, kept: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.before = self._gestures.before or self.state, None
         if before is not None:
-            self.history.record(f"Open {name}", before)
+            self.history.record(tr("Open {name}").format(name=name), before)
             if view is None:  # a session has settings of its own
                 state = state.at(state.document.with_settings_of(before.document))
         self._stage.jump(state)
@@ -139,7 +141,7 @@ class Session:
             file = save_mesh(state.document.mesh, state.frame.U, check_target(path))
             return about_export(path.name, file.area, state.inspection.area, unit)
 
-        self._write(f"Writing {path.name}", write, state)
+        self._write(tr("Writing {name}").format(name=path.name), write, state)
 
     def save(self, path: str | Path, view: View, embed: bool = False) -> None:
         """Save what was said and the shape as a session, in the background; no gesture that is under way."""
@@ -148,7 +150,7 @@ class Session:
         def write() -> str:
             return about_session(path.name, save_session(path, state, view, embed))
 
-        self._write(f"Saving {path.name}", write, state)
+        self._write(tr("Saving {name}").format(name=path.name), write, state)
 
     def load_selection(self, path: str | Path) -> None:
         """Paint the mesh as a file says, in the background; what was painted gives way."""
@@ -157,11 +159,13 @@ class Session:
         def loaded(selection: Selection) -> None:
             state = self._gestures.alone()
             if state.document.mesh is mesh:  # another one may have been opened meanwhile
-                self._gestures.record("Load selection", state)
+                self._gestures.record(tr("Load selection"), state)
                 self._stage.regrip(state.document, state.document.with_selection(selection))
                 self._listener.told(about_loaded_selection(path.name, selection))
 
-        self._send(f"Loading {path.name}", lambda: read_selection_file(path, mesh), loaded)
+        self._send(
+            tr("Loading {name}").format(name=path.name), lambda: read_selection_file(path, mesh), loaded
+        )
 
     def save_selection(self, path: str | Path) -> None:
         """Write what is painted, in the background."""
@@ -170,7 +174,9 @@ class Session:
         def work() -> str:
             return about_selection(path.name, write_selection(path, document.mesh, document.selection))
 
-        self._send(f"Saving {path.name}", work, self._listener.told, can_be_cancelled=False)
+        self._send(
+            tr("Saving {name}").format(name=path.name), work, self._listener.told, can_be_cancelled=False
+        )
 
     def _write(self, title: str, work: Callable[[], str], state: State) -> None:
         """Do the ``work``, which says what it has done, and remember that the shape is in a file."""
@@ -194,7 +200,7 @@ class Session:
     def cancel_errand(self) -> None:
         """Forget the file that is being opened; a file being written is left to finish, whole."""
         if cancelled := self._errands.cancel():
-            self._listener.told(f"{cancelled.title}: cancelled.")
+            self._listener.told(tr("{title}: cancelled.").format(title=cancelled.title))
             self._listener.status_changed()
 
     @property
@@ -275,7 +281,7 @@ class Session:
 
     def reshape(self, part: Part, change: str) -> None:
         """Change a part as a whole, as a :class:`Change` by its name."""
-        self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), Change[change].value)
+        self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), CHANGES[Change[change]])
 
     # Handles
 
@@ -301,7 +307,7 @@ class Session:
         """
         state, kind = self._gestures.alone(), Motion[motion]
         amount = amount_of(kind, text, state, self.unit)
-        self.pose_handle(moved(state.document, which, kind, amount, line), which, kind.value)
+        self.pose_handle(moved(state.document, which, kind, amount, line), which, MOTIONS[kind])
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""
@@ -311,18 +317,18 @@ class Session:
             point = frozen(transform(np.linalg.inv(handle.pose), np.asarray(point, dtype=float)[None])[0])
         elif handle.pivot is None:
             return
-        self._gestures.record("Move pivot", state)
+        self._gestures.record(tr("Move pivot"), state)
         self._stage.note(state.document.with_handle(which, replace(handle, pivot=point)))
 
     def put_back_handle(self, which: int) -> None:
         """Put one handle back where it was gripped; the mesh follows."""
-        self.pose_handle(IDENTITY, which, "Put handle back")
+        self.pose_handle(IDENTITY, which, tr("Put handle back"))
 
     def reset_handle(self) -> None:
         """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
         state = self._gestures.alone()
         if self.moved:
-            self._gestures.record("Reset handle", state)
+            self._gestures.record(tr("Reset handle"), state)
             rest = rest_frame(state.document.mesh, state.inspection)
             self._stage.jump(state.at(state.document.at_rest(), rest))
 
@@ -335,7 +341,7 @@ class Session:
             if state.document is not shown.document:
                 self._listener.failed(tr("Something else has been asked for meanwhile; bake the new shape."))
                 return
-            self._gestures.record("Bake as new rest", state)
+            self._gestures.record(tr("Bake as new rest"), state)
             self._stage.jump(at_rest)
             self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self.unit))
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from apd_viewer.language import tr
+
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.stage import Listener, Stage
@@ -27,37 +29,39 @@ class Settings:
 
     def set_area(self, percent: float) -> None:
         """Ask for another total area, in percent of the area at rest."""
-        self._set("Change area", area=percent)
+        self._set(tr("Change area"), area=percent)
 
     def hold_area(self, on: bool) -> None:
         """Have the method "local" keep the total area too, or not."""
-        self._set("Change area", hold_area=on)
+        self._set(tr("Change area"), hold_area=on)
 
     def set_volume(self, percent: float | None) -> None:
         """Ask for a volume, in percent of the volume at rest; None leaves it free."""
         inspection = self._stage.required().inspection
         if percent is not None and not inspection.volume:
-            why = inspection.why_no_volume or "the surface encloses nothing"
-            self._listener.failed(f"There is no volume to keep: {why}; leave the volume free.")
+            why = inspection.why_no_volume or tr("the surface encloses nothing")
+            self._listener.failed(
+                tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
+            )
         else:
-            self._set("Change volume", volume=percent)
+            self._set(tr("Change volume"), volume=percent)
 
     def set_method(self, method: str) -> None:
         """Deform by another method, from the shape on screen."""
-        self._set("Change method", method=method)
+        self._set(tr("Change method"), method=method)
 
     def set_tolerance(self, tolerance: float) -> None:
         """Have "paper" accept another relative error of the area."""
-        self._set("Change tolerance", tolerance=tolerance)
+        self._set(tr("Change tolerance"), tolerance=tolerance)
 
     def set_stiffness(self, stiffness: float) -> None:
         """Resist bending by another weight."""
-        self._set("Change stiffness", stiffness=stiffness)
+        self._set(tr("Change stiffness"), stiffness=stiffness)
 
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
         """Have the method "local" resist changes of areas and of shapes by other weights."""
         given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}
-        self._set("Change stiffness", **{name: x for name, x in given.items() if x is not None})
+        self._set(tr("Change stiffness"), **{name: x for name, x in given.items() if x is not None})
 
     def set_falloff(self, k: int, falloff: float) -> None:
         """Have handle ``k`` draw along what lies so near it along the surface, mesh units; 0 is nothing."""
@@ -65,14 +69,16 @@ class Settings:
         handle = document.handles[k]
         if falloff != handle.falloff:
             handles = document.with_handle(k, replace(handle, falloff=falloff)).handles
-            self._set("Change falloff", handles=handles)
+            self._set(tr("Change falloff"), handles=handles)
 
     def set_region_area(self, k: int, percent: float | None) -> None:
         """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
         document = self._stage.required().document
         region = document.regions[k]
         if percent != region.area:
-            self._set("Change region", regions=document.with_region(k, replace(region, area=percent)).regions)
+            self._set(
+                tr("Change region"), regions=document.with_region(k, replace(region, area=percent)).regions
+            )
 
     def _set(self, gesture: str, **what: object) -> None:
         state = self._stage.required()

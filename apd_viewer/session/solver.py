@@ -23,6 +23,7 @@ from apd_viewer.geometry.guided import make_ready
 from apd_viewer.geometry.linear_solver import Factor
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.language import tr
 from apd_viewer.session.deforming import deformation_of
 from apd_viewer.session.factoring import FarFactor
 from apd_viewer.session.messages import Answer, Found, Message, Order, Progress, Step
@@ -81,7 +82,7 @@ class Solver:
                 # A defect or a lack of memory must reach the screen, and the next request a solver.
                 traceback.print_exc()
                 said = str(error) or type(error).__name__
-                self._fail(order, f"The solver stopped ({said}); undo the last step.")
+                self._fail(order, tr("The solver stopped ({said}); undo the last step.").format(said=said))
             if not done and not self._orders.waiting:
                 done = self._rested(at_leisure)
         self._drop()

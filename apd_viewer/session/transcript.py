@@ -18,6 +18,7 @@ from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.methods import METHODS
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.language import tr
 from apd_viewer.session.document import Document, Handle, NamedRegion, State, rest_frame
 from apd_viewer.session.units import Unit
 from apd_viewer.session.view import Point, Standpoint, View
@@ -58,11 +59,11 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
     regions = tuple(_region(part) for part in said.parts("regions", _MOST_PARTS))
     labels, member, method = arrays["labels"], arrays["member"], said.text("method")
     if not handles or labels.max() >= HANDLE + len(handles):
-        raise ValueError("“labels” in it name a handle that is not there")
+        raise ValueError(tr("“labels” in it name a handle that is not there"))
     if member.max() > len(regions):
-        raise ValueError("“member” in it names a region that is not there")
+        raise ValueError(tr("“member” in it names a region that is not there"))
     if method not in METHODS:
-        raise ValueError("its “method” is none of this program")
+        raise ValueError(tr("its “method” is none of this program"))
     return Document(
         mesh,
         labels,
@@ -84,7 +85,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
 def _handle(said: Fields) -> Handle:
     pose = said.numbers("pose", 4, 4)
     if not np.array_equal(pose[3], _MOTIONLESS):
-        raise ValueError("the “pose” of a handle is no motion: its last row must be 0 0 0 1")
+        raise ValueError(tr("the “pose” of a handle is no motion: its last row must be 0 0 0 1"))
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
     falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
     return Handle(said.text("name"), frozen(pose), pivot, falloff)
@@ -145,14 +146,14 @@ def view_of(said: Fields) -> View:
     """The view again."""
     unit = said.text("unit") if said.says("unit") else ""
     if unit not in [each.value for each in Unit]:
-        raise ValueError("its “unit” is none of this program")
+        raise ValueError(tr("its “unit” is none of this program"))
     if not said.says("camera"):
         return View(None, unit)
     camera = said.part("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
-        raise ValueError("its “camera” looks nowhere")
+        raise ValueError(tr("its “camera” looks nowhere"))
     angle = camera.number("angle", _LEAST, np.pi - _LEAST)
     return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import Enum
 
+from apd_viewer.language import tr
+
 # Never at the end of a line: a number is not parted from its unit.
 _GAP = "\u00a0"
 _POWERS = {1: "", 2: "²", 3: "³"}
@@ -20,7 +22,7 @@ class Unit(Enum):
     @property
     def title(self) -> str:
         """The name on a button."""
-        return self.value or "no unit"
+        return self.value or tr("no unit")
 
     def length(self, number: str) -> str:
         """A length: the number, as it is written, with its unit."""

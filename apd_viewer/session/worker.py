@@ -29,6 +29,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.thinning import Thinning
+from apd_viewer.language import tr
 from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document
 from apd_viewer.session.requests import Reply, Request
@@ -37,13 +38,13 @@ from apd_viewer.session.slot import Slot
 MOST_DEATHS = 3  # one after another, without a shape
 _CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
 
-_DIED = "The solver ended unexpectedly and was started again; nothing is lost."
-_GIVEN_UP = (
+_DIED = tr("The solver ended unexpectedly and was started again; nothing is lost.")
+_GIVEN_UP = tr(
     "The solver ended {times} times over this, and left no word; it may lack memory. "
     "Undo the last step, or close other programs and try again."
 )
-_NOT_SENT = "The solver cannot be asked ({why}); undo the last step."
-_NOT_STARTED = "The solver cannot be started ({why}); close other programs and try again."
+_NOT_SENT = tr("The solver cannot be asked ({why}); undo the last step.")
+_NOT_STARTED = tr("The solver cannot be started ({why}); close other programs and try again.")
 
 
 class _Call(Enum):
