@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.api import Deformation, Frame, Mesh, Region, Result, deform, open_mesh, save_mesh
@@ -65,6 +66,8 @@ def view(mesh: Any = None) -> None:
         run(mesh)
     except ImportError as error:
         raise InputError(
-            f"The window needs a library that is missing ({error}); "
-            "the README names the system packages to install."
+            tr(
+                "The window needs a library that is missing ({error}); the README names the system "
+                "packages to install."
+            ).format(error=error)
         ) from error

@@ -8,19 +8,22 @@ from typing import TYPE_CHECKING
 
 import apd_viewer
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _COMMANDS = "deform", "info", "paper", "replay"
-_USAGE = """\
+_USAGE = tr(
+    """\
 apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
 apd-viewer deform MESH ... -o OUT    deform without a window
 apd-viewer info MESH                 say what is in a mesh file
 apd-viewer replay SESSION -o OUT     go on with a saved session without a window
 apd-viewer paper [-o DIR]            re-run the paper's tables on the sample bottle and duck
 """
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,16 +37,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.run(options)
         sys.stdout.flush()
     except InputError as error:
-        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        print(tr("error: {sentence}").format(sentence=" ".join(str(error).split())), file=sys.stderr)
         return 2
     except BrokenPipeError:  # the reader, such as head, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        print(f"error: the output cannot be written ({error.strerror or error}).", file=sys.stderr)
+        print(
+            tr("error: the output cannot be written ({reason}).").format(reason=error.strerror or error),
+            file=sys.stderr,
+        )
         return 2
     except KeyboardInterrupt:
-        print("stopped; nothing was written", file=sys.stderr)
+        print(tr("stopped; nothing was written"), file=sys.stderr)
         return 130
     return 0
 
@@ -52,10 +58,11 @@ def _view_parser() -> Parser:
     parser = Parser(
         prog="apd-viewer",
         usage=_USAGE,
-        description="Area-preserving deformation of 3D objects.",
+        description=tr("Area-preserving deformation of 3D objects."),
     )
-    parser.add_argument("file", nargs="?", metavar="FILE", help="mesh to open (OBJ, PLY, STL, OFF, GLB)")
-    parser.add_argument("--version", action="version", version=f"apd-viewer {apd_viewer.__version__}")
+    parser.add_argument("file", nargs="?", metavar="FILE", help=tr("mesh to open (OBJ, PLY, STL, OFF, GLB)"))
+    version = f"apd-viewer {apd_viewer.__version__}"
+    parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
     parser.set_defaults(run=lambda options: apd_viewer.view(options.file))
     return parser
 

@@ -28,6 +28,7 @@ from apd_viewer.geometry.methods import (
     DEFAULT_TOLERANCE,
     METHODS,
 )
+from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.session.replaying import replay
 
@@ -42,35 +43,37 @@ _ROUNDED = 1e-6  # relative change of the area by the digits of a file that is w
 
 
 def _deform_parser() -> Parser:
-    parser = Parser(prog="apd-viewer deform", description="Deform a mesh without a window.")
+    parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
     parser.add_argument("mesh", metavar="MESH")
     parser.add_argument(
         "--selection",
         metavar="SEL",
         required=True,
-        help="one number a vertex: 0 held, 1 free, 2 handle, 3 the next, ...; or .json, .npz, .dmat, .ply",
+        help=tr(
+            "one number a vertex: 0 held, 1 free, 2 handle, 3 the next, ...; or .json, .npz, .dmat, .ply"
+        ),
     )
     parser.add_argument(
         "--transform",
         metavar="DEF",
         required=True,
         action="append",
-        help="4x4 matrix that moves the handle; once for each handle",
+        help=tr("4x4 matrix that moves the handle; once for each handle"),
     )
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="mesh file to write")
-    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help="default: %(default)s")
-    parser.add_argument("--iterations", metavar="N", type=int, help="exactly N; default: until converged")
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
+    parser.add_argument("--iterations", metavar="N", type=int, help=tr("exactly N; default: until converged"))
     parser.add_argument(
         "--tolerance",
         metavar="T",
         type=float,
         default=DEFAULT_TOLERANCE,
-        help="of the area, for 'paper'; 0.001 is 0.1 %%",
+        help=tr("of the area, for 'paper'; 0.001 is 0.1 %%"),
     )
     _add_targets(parser)
     _add_stiffness(parser)
-    parser.add_argument("--report", metavar="R.json", type=Path, help="write the readings as JSON")
-    parser.add_argument("--picture", metavar="P.png", type=Path, help="draw the mesh before and after")
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the readings as JSON"))
+    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
     parser.set_defaults(run=_deform)
     return parser
 
@@ -80,10 +83,10 @@ def _add_targets(parser: Parser) -> None:
         "--area",
         metavar="PERCENT",
         type=float,
-        help="total area asked for, in percent of the rest area; 100 for 'exact' and 'paper'",
+        help=tr("total area asked for, in percent of the rest area; 100 for 'exact' and 'paper'"),
     )
     parser.add_argument(
-        "--volume", metavar="PERCENT", type=float, help="volume asked for; without, it is free"
+        "--volume", metavar="PERCENT", type=float, help=tr("volume asked for; without, it is free")
     )
     parser.add_argument(
         "--region",
@@ -91,57 +94,67 @@ def _add_targets(parser: Parser) -> None:
         action="append",
         default=[],
         metavar=("NAME FILE", "PERCENT"),
-        help="a part to measure: its name, a file of one number a vertex (0 outside), and the area asked for",
+        help=tr(
+            "a part to measure: its name, a file of one number a vertex (0 outside), and the area asked for"
+        ),
     )
 
 
 def _add_stiffness(parser: Parser) -> None:
     for option, default, what in (
-        ("--stiffness", 0.0, "of bending, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
-        ("--area-stiffness", DEFAULT_AREA_STIFFNESS, "how firmly 'local' keeps every triangle's area"),
-        ("--shear-stiffness", DEFAULT_SHEAR_STIFFNESS, "how firmly 'local' keeps every triangle's shape"),
+        ("--stiffness", 0.0, tr("of bending, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'")),
+        ("--area-stiffness", DEFAULT_AREA_STIFFNESS, tr("how firmly 'local' keeps every triangle's area")),
+        ("--shear-stiffness", DEFAULT_SHEAR_STIFFNESS, tr("how firmly 'local' keeps every triangle's shape")),
     ):
         parser.add_argument(
-            option, metavar="A", type=float, default=default, help=f"{what}; default: %(default)s"
+            option,
+            metavar="A",
+            type=float,
+            default=default,
+            help=tr("{what}; default: %(default)s").format(what=what),
         )
 
 
 def _region(words: Sequence[str], vertices: int) -> Region:
     """A region from the words after ``--region``."""
     if len(words) not in (2, 3):
-        raise InputError("--region takes a name, a file and, if an area is asked for, a percentage.")
+        raise InputError(tr("--region takes a name, a file and, if an area is asked for, a percentage."))
     name, path, *percent = words
     try:
         area = float(percent[0]) if percent else None
     except ValueError as error:
-        raise InputError(f"--region {name}: {percent[0]} is no percentage; write a number.") from error
+        raise InputError(
+            tr("--region {name}: {percent} is no percentage; write a number.").format(
+                name=name, percent=percent[0]
+            )
+        ) from error
     return Region(name, read_region(path, vertices), area)
 
 
 def _info_parser() -> Parser:
-    parser = Parser(prog="apd-viewer info", description="Say what is in a mesh file.")
+    parser = Parser(prog="apd-viewer info", description=tr("Say what is in a mesh file."))
     parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument("--json", action="store_true", help="for scripts")
+    parser.add_argument("--json", action="store_true", help=tr("for scripts"))
     parser.set_defaults(run=_info)
     return parser
 
 
 def _paper_parser() -> Parser:
-    parser = Parser(prog="apd-viewer paper", description="Re-run the paper's tables on the samples.")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="folder for a CSV and pictures")
+    parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help=tr("folder for a CSV and pictures"))
     parser.set_defaults(run=_paper)
     return parser
 
 
 def _replay_parser() -> Parser:
-    parser = Parser(prog="apd-viewer replay", description="Go on with a saved session without a window.")
-    parser.add_argument("session", metavar="SESSION", help="file that the window has saved (.apd)")
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="mesh file to write")
-    parser.add_argument("--report", metavar="R.json", type=Path, help="write the readings as JSON")
+    parser = Parser(prog="apd-viewer replay", description=tr("Go on with a saved session without a window."))
+    parser.add_argument("session", metavar="SESSION", help=tr("file that the window has saved (.apd)"))
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the readings as JSON"))
     parser.add_argument(
         "--from-rest",
         action="store_true",
-        help="begin with the rest shape; without, a saved shape that has settled stays as it is",
+        help=tr("begin with the rest shape; without, a saved shape that has settled stays as it is"),
     )
     parser.set_defaults(run=_replay)
     return parser
@@ -202,9 +215,14 @@ def _progress(iterations: int | None) -> Callable[[Frame], None]:
         last = frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
-        done = f"{frame.iteration:,}" + (f" of {iterations:,}" if iterations else "")
+        area = 100 * frame.area_error
+        said = tr("iteration {done:,}   area {area:+.3f} %").format(done=frame.iteration, area=area)
+        if iterations:
+            said = tr("iteration {done:,} of {all:,}   area {area:+.3f} %").format(
+                done=frame.iteration, all=iterations, area=area
+            )
         print(
-            f"\riteration {done}   area {100 * frame.area_error:+.3f} %   ",
+            f"\r{said}   ",
             end="\n" if last else "",
             file=sys.stderr,
             flush=True,
@@ -214,28 +232,38 @@ def _progress(iterations: int | None) -> Callable[[Frame], None]:
 
 
 def _summary(result: Result, output: Path, written: Written) -> str:
-    state = "converged" if result.converged else "not converged"
-    effort = f"{result.iterations:,} iterations in {result.seconds:.1f} s"
+    effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
+    state = tr("{output}: {method}, converged after {effort}")
+    if not result.converged:
+        state = tr("{output}: {method}, not converged after {effort}")
     lines = [
-        f"{output}: {result.method}, {state} after {effort}",
-        f"area    {_reading(result.area, result.area_rest)}",
+        state.format(output=output, method=result.method, effort=effort),
+        tr("area    {reading}").format(reading=_reading(result.area, result.area_rest)),
     ]
     if result.volume is not None and result.volume_rest:
-        lines.append(f"volume  {_reading(result.volume, result.volume_rest)}")
+        lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
-    lines.append(f"triangles change by up to {100 * result.local_change:.3g} %")
-    lines.append(f"handle  {result.handle_drift:.4g} from where it was put")
+    lines.append(tr("triangles change by up to {change:.3g} %").format(change=100 * result.local_change))
+    lines.append(tr("handle  {drift:.4g} from where it was put").format(drift=result.handle_drift))
     if abs(written.area / result.area - 1.0) > _ROUNDED:
-        lines.append(f"rounding in the file changes the area to {written.area:.6g}; OBJ and OFF round less")
+        lines.append(
+            tr("rounding in the file changes the area to {area:.6g}; OBJ and OFF round less").format(
+                area=written.area
+            )
+        )
     if written.dropped:
         kept = output.suffix[1:].upper()
-        lines.append(f"written as {kept}, without the {', '.join(written.dropped)} of the mesh")
+        lines.append(
+            tr("written as {kind}, without the {things} of the mesh").format(
+                kind=kept, things=", ".join(written.dropped)
+            )
+        )
     return "\n".join([*lines, *result.warnings])
 
 
 def _reading(value: float, rest: float) -> str:
     change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # and no minus before a zero
-    return f"{value:.6g} of {rest:.6g} ({change:+.3f} %)"
+    return tr("{value:.6g} of {rest:.6g} ({change:+.3f} %)").format(value=value, rest=rest, change=change)
 
 
 def _info(options: argparse.Namespace) -> None:
@@ -255,11 +283,18 @@ def _info(options: argparse.Namespace) -> None:
         print(json.dumps({"mesh": str(options.mesh), **report, "findings": findings}, indent=2))
         return
     size = " x ".join(f"{extent:.6g}" for extent in found.size)
-    print(f"{mesh.name}: {found.vertices:,} vertices, {found.faces:,} triangles, {found.pieces:,} piece(s)")
-    print(f"size    {size}")
-    print(f"area    {found.area:.6g}")
-    print(f"volume  {f'none: {found.why_no_volume}' if found.volume is None else f'{found.volume:.6g}'}")
-    for sentence in [finding.sentence for finding in found.findings] or ["Nothing unusual was found."]:
+    print(
+        tr("{name}: {vertices:,} vertices, {faces:,} triangles, {pieces:,} piece(s)").format(
+            name=mesh.name, vertices=found.vertices, faces=found.faces, pieces=found.pieces
+        )
+    )
+    print(tr("size    {size}").format(size=size))
+    print(tr("area    {reading}").format(reading=f"{found.area:.6g}"))
+    volume = tr("none: {reason}").format(reason=found.why_no_volume)
+    if found.volume is not None:
+        volume = f"{found.volume:.6g}"
+    print(tr("volume  {reading}").format(reading=volume))
+    for sentence in [finding.sentence for finding in found.findings] or [tr("Nothing unusual was found.")]:
         print(sentence)
 
 

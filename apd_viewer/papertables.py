@@ -12,14 +12,24 @@ from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import Result, deform
+from apd_viewer.language import tr
 
 CASES = {
-    "bottle-twist-60": ("bottle", "bottle twisted by 60°"),
-    "bottle-twist-120": ("bottle", "bottle twisted by 120°"),
-    "duck-bend-015": ("duck", "duck's tail moved by 0.15 L"),
-    "duck-bend-030": ("duck", "duck's tail moved by 0.3 L"),
+    "bottle-twist-60": ("bottle", tr("bottle twisted by 60°")),
+    "bottle-twist-120": ("bottle", tr("bottle twisted by 120°")),
+    "duck-bend-015": ("duck", tr("duck's tail moved by 0.15 L")),
+    "duck-bend-030": ("duck", tr("duck's tail moved by 0.3 L")),
 }
-_HEADINGS = ("move", "area at rest", "ARAP", "change", "paper", "change", "handle drift", "within 0.1 %")
+_HEADINGS = (
+    tr("move"),
+    tr("area at rest"),
+    tr("ARAP"),
+    tr("change"),
+    tr("paper"),
+    tr("change"),
+    tr("handle drift"),
+    tr("within 0.1 %"),
+)
 
 
 class Row(NamedTuple):
@@ -41,7 +51,7 @@ class Row(NamedTuple):
             f"{paper.area:.3f}",
             f"{100 * paper.area_error:+.3f} %",
             f"{paper.handle_drift:.3f}",
-            "yes" if abs(paper.area_error) <= 1e-3 else "no",
+            tr("yes") if abs(paper.area_error) <= 1e-3 else tr("no"),
         )
 
 

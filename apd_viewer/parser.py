@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
+
+from apd_viewer.language import tr
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser that says what is wrong in one line."""
+    """Parser that says what is wrong in one line, and helps in the language of the user."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(add_help=False, formatter_class=_Help, **settings)
+        self.add_argument("-h", "--help", action="help", help=tr("show this help message and exit"))
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Say it in one line; argparse would print the usage before it."""
-        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+        said = tr("error: {message}; see {program} --help").format(message=message, program=self.prog)
+        self.exit(2, f"{said}\n")
+
+
+class _Help(argparse.HelpFormatter):
+    """The headings of argparse; what it finds wrong with a command it says in English."""
+
+    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
+        """Begin with the usage."""
+        super().add_usage(usage, actions, groups, tr("usage: ") if prefix is None else prefix)
+
+    def start_section(self, heading: str | None) -> None:
+        """Begin a list."""
+        words = {"options": tr("options"), "positional arguments": tr("positional arguments")}
+        super().start_section(None if heading is None else words.get(heading, heading))

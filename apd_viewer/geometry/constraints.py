@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
 
 # The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
 BASE, FREE, HANDLE = 0, 1, 2
@@ -97,8 +98,13 @@ def constraints(
         raise InputError(problem)
     count = int(labels.max()) - HANDLE + 1
     if count > len(poses):
-        given = "one motion" if len(poses) == 1 else f"{len(poses)} motions"
-        raise InputError(f"There are {count} handles but {given}; give one for each handle.")
+        raise InputError(
+            trn(
+                "There are {count} handles but one motion; give one for each handle.",
+                "There are {count} handles but {n} motions; give one for each handle.",
+                len(poses),
+            ).format(count=count, n=len(poses))
+        )
     fixed = np.flatnonzero(labels != FREE)
     targets = grip[fixed].astype(np.float64)
     handles = []
@@ -117,9 +123,9 @@ def constraints(
 def what_is_missing(labels: np.ndarray) -> str | None:
     """What must be painted before a handle can move, as a sentence; None if nothing."""
     if not (labels == BASE).any():
-        return "There is no base: paint the part that stays in place as base."
+        return tr("There is no base: paint the part that stays in place as base.")
     if not (labels >= HANDLE).any():
-        return "There is no handle: paint the part to be moved as handle."
+        return tr("There is no handle: paint the part to be moved as handle.")
     if not (labels == FREE).any():
-        return "Everything is painted: erase some paint, so that a part is free to deform."
+        return tr("Everything is painted: erase some paint, so that a part is free to deform.")
     return None

@@ -18,6 +18,7 @@ from apd_viewer.geometry.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
 )
+from apd_viewer.language import tr
 
 # Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000
@@ -105,7 +106,7 @@ def deform(
         If the input cannot be used; the message says why.
     """
     if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
-        raise InputError("The number of iterations must be a whole number of at least 1.")
+        raise InputError(tr("The number of iterations must be a whole number of at least 1."))
     started = time.perf_counter()
     solver = Deformation(
         V,
@@ -161,9 +162,13 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
     if frame.unreached:
         unsettled = (frame.unreached,)
     elif solver.missed:
-        unsettled = (f"Not met after {frame.iteration:,} iterations: {solver.missed}.",)
+        unsettled = (
+            tr("Not met after {iteration:,} iterations: {missed}.").format(
+                iteration=frame.iteration, missed=solver.missed
+            ),
+        )
     elif not frame.settled and frame.iteration == MOST_ITERATIONS:
-        unsettled = (f"The shape had not settled after {MOST_ITERATIONS:,} iterations.",)
+        unsettled = (tr("The shape had not settled after {most:,} iterations.").format(most=MOST_ITERATIONS),)
     return Result(
         U=frame.U,
         method=solver.method,

@@ -18,7 +18,7 @@ from apd_viewer.geometry.cycles import Cycled
 from apd_viewer.geometry.elastic import Elastic
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
-from apd_viewer.geometry.held import checked_ids, numbers_of, soft_of
+from apd_viewer.geometry.held import handle_of, soft_of, vertex_ids
 from apd_viewer.geometry.li_hui import LiHui
 from apd_viewer.geometry.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.methods import (
@@ -35,6 +35,7 @@ from apd_viewer.geometry.methods import (
 from apd_viewer.geometry.projection import MET
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.geometry.vectors import largest_difference
+from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -166,22 +167,22 @@ class Deformation:
         soft: Soft = NO_SOFT,
     ) -> None:
         if rest is None:
-            V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
+            V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
             check_mesh(V, F)
             rest = RestMesh(V, F)
         self.rest = rest
         self.method = method
-        self.fixed = checked_ids(fixed, len(rest.V), "held")
+        self.fixed = vertex_ids(fixed, len(rest.V))
         self._solve_ids, self._chosen, self._inverse = np.unique(
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
-        self._handle_of = numbers_of(handle, rest, self._solve_ids)
+        self._handle_of = handle_of(handle, rest, self._solve_ids)
         check_method(method, self._handle_of)
         check_tolerance(tolerance)
         self._tolerance = tolerance
         material = material_of(method, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
-            raise InputError("Every vertex is held; leave some free to deform.")
+            raise InputError(tr("Every vertex is held; leave some free to deform."))
         self._descends = not plain and method not in PLAIN_ONLY
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
@@ -200,13 +201,13 @@ class Deformation:
 
     def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
         if not isinstance(regions, Sequence):
-            raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
+            raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
         patches = [patch_of(self.rest, region) for region in regions]
         if area is None and self.method in KEEP_THE_AREA:
             area = 100.0
         if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
             raise InputError(
-                "The method 'paper' keeps only the total area; choose 'exact' for a volume or a region."
+                tr("The method 'paper' keeps only the total area; choose 'exact' for a volume or a region.")
             )
         goals = make_goals(self.rest, area, volume, regions)
         self._regions, self._patches = tuple(regions), patches
@@ -252,19 +253,25 @@ class Deformation:
         soft_targets : (s, 3) float array, optional
             Where each of the soft vertices is drawn to; without, to where it is at rest.
         """
-        targets = numbers(targets, "Targets")
+        targets = numbers(targets, tr("Targets"))
         if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
-            raise InputError(f"Targets must be {len(self.fixed)} finite positions, one for each held vertex.")
+            raise InputError(
+                tr("Targets must be {n} finite positions, one for each held vertex.").format(
+                    n=len(self.fixed)
+                )
+            )
         if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
-            raise InputError("A target is absurdly far from the mesh; check its unit and the transform.")
+            raise InputError(tr("A target is absurdly far from the mesh; check its unit and the transform."))
         asked = targets[self._chosen] - self.rest.weld.offset_of(self.fixed[self._chosen])
         apart = targets - self.rest.weld.offset_of(self.fixed) - asked[self._inverse.ravel()]
         if np.abs(apart).max() > (1e-9 + self.rest.weld.slack) * self.rest.diagonal:
-            raise InputError("A vertex is held at two places at once; give it one target.")
+            raise InputError(tr("A vertex is held at two places at once; give it one target."))
         if U is not None:
-            U = numbers(U, "Positions to start from")
+            U = numbers(U, tr("Positions to start from"))
             if U.shape != self.rest.V.shape or not np.isfinite(U).all():
-                raise InputError(f"Positions to start from must be {len(self.rest.V)} finite positions.")
+                raise InputError(
+                    tr("Positions to start from must be {n} finite positions.").format(n=len(self.rest.V))
+                )
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if U is not None:
@@ -384,4 +391,6 @@ class Deformation:
         missed = self.missed
         if missed is None:
             return None
-        return f"Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
+        return tr(
+            "Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
+        ).format(missed=missed)

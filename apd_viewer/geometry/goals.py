@@ -13,9 +13,12 @@ from apd_viewer.geometry.measures import Patch
 from apd_viewer.geometry.mesh import whole_numbers
 from apd_viewer.geometry.operators import volume
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.language import tr
 
 # Beyond these a target is a slip of the hand.
 _LEAST, _MOST = 1.0, 1000.0
+# For the names of goals; those of regions are the user's.
+_WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,16 +93,24 @@ class Goal:
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
         # With as many digits as it takes to see that they differ.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
-        return f"{self.name} is at {reached:.{digits}g} % instead of {wanted:.4g} %"
+        return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
+            name=_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
+        )
 
 
 def patch_of(rest: RestMesh, region: Region) -> Patch:
     """The triangles that belong to a region, in vertices of the solve."""
     if not isinstance(region, Region) or not region.name:
-        raise InputError("Regions must be a list of Region(name, vertices), each with a name.")
-    vertices = whole_numbers(region.vertices, f"The vertices of the region “{region.name}”").ravel()
+        raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
+    vertices = whole_numbers(
+        region.vertices, tr("The vertices of the region “{name}”").format(name=region.name)
+    ).ravel()
     if len(vertices) and not 0 <= vertices.min() <= vertices.max() < len(rest.V):
-        raise InputError(f"The region “{region.name}” has a vertex that does not exist; correct its ids.")
+        raise InputError(
+            tr("The region “{name}” has a vertex that does not exist; correct its ids.").format(
+                name=region.name
+            )
+        )
     inside = np.zeros(len(rest.weld.first), dtype=bool)
     inside[rest.weld.inverse[vertices]] = True
     return Patch(rest.shape.F[inside[rest.shape.F].all(axis=1)], len(inside))
@@ -120,15 +131,19 @@ def make_goals(
         goals.append(_goal("the area", rest.shape.whole, False, rest.area, area))
     if inside is not None:
         if rest.why_no_volume or not rest.volume:
-            why = rest.why_no_volume or "the surface encloses nothing"
-            raise InputError(f"There is no volume to keep: {why}; leave the volume free.")
+            why = rest.why_no_volume or tr("the surface encloses nothing")
+            raise InputError(tr("There is no volume to keep: {why}; leave the volume free.").format(why=why))
         goals.append(_goal("the volume", rest.shape.whole, True, rest.volume, inside))
     for region in regions:
         if region.area is not None:
             patch = patch_of(rest, region)
             at_rest = patch.area(rest.shape.V)
             if at_rest <= 0.0:
-                raise InputError(f"The region “{region.name}” covers no whole triangle; make it larger.")
+                raise InputError(
+                    tr("The region “{name}” covers no whole triangle; make it larger.").format(
+                        name=region.name
+                    )
+                )
             goals.append(_goal(f"“{region.name}”", patch, False, at_rest, region.area))
     return tuple(goals)
 
@@ -136,6 +151,8 @@ def make_goals(
 def _goal(name: str, patch: Patch, is_volume: bool, rest: float, percent: float) -> Goal:
     if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
         raise InputError(
-            f"What {name} should be must be a percentage from {_LEAST:g} to {_MOST:g}, such as 100."
+            tr("What {name} should be must be a percentage from {least:g} to {most:g}, such as 100.").format(
+                name=_WORDS.get(name, name), least=_LEAST, most=_MOST
+            )
         )
     return Goal(name, patch, is_volume, rest, rest * float(percent) / 100.0)

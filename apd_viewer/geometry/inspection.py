@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.defects import defects
-from apd_viewer.geometry.mesh import TOLERANCE, Mesh, counted, frozen
+from apd_viewer.geometry.mesh import TOLERANCE, Mesh, frozen
 from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
 from apd_viewer.geometry.pieces import pieces
+from apd_viewer.language import tr, trn
 
 # A needle's longest edge is so many times its height.
 _NEEDLE = 100.0
@@ -102,81 +103,94 @@ def _of_vertices(mesh: Mesh) -> Iterator[Finding]:
     exact = np.ones(len(mesh.V), dtype=bool) if weld.offset is None else ~weld.offset.any(axis=1)
     repeated = int(exact.sum()) - len(weld.first)
     if repeated:
-        said = counted(repeated, "vertex repeats", "vertices repeat")
-        yield _found(
-            "repeated vertices",
-            f"{said} the position of another; they move together.",
-            np.flatnonzero(repeats),
-        )
+        said = trn(
+            "{n:,} vertex repeats the position of another; they move together.",
+            "{n:,} vertices repeat the position of another; they move together.",
+            repeated,
+        ).format(n=repeated)
+        yield _found("repeated vertices", said, np.flatnonzero(repeats))
     if weld.offset is not None:
         near = np.flatnonzero(weld.offset.any(axis=1))
-        said = counted(len(near), "vertex lies", "vertices lie")
-        yield _found(
-            "cracks",
-            f"{said} within {TOLERANCE:g} of the mesh's size from another; they move together.",
-            near,
-        )
+        said = trn(
+            "{n:,} vertex lies within {part:g} of the mesh's size from another; they move together.",
+            "{n:,} vertices lie within {part:g} of the mesh's size from another; they move together.",
+            len(near),
+        ).format(n=len(near), part=TOLERANCE)
+        yield _found("cracks", said, near)
     used = np.zeros(len(mesh.V), dtype=bool)
     used[mesh.F.ravel()] = True
     unused = np.flatnonzero(~used)
     if len(unused):
-        said = counted(len(unused), "vertex belongs", "vertices belong")
-        goes = "it goes" if len(unused) == 1 else "they go"
-        yield _found(
-            "unreferenced vertices", f"{said} to no face; {goes} along with the nearest surface.", unused
-        )
+        said = trn(
+            "{n:,} vertex belongs to no face; it goes along with the nearest surface.",
+            "{n:,} vertices belong to no face; they go along with the nearest surface.",
+            len(unused),
+        ).format(n=len(unused))
+        yield _found("unreferenced vertices", said, unused)
 
 
 def _of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
     flat = areas == 0.0
-    if flat.any():
-        said = counted(int(flat.sum()), "face has", "faces have")
-        yield _found("faces without area", f"{said} no area and no stiffness.", mesh.F[flat])
+    if n := int(flat.sum()):
+        said = trn(
+            "{n:,} face has no area and no stiffness.", "{n:,} faces have no area and no stiffness.", n
+        ).format(n=n)
+        yield _found("faces without area", said, mesh.F[flat])
     longest = np.zeros(len(mesh.F))
     for k in range(3):
         edge = mesh.V[mesh.F[:, k]] - mesh.V[mesh.F[:, k - 1]]
         np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
     needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
-    if needles.any():
-        said = counted(int(needles.sum()), "face is a needle", "faces are needles")
-        yield _found(
-            "needles",
-            f"{said}, over {_NEEDLE:g} times as long as high; it bends worse there.",
-            mesh.F[needles],
-        )
+    if n := int(needles.sum()):
+        said = trn(
+            "{n:,} face is a needle, over {times:g} times as long as high; it bends worse there.",
+            "{n:,} faces are needles, over {times:g} times as long as high; it bends worse there.",
+            n,
+        ).format(n=n, times=_NEEDLE)
+        yield _found("needles", said, mesh.F[needles])
 
 
 def _of_joints(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
     first = mesh.weld.first
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
     found = defects(F[proper], len(first))
-    if len(found.doubled):
-        said = counted(len(found.doubled), "face repeats", "faces repeat")
-        yield _found(
-            "doubled faces", f"{said} another; its area counts twice.", mesh.F[proper[found.doubled]]
-        )
-    if len(found.crowded):
-        said = counted(len(found.crowded), "edge has", "edges have")
-        yield _found(
-            "crowded edges",
-            f"{said} more than two faces: the surface is not manifold there.",
-            first[found.crowded],
-        )
-    if len(found.bow_ties):
-        said = counted(len(found.bow_ties), "vertex joins", "vertices join")
-        yield _found("bow ties", f"{said} surfaces that meet nowhere else around it.", first[found.bow_ties])
-    if len(found.flipped):
-        said = counted(len(found.flipped), "face looks", "faces look")
-        yield _found(
-            "flipped faces",
-            f"{said} the other way than the surface around: there is no volume.",
-            mesh.F[proper[found.flipped]],
-        )
+    if n := len(found.doubled):
+        said = trn(
+            "{n:,} face repeats another; its area counts twice.",
+            "{n:,} faces repeat another; its area counts twice.",
+            n,
+        ).format(n=n)
+        yield _found("doubled faces", said, mesh.F[proper[found.doubled]])
+    if n := len(found.crowded):
+        said = trn(
+            "{n:,} edge has more than two faces: the surface is not manifold there.",
+            "{n:,} edges have more than two faces: the surface is not manifold there.",
+            n,
+        ).format(n=n)
+        yield _found("crowded edges", said, first[found.crowded])
+    if n := len(found.bow_ties):
+        said = trn(
+            "{n:,} vertex joins surfaces that meet nowhere else around it.",
+            "{n:,} vertices join surfaces that meet nowhere else around it.",
+            n,
+        ).format(n=n)
+        yield _found("bow ties", said, first[found.bow_ties])
+    if n := len(found.flipped):
+        said = trn(
+            "{n:,} face looks the other way than the surface around: there is no volume.",
+            "{n:,} faces look the other way than the surface around: there is no volume.",
+            n,
+        ).format(n=n)
+        yield _found("flipped faces", said, mesh.F[proper[found.flipped]])
     if found.one_sided:
-        yield _found("one side only", "The surface has one side only, like a Möbius strip.")
-    if len(found.border):
-        said = counted(len(found.border), "border edge", "border edges")
-        yield _found("open borders", f"The surface is open: it has {said}.", first[found.border])
+        yield _found("one side only", tr("The surface has one side only, like a Möbius strip."))
+    if n := len(found.border):
+        said = trn(
+            "The surface is open: it has {n:,} border edge.",
+            "The surface is open: it has {n:,} border edges.",
+            n,
+        ).format(n=n)
+        yield _found("open borders", said, first[found.border])
 
 
 def _of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]:
@@ -184,11 +198,8 @@ def _of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding
     if len(names) > 1:
         others = np.setdiff1d(names, names[np.argmax(sizes)])
         vertices = mesh.F[np.isin(piece[F[:, 0]], others)]
-        yield _found(
-            "separate pieces",
-            f"There are {len(names):,} separate pieces; one that is not held stays where it is.",
-            vertices,
-        )
+        said = tr("There are {n:,} separate pieces; one that is not held stays where it is.")
+        yield _found("separate pieces", said.format(n=len(names)), vertices)
 
 
 def _of_size(mesh: Mesh) -> Iterator[Finding]:
@@ -198,12 +209,12 @@ def _of_size(mesh: Mesh) -> Iterator[Finding]:
     size = float(np.linalg.norm(np.ptp(used, axis=0)))
     away = float(np.linalg.norm(used.mean(axis=0)))
     if size < _TINY:
-        yield _found("tiny", f"The mesh is only {size:.3g} across; check its unit.")
+        yield _found("tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size))
     if size > _HUGE:
-        yield _found("huge", f"The mesh is {size:.3g} across; check its unit.")
+        yield _found("huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size))
     if away > _FAR * size > 0.0:
-        yield _found(
-            "far away",
-            f"The mesh lies {away:.3g} from the origin, {away / size:,.0f} times its size; "
-            "formats in single precision would round it.",
+        said = tr(
+            "The mesh lies {away:.3g} from the origin, {times:,.0f} times its size; "
+            "formats in single precision would round it."
         )
+        yield _found("far away", said.format(away=away, times=away / size))

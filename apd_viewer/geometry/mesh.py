@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -60,7 +61,7 @@ class Mesh:
     def __post_init__(self) -> None:
         V, F = self.V, self.F
         if self.origin is None:  # what is read from a file is as it should be, and nobody else has it
-            V, F = numbers(V, "Vertices"), whole_numbers(F, "Faces")
+            V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))
         object.__setattr__(self, "F", frozen(F))
@@ -247,7 +248,9 @@ def numbers(given: object, what: str) -> np.ndarray:
     except ValueError:  # rows of different lengths
         array = np.array(None)
     if array.dtype.kind not in "iuf":
-        raise InputError(f"{what} must be an array of real numbers with rows of equal length.")
+        raise InputError(
+            tr("{what} must be an array of real numbers with rows of equal length.").format(what=what)
+        )
     return array.astype(np.float64)
 
 
@@ -255,34 +258,45 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
     """Copy what a caller gave into an int64 array, or raise InputError where that would round."""
     array = numbers(given, what)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
-        raise InputError(f"{what} must be whole numbers: ids of vertices, counted from 0.")
+        raise InputError(
+            tr("{what} must be whole numbers: ids of vertices, counted from 0.").format(what=what)
+        )
     return array.astype(np.int64)
 
 
 def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
     """Raise InputError unless ``V`` (n, 3) and ``F`` (m, 3) describe a triangle mesh with an area."""
     if V.ndim != 2 or V.shape[1] != 3:
-        raise InputError(f"Vertices must be an (n, 3) array, not {V.shape}; give one row x y z a vertex.")
+        raise InputError(
+            tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z a vertex.").format(
+                shape=V.shape
+            )
+        )
     if F.ndim != 2 or F.shape[1] != 3:
         raise InputError(
-            f"Faces must be an (m, 3) array of triangles, not {F.shape}; triangulate the mesh first."
+            tr("Faces must be an (m, 3) array of triangles, not {shape}; triangulate the mesh first.").format(
+                shape=F.shape
+            )
         )
     if len(F) == 0:
-        raise InputError("There are no faces in it; export the mesh as a surface.")
+        raise InputError(tr("There are no faces in it; export the mesh as a surface."))
     if not np.isfinite(V).all():
         bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
-        raise InputError(
-            f"{counted(len(bad), 'vertex has', 'vertices have')} a coordinate that is not a number "
-            f"(the first is vertex {bad[0]}); repair the file."
+        said = trn(
+            "{n:,} vertex has a coordinate that is not a number (the first is vertex {first}); "
+            "repair the file.",
+            "{n:,} vertices have a coordinate that is not a number (the first is vertex {first}); "
+            "repair the file.",
+            len(bad),
         )
+        raise InputError(said.format(n=len(bad), first=bad[0]))
     if F.min() < 0 or F.max() >= len(V):
         missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
-        raise InputError(
-            f"{counted(missing, 'face refers', 'faces refer')} to missing vertices "
-            f"(there are {len(V):,}); repair the file or export it again."
+        said = trn(
+            "{n:,} face refers to missing vertices (there are {there:,}); "
+            "repair the file or export it again.",
+            "{n:,} faces refer to missing vertices (there are {there:,}); "
+            "repair the file or export it again.",
+            missing,
         )
-
-
-def counted(number: int, one: str, many: str) -> str:
-    """A number with its noun and verb: ``counted(2, "face has", "faces have")`` is "2 faces have"."""
-    return f"{number:,} {one if number == 1 else many}"
+        raise InputError(said.format(n=missing, there=len(V)))

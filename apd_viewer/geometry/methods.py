@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.elastic import Material
+from apd_viewer.language import tr
 
 METHODS = ("exact", "local", "paper", "arap", "sr-arap")
 DEFAULT_METHOD = "exact"
@@ -25,27 +26,34 @@ PLAIN_ONLY = ("paper", "sr-arap")
 def check_method(method: str, handle_of: np.ndarray) -> None:
     """Raise InputError unless there is such a method, and enough is held for it."""
     if method not in METHODS:
-        raise InputError(f"There is no method {method!r}; choose one of {', '.join(METHODS)}.")
+        raise InputError(
+            tr("There is no method {method!r}; choose one of {methods}.").format(
+                method=method, methods=", ".join(METHODS)
+            )
+        )
     if len(handle_of) == 0:
-        raise InputError("Nothing is held; name the vertices that stay or move as given.")
+        raise InputError(tr("Nothing is held; name the vertices that stay or move as given."))
     if method == "paper" and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(
-            "The method 'paper' needs base and handle; name the handle's vertices among the held ones."
+            tr("The method 'paper' needs base and handle; name the handle's vertices among the held ones.")
         )
 
 
 def check_tolerance(tolerance: float) -> None:
     """Raise InputError unless the tolerance is greater than zero."""
     if not isinstance(tolerance, Real) or not tolerance > 0.0:
-        raise InputError("The tolerance must be greater than zero, such as 0.001 for 0.1 %.")
+        raise InputError(tr("The tolerance must be greater than zero, such as 0.001 for 0.1 %."))
 
 
 def material_of(method: str, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
     """The weights of the energy that a method minimises."""
-    given = {"stiffness": stiffness, "area stiffness": area_stiffness, "shear stiffness": shear_stiffness}
-    for name, weight in given.items():
+    for weight, otherwise in (
+        (stiffness, tr("The stiffness must be a number of at least zero.")),
+        (area_stiffness, tr("The area stiffness must be a number of at least zero.")),
+        (shear_stiffness, tr("The shear stiffness must be a number of at least zero.")),
+    ):
         if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
-            raise InputError(f"The {name} must be a number of at least zero.")
+            raise InputError(otherwise)
     if method == "sr-arap":
         return Material(coupling=stiffness)
     if method == "local":

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from apd_viewer.errors import InputError
+from apd_viewer.language import tr
 
 # Of the matrix of a rigid pose: far more than products of many rotations lose, far less than can be seen.
 _RIGID = 1e-9
@@ -52,7 +53,7 @@ def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
     """The scaling that ``point`` (3,) stays at, by one factor or by one along each of x, y and z."""
     each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
     if not np.isfinite(each).all() or not each.all():
-        raise InputError("A scale must be a finite number other than 0; give one such as 1.5.")
+        raise InputError(tr("A scale must be a finite number other than 0; give one such as 1.5."))
     return _about(point, np.diag(each))
 
 
@@ -61,8 +62,10 @@ def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarra
     start, end = np.asarray(base, dtype=float), np.asarray(handle, dtype=float)
     if np.abs(end - start).max() <= _APART * max(np.abs(start).max(), np.abs(end).max()):
         raise InputError(
-            "The centres of the base and the handle coincide, so there is no line to twist about; "
-            "bend about an axis instead."
+            tr(
+                "The centres of the base and the handle coincide, so there is no line to twist about; "
+                "bend about an axis instead."
+            )
         )
     return turned_about(start, end - start, angle)
 
@@ -118,7 +121,7 @@ def _direction(axis: npt.ArrayLike) -> np.ndarray:
     way = np.asarray(axis, dtype=float)
     longest = np.abs(way).max()
     if not 0.0 < longest < np.inf:
-        raise InputError("The axis has no direction; give three finite numbers that are not all 0.")
+        raise InputError(tr("The axis has no direction; give three finite numbers that are not all 0."))
     # Squares of numbers such as 1e-200 would be 0.
     way = way / longest
     return way / np.linalg.norm(way)

@@ -10,6 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from numba import njit
 
+from apd_viewer.language import tr, trn
+
 
 def vertex_neighbours(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """One-ring of every vertex as a compressed sparse row graph.
@@ -89,10 +91,16 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
     """
     border, crowded, one_way = _odd_edges(F, n)
     if border:
-        return f"the surface is open ({border:,} border edges)"
+        return trn(
+            "the surface is open ({n:,} border edge)", "the surface is open ({n:,} border edges)", border
+        ).format(n=border)
     if crowded:
-        return f"the surface is not manifold ({crowded:,} edges with more than two faces)"
-    return "the faces are not oriented alike" if one_way else None
+        return trn(
+            "the surface is not manifold ({n:,} edge with more than two faces)",
+            "the surface is not manifold ({n:,} edges with more than two faces)",
+            crowded,
+        ).format(n=crowded)
+    return tr("the faces are not oriented alike") if one_way else None
 
 
 @njit(cache=True, nogil=True)

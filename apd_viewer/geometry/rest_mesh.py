@@ -15,6 +15,7 @@ from apd_viewer.geometry.mesh import Weld
 from apd_viewer.geometry.operators import face_areas, why_no_volume
 from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.thinning import Thinning
+from apd_viewer.language import tr
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.
 _SLIVER = 1e-9
@@ -41,9 +42,9 @@ class RestMesh:
         self.face_areas = face_areas(V, F)
         self.area = float(self.face_areas.sum())
         if self.area <= 0.0:
-            raise InputError("The mesh has no area: all its faces are degenerate; export it again.")
+            raise InputError(tr("The mesh has no area: all its faces are degenerate; export it again."))
         if not np.isfinite(self.area):
-            raise InputError("The mesh is too large to compute with: choose a larger unit of length.")
+            raise InputError(tr("The mesh is too large to compute with: choose a larger unit of length."))
         self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinnings)
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
@@ -108,11 +109,13 @@ class RestMesh:
         if not loose:
             return None
         if loose == 1:
-            return "A separate piece is held by nothing; it stays where it is."
-        return f"{loose:,} separate pieces are held by nothing; they stay where they are."
+            return tr("A separate piece is held by nothing; it stays where it is.")
+        return tr("{loose:,} separate pieces are held by nothing; they stay where they are.").format(
+            loose=loose
+        )
 
     def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
         """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
         why = self.why_no_volume
-        said = (self.loose_warning(fixed), f"There is no volume: {why}." if why else None)
+        said = (self.loose_warning(fixed), tr("There is no volume: {why}.").format(why=why) if why else None)
         return tuple(sentence for sentence in said if sentence)
