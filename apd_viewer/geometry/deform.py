@@ -34,6 +34,8 @@ class Result:
         Deformed positions in the order of the file, mesh units.
     area_target, volume_target : float or None
         What was asked of the total area and the volume.
+    volume_capped_rest, volume_capped : float or None
+        Volumes of an open surface, with flat caps over its ``openings``.
     regions : tuple of Reading
         What became of each region.
     local_change : float
@@ -55,6 +57,9 @@ class Result:
     volume_rest: float | None
     volume: float | None
     volume_target: float | None
+    volume_capped_rest: float | None
+    volume_capped: float | None
+    openings: int
     energy: float
     handle_drift: float
     regions: tuple[Reading, ...]
@@ -181,6 +186,9 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         volume_rest=solver.rest.volume,
         volume=frame.volume,
         volume_target=solver.target("the volume"),
+        volume_capped_rest=solver.rest.volume_capped,
+        volume_capped=frame.volume_capped,
+        openings=solver.rest.openings,
         energy=solver.rest.energy(frame.U),
         handle_drift=frame.handle_drift,
         regions=solver.readings(frame),

@@ -82,6 +82,8 @@ class Frame:
         Area of each region.
     local_change : float
         Largest relative change of the area of a triangle, up or down.
+    volume_capped : float or None
+        Volume with flat caps over the openings; None where the surface has none.
     unreached : str or None
         What was asked for but cannot be reached in this pose, and how near it came: a sentence.
     """
@@ -96,6 +98,7 @@ class Frame:
     settled: bool = True
     regions: tuple[float, ...] = ()
     local_change: float = 0.0
+    volume_capped: float | None = None
     unreached: str | None = None
 
 
@@ -319,19 +322,17 @@ class Deformation:
         """The shape after the last iteration, and its readings."""
         method, settled = self._method, self.settled
         with cores_for(len(method.U)):
-            area, volume, local_change = self.rest.survey(method.U)
+            found = self.rest.survey(method.U)
             regions = tuple(patch.area(method.U) for patch in self._patches)
         return Frame(
             U=frozen(self._spread(method.U)),
             iteration=self._iteration,
-            area=area,
-            area_error=area / self.rest.area - 1.0,
-            volume=volume,
+            **found._asdict(),
+            area_error=found.area / self.rest.area - 1.0,
             handle_drift=self._drift(),
             converged=settled and method.met,
             settled=settled,
             regions=regions,
-            local_change=local_change,
             unreached=self._unreached() if method.stuck else None,
         )
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.caps import Caps, capped_volume
 from apd_viewer.geometry.defects import defects
 from apd_viewer.geometry.mesh import TOLERANCE, Mesh, frozen
 from apd_viewer.geometry.operators import face_areas, volume, why_no_volume
@@ -52,6 +53,10 @@ class Inspection:
         Connected pieces of the surface, after vertices at the same position are joined.
     area, volume : float
         Square and cubic mesh units; volume is None where ``why_no_volume`` says why.
+    volume_capped : float or None
+        Of an open surface with flat caps over its ``openings``; None where that encloses nothing.
+    openings : int
+        How many are capped.
     size : tuple of float
         Extent along x, y and z.
     findings : tuple of Finding
@@ -63,6 +68,8 @@ class Inspection:
     area: float
     volume: float | None
     why_no_volume: str | None
+    volume_capped: float | None
+    openings: int
     size: tuple[float, float, float]
     findings: tuple[Finding, ...]
 
@@ -72,6 +79,8 @@ def inspect(mesh: Mesh) -> Inspection:
     first, inverse = mesh.weld.first, mesh.weld.inverse
     F = inverse[mesh.F]
     why = why_no_volume(F, len(first))
+    caps = Caps.of(F, len(first)) if why else None
+    capped = capped_volume(caps, mesh.V[first], F)
     areas = face_areas(mesh.V, mesh.F)
     piece = pieces(F, len(first))
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
@@ -82,6 +91,8 @@ def inspect(mesh: Mesh) -> Inspection:
         area=float(areas.sum()),
         volume=None if why else volume(mesh.V, mesh.F),
         why_no_volume=why,
+        volume_capped=capped,
+        openings=0 if caps is None or capped is None else caps.count,
         size=(dx, dy, dz),
         findings=(
             *_of_vertices(mesh),

@@ -89,7 +89,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
 
     A surface is closed when every edge is used once in each direction.
     """
-    border, crowded, one_way = _odd_edges(F, n)
+    border, crowded, one_way = odd_edges(F, n)
     if border:
         return trn(
             "the surface is open ({n:,} border edge)", "the surface is open ({n:,} border edges)", border
@@ -104,7 +104,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
 
 
 @njit(cache=True, nogil=True)
-def _odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
+def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
     """How many edges one triangle has, how many more than two, and how many two have in the same direction.
 
     Triangles with a corner twice do not count.

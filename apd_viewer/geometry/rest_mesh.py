@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.attached import Attached
+from apd_viewer.geometry.caps import Caps, capped_volume
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.measures import survey
 from apd_viewer.geometry.mesh import Weld
@@ -19,6 +21,26 @@ from apd_viewer.language import tr
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.
 _SLIVER = 1e-9
+
+
+class Survey(NamedTuple):
+    """Readings of a shape, under the names that they have in a frame.
+
+    Attributes
+    ----------
+    area : float
+    volume : float or None
+        None if the mesh is not closed.
+    local_change : float
+        Largest relative change of a triangle's area, up or down.
+    volume_capped : float or None
+        With flat caps over the openings; None if there are none, or they would not close the mesh.
+    """
+
+    area: float
+    volume: float | None
+    local_change: float
+    volume_capped: float | None
 
 
 class RestMesh:
@@ -59,7 +81,23 @@ class RestMesh:
     def volume(self) -> float | None:
         """Enclosed volume at rest; None if the mesh is not closed."""
         with cores_for(len(self.shape.V)):
-            return self.survey(self.shape.V)[1]
+            return self.survey(self.shape.V).volume
+
+    @cached_property
+    def _caps(self) -> Caps | None:
+        caps = Caps.of(self.shape.F, len(self.shape.V))
+        return caps if capped_volume(caps, self.shape.V, self.shape.F) is not None else None
+
+    @property
+    def openings(self) -> int:
+        """How many openings are capped for :attr:`volume_capped`."""
+        return self._caps.count if self._caps is not None else 0
+
+    @cached_property
+    def volume_capped(self) -> float | None:
+        """Volume at rest with flat caps over the openings; None if that encloses nothing."""
+        with cores_for(len(self.shape.V)):
+            return self.survey(self.shape.V).volume_capped
 
     @cached_property
     def _attached(self) -> Attached | None:
@@ -75,20 +113,13 @@ class RestMesh:
         """
         return self.weld.spread(U if self._attached is None else self._attached.carried(U, held))
 
-    def survey(self, U: np.ndarray) -> tuple[float, float | None, float]:
-        """Readings of the positions ``U`` (k, 3) of the vertices of the solve.
-
-        Returns
-        -------
-        area : float
-        volume : float or None
-            None if the mesh is not closed.
-        change : float
-            Largest relative change of a triangle's area, up or down.
-        """
+    def survey(self, U: np.ndarray) -> Survey:
+        """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
         least = _SLIVER * self.area / len(self.F)
-        area, volume, change = survey(U, self.shape.whole.F, self.face_areas, least)
-        return float(area), None if self.why_no_volume else float(volume), float(change)
+        F, caps = self.shape.whole.F, self._caps
+        area, volume, change = survey(U, F, self.face_areas, least)
+        capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
+        return Survey(float(area), None if self.why_no_volume else float(volume), float(change), capped)
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""

@@ -395,6 +395,7 @@ def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
         area=inspection.area,
         area_error=0.0,
         volume=inspection.volume,
+        volume_capped=inspection.volume_capped,
         handle_drift=0.0,
         converged=True,
     )

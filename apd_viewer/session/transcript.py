@@ -117,9 +117,8 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
     if U is not mesh.V:
         rest = RestMesh(mesh.V, mesh.F, mesh.weld)
         with cores_for(len(mesh.weld.first)):
-            area, volume, change = rest.survey(U[mesh.weld.first])
-        error = area / rest.area - 1.0
-        frame = replace(frame, U=U, area=area, area_error=error, volume=volume, local_change=change)
+            found = rest.survey(U[mesh.weld.first])
+        frame = replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
     settled = said.flag("settled")
     return replace(
         frame,

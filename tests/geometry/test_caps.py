@@ -1,0 +1,112 @@
+"""An open surface with flat caps: closed forms, and the volume of the mesh that really has them."""
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, grid, rabbit, rotation, soup, sphere, tube
+from numpy.testing import assert_allclose
+
+from apd_viewer.geometry.caps import Caps, capped_volume
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.mesh import Mesh
+
+AWAY = np.array([300.0, -70.0, 20.0])
+
+
+def opened_box():
+    """A box of 20 without its top, of the height 5."""
+    V, F = box(2, 2, 5)
+    return V, F[(V[F][:, :, 2] < 5).any(axis=1)]
+
+
+def sewn(V, F, caps):
+    """The volume and the area of the same surface with the caps sewn in, by trimesh."""
+    size = np.diff(caps.start, append=len(caps.ends))
+    middles = np.array([V[part[:, 0]].mean(axis=0) for part in np.split(caps.ends, caps.start[1:])])
+    fans = np.column_stack([caps.ends, len(V) + np.repeat(np.arange(len(size)), size)])
+    other = trimesh.Trimesh(np.vstack([V, middles]), np.vstack([F, fans]), process=False)
+    assert other.is_watertight
+    assert other.is_winding_consistent
+    return other.volume, trimesh.Trimesh(other.vertices, fans, process=False).area
+
+
+def test_a_box_without_its_top_holds_what_the_box_does():
+    V, F = opened_box()
+    caps = Caps.of(F, len(V))
+    assert caps.count == 1
+    assert capped_volume(caps, V, F) == pytest.approx(20.0, rel=1e-14)
+    assert capped_volume(caps, V, F[:, ::-1]) != pytest.approx(20.0)
+    assert caps.area(V) == pytest.approx(4.0, rel=1e-14)
+
+
+def test_a_tube_is_a_prism_with_two_caps():
+    V, F = tube(9, 7, height=3.0)
+    caps, floor = Caps.of(F, len(V)), 9 / 2 * np.sin(2 * np.pi / 9)
+    assert caps.count == 2
+    assert caps.area(V) == pytest.approx(2 * floor, rel=1e-13)
+    assert capped_volume(caps, V, F) == pytest.approx(sewn(V, F, caps)[0], rel=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wild_surface_has_the_volume_of_the_one_with_the_caps_sewn_in(seed):
+    """Two holes whose borders lie in no plane, anywhere in space."""
+    V, F = rabbit()
+    rng = np.random.default_rng(seed)
+    U = (V + 0.1 * rng.normal(size=V.shape)) @ rotation(rng.normal(size=3), 2.0).T + seed * AWAY
+    caps = Caps.of(F, len(U))
+    assert caps.count == 2
+    assert_allclose(capped_volume(caps, U, F), sewn(U, F, caps)[0], rtol=1e-10)
+    assert caps.area(U) <= sewn(U, F, caps)[1]
+
+
+def test_a_cap_that_is_no_convex_polygon_has_its_own_area():
+    """The mouth is the letter L: the fan turns over, and its parts cancel out."""
+    V, F = box(3, 3, 2)
+    middle = V[F].mean(axis=1)
+    mouth = (middle[:, 2] == 2) & ((middle[:, 0] < 1) | (middle[:, 1] < 1))
+    caps = Caps.of(F[~mouth], len(V))
+    assert caps.area(V) == pytest.approx(5.0, rel=1e-13)
+    assert capped_volume(caps, V, F[~mouth]) == pytest.approx(18.0, rel=1e-13)
+
+
+def test_nothing_is_capped_that_caps_would_not_close():
+    V, F = sphere(1)
+    assert Caps.of(F, len(V)) is None, "it is closed"
+    turned = F[1:].copy()
+    turned[7] = turned[7, ::-1]
+    assert Caps.of(turned, len(V)) is None, "the sides differ"
+    assert Caps.of(np.vstack([F[1:], [[F[5, 0], F[5, 1], len(V)]]]), len(V) + 1) is None, "not manifold"
+    V, F = grid(4, 4)
+    assert capped_volume(Caps.of(F, len(V)), V @ rotation([1, 2, 3], 1.0).T + AWAY, F) is None, "a flat sheet"
+
+
+def test_the_inspection_says_what_is_capped_and_leaves_the_volume_alone():
+    found = inspect(Mesh(*soup(*opened_box())))
+    assert found.volume is None
+    assert found.why_no_volume == "the surface is open (8 border edges)"
+    assert found.volume_capped == pytest.approx(20.0, rel=1e-14)
+    assert found.openings == 1
+    closed, sheet = inspect(Mesh(*box())), inspect(Mesh(*grid()))
+    assert (closed.volume_capped, closed.openings) == (sheet.volume_capped, sheet.openings) == (None, 0)
+
+
+def test_every_frame_has_the_volume_with_the_mouth_capped():
+    V, F = opened_box()
+    V, F = soup(V, F)
+    fixed = np.flatnonzero((V[:, 2] == 0) | (V[:, 2] >= 4))
+    targets = V[fixed] + np.where(V[fixed, 2:] > 0, [0.3, 0.0, -1.5], 0.0)
+    solver = Deformation(V, F, fixed)
+    solver.aim(targets)
+    for _ in range(3):
+        frame = solver.step()
+        joined = Mesh(frame.U, F).joined_F
+        assert frame.volume is None
+        assert frame.volume_capped == pytest.approx(sewn(frame.U, joined, Caps.of(joined, len(V)))[0])
+    result = deform(V, F, fixed, targets)
+    assert result.volume_capped_rest == pytest.approx(20.0, rel=1e-13)
+    assert result.openings == 1
+    assert result.volume is None
+    assert result.volume_capped == pytest.approx(sewn(result.U, joined, Caps.of(joined, len(V)))[0])
+    assert result.volume_capped < 19.9
