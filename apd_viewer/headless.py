@@ -13,12 +13,13 @@ from apd_viewer import papertables
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.replacing import make_folder, replacing
-from apd_viewer.files.report import write_report
+from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_region, read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
 from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.examination import examined
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import inspect
 from apd_viewer.geometry.methods import (
@@ -31,6 +32,7 @@ from apd_viewer.geometry.methods import (
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.session.replaying import replay
+from apd_viewer.session.sentences import about_caps, of_crossings
 
 if TYPE_CHECKING:
     import argparse
@@ -242,6 +244,11 @@ def _summary(result: Result, output: Path, written: Written) -> str:
     ]
     if result.volume is not None and result.volume_rest:
         lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
+    elif result.volume_capped is not None and result.volume_capped_rest:
+        reading = _reading(result.volume_capped, result.volume_capped_rest)
+        lines.append(
+            tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
+        )
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("triangles change by up to {change:.3g} %").format(change=100 * result.local_change))
     lines.append(tr("handle  {drift:.4g} from where it was put").format(drift=result.handle_drift))
@@ -268,7 +275,8 @@ def _reading(value: float, rest: float) -> str:
 
 def _info(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
-    found = inspect(mesh)
+    found, examination = inspect(mesh), examined(mesh.V, mesh.joined_F)
+    all_found = [*found.findings, *of_crossings(mesh, examination.crossing)]
     if options.json:
         findings = [
             {
@@ -277,10 +285,11 @@ def _info(options: argparse.Namespace) -> None:
                 "vertex_count": len(finding.vertices),
                 "vertices": finding.vertices[:_MOST_VERTICES].tolist(),
             }
-            for finding in found.findings
+            for finding in all_found
         ]
+        room = room_of(mesh, mesh.V, examination)
         report = {field.name: getattr(found, field.name) for field in fields(found)}
-        print(json.dumps({"mesh": str(options.mesh), **report, "findings": findings}, indent=2))
+        print(json.dumps({"mesh": str(options.mesh), **report, **room, "findings": findings}, indent=2))
         return
     size = " x ".join(f"{extent:.6g}" for extent in found.size)
     print(
@@ -294,7 +303,11 @@ def _info(options: argparse.Namespace) -> None:
     if found.volume is not None:
         volume = f"{found.volume:.6g}"
     print(tr("volume  {reading}").format(reading=volume))
-    for sentence in [finding.sentence for finding in found.findings] or [tr("Nothing unusual was found.")]:
+    if found.volume_capped is not None:
+        print(f"        {found.volume_capped:.6g} {about_caps(found.openings)}")
+    packed = tr("box     {reading}, the volume of the smallest one that was found")
+    print(packed.format(reading=f"{examination.packed:.6g}"))
+    for sentence in [finding.sentence for finding in all_found] or [tr("Nothing unusual was found.")]:
         print(sentence)
 
 

@@ -20,7 +20,7 @@ LIBRARIES = {
     "ui": SCREEN | {"numpy"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh"},
-    "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification"},
+    "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk"},
     "errors": set(),
     "language": set(),
 }
@@ -29,6 +29,7 @@ DRAWS = {"ui/picture.py", "ui/shading.py", "ui/surface.py", "ui/viewport.py"}
 CONFINED = {
     "cholespy": {"geometry/linear_solver.py"},
     "fast_simplification": {"geometry/thinning.py"},
+    "ipctk": {"geometry/crossings.py"},
     "pyvista": DRAWS,
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,
@@ -264,7 +265,7 @@ FIRST_PICTURE = """
     import apd_viewer.ui.window
     loaded = {name.partition(".")[0] for name in sys.modules}
     assert "pyvistaqt" in loaded, "the test is blind"
-    assert not loaded & {"numba", "scipy", "cholespy", "trimesh"}, loaded
+    assert not loaded & {"numba", "scipy", "cholespy", "trimesh", "ipctk"}, loaded
     import apd_viewer
     assert "Deformation" in dir(apd_viewer)
     assert apd_viewer.Deformation.__name__ == "Deformation"

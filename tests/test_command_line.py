@@ -19,6 +19,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
 from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.inspection import inspect
 from apd_viewer.geometry.mesh import frozen
 from apd_viewer.geometry.methods import METHODS
 from apd_viewer.session.document import opened
@@ -719,6 +720,37 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
         assert words in said
     assert re.search(r"(?m)^volume +none: the surface is open", said)
     assert "Nothing unusual" not in said
+
+
+def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tmp_path, command):
+    V, F = box(2, 2, 5)
+    mouth = (V[F][:, :, 2] == 5).all(axis=1)
+    found = json.loads(command("info", Case(tmp_path, V, F[~mouth]).mesh, "--json")[1])
+    assert found["volume"] is None
+    assert (found["volume_capped"], found["openings"]) == (pytest.approx(20), 1)
+    assert found["packed_volume"] == pytest.approx(found["box_volume"]) == pytest.approx(20)
+    assert found["self_intersections"] == 0
+    assert "20 with its mouth capped flat" in command("info", tmp_path / "in.obj")[1]
+    W, G = np.vstack([V, V + [0.6, 0.7, 4.1]]), np.vstack([F, F + len(V)])
+    found = json.loads(command("info", Case(tmp_path, W, G).mesh, "--json")[1])
+    (place,) = (each for each in found["findings"] if each["kind"] == "self-intersections")
+    assert place["vertex_count"] >= found["self_intersections"] / 2 > 2
+    assert f"{found['self_intersections']} triangles pass through others" in place["sentence"]
+    assert place["sentence"] in command("info", tmp_path / "in.obj")[1]
+
+
+def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_path, deformed):
+    V, F = box(2, 2, 5)
+    report, mesh, out = deformed(Case(tmp_path, V, F[~(V[F][:, :, 2] == 5).all(axis=1)]))
+    assert report["volume"] is report["volume_rest"] is None
+    capped = inspect(mesh)
+    assert report["volume_capped_rest"] == pytest.approx(20)
+    assert report["volume_capped"] == pytest.approx(capped.volume_capped, rel=1e-9)
+    assert report["openings"] == 1
+    assert re.search(r"(?m)^volume .* of 20 \(.*\), with its mouth capped flat$", out)
+    assert report["self_intersections"] == report["self_intersections_rest"] == 0
+    assert report["packed_volume"] <= report["box_volume"] == pytest.approx(np.prod(np.ptp(mesh.V, axis=0)))
+    assert any("There is no volume" in warning for warning in report["warnings"])
 
 
 # ---- help, version and the window

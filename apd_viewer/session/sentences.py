@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from apd_viewer.files.selection import Selection
 from apd_viewer.geometry.inspection import Finding
+from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.language import tr, trn
 from apd_viewer.session.units import Unit
 
@@ -53,3 +56,18 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
     if selection.same_mesh:
         return tr("Painted as {name} says.").format(name=name)
     return tr("Painted as {name} says; it was made for another shape of as many vertices.").format(name=name)
+
+
+def about_caps(openings: int) -> str:
+    """How a surface with so many openings was closed to measure its volume."""
+    said = trn("with its mouth capped flat", "with its {n:,} openings capped flat", openings)
+    return said.format(n=openings)
+
+
+def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
+    """What there is to say of the triangles that pass through others; nothing where there are none."""
+    if crossing is None or not len(crossing):
+        return ()
+    said = tr("{n:,} triangles pass through others; the volume is wrong by what they share.")
+    where = frozen(np.unique(mesh.F[crossing]))
+    return (Finding("self-intersections", said.format(n=len(crossing)), where),)

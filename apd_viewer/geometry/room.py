@@ -1,0 +1,62 @@
+"""The room that a shape takes: in boxes, and against the smallest surface around what it encloses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+# The smallest box is looked for from so many orientations, and then nearer and nearer to the best of them.
+_ORIENTATIONS, _BEST = 200, 4
+_NEAR = 0.05  # radians
+# Corners of the convex hull that are enough to tell one orientation from another.
+_ENOUGH = 4000
+
+
+def box_volume(points: np.ndarray) -> float:
+    """Volume of the box along the axes around the ``points`` (k, 3)."""
+    return float(np.prod(np.ptp(points, axis=0)))
+
+
+def packed_volume(points: np.ndarray) -> float:
+    """Volume of the smallest box that was found around the ``points`` (k, 3), turned in any way.
+
+    No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
+    along the axes.
+    """
+    from scipy.optimize import minimize  # here, because few runs of the program come this way
+    from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial.transform import Rotation
+
+    try:
+        corners = points[ConvexHull(points).vertices]
+    except QhullError:  # it is flat
+        return 0.0
+    corners = np.ascontiguousarray((corners - corners.mean(axis=0)).T)
+    some = np.ascontiguousarray(corners[:, :: 1 + corners.shape[1] // _ENOUGH])
+
+    def turned(turn: np.ndarray, what: np.ndarray = some) -> float:
+        return box_volume((Rotation.from_rotvec(turn).as_matrix() @ what).T)
+
+    spread = Rotation.random(_ORIENTATIONS, rng=0).as_rotvec()
+    best = spread[np.argsort([turned(turn) for turn in spread])[:_BEST]]
+    smallest = box_volume(points)
+    for start in (np.zeros(3), _principal(corners), *best):
+        around = np.vstack([start, start + _NEAR * np.eye(3)])
+        options = {"initial_simplex": around, "xatol": 1e-7, "fatol": 1e-12 * smallest, "maxiter": 400}
+        found = minimize(turned, start, method="Nelder-Mead", options=options).x
+        smallest = min(smallest, turned(found, corners))
+    return smallest
+
+
+def _principal(corners: np.ndarray) -> np.ndarray:
+    """The turn, as a rotation vector, that brings the principal axes of ``corners`` (3, k) to the axes."""
+    from scipy.spatial.transform import Rotation
+
+    axes = np.linalg.eigh(corners @ corners.T)[1].T
+    return Rotation.from_matrix(axes * np.linalg.det(axes)).as_rotvec()
+
+
+def compactness(volume: float, area: float) -> float:
+    """``36 pi V^2 / A^3``: 1 for a ball, less for everything else; ``area`` is that of a closed surface."""
+    return 36.0 * math.pi * volume**2 / area**3

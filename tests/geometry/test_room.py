@@ -1,0 +1,56 @@
+"""Boxes and compactness: closed forms, any orientation, and what cannot be."""
+
+import meshes
+import numpy as np
+import pytest
+
+from apd_viewer.geometry.examination import examined
+from apd_viewer.geometry.operators import area, volume
+from apd_viewer.geometry.room import box_volume, compactness, packed_volume
+
+TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
+# The smallest box: of a box itself; of a tetrahedron the cube whose faces have one edge each.
+KNOWN = {"long": (meshes.box(1, 3, 40)[0], 120.0), "cube": (meshes.box(3, 3, 3)[0], 27.0)}
+KNOWN |= {"tetrahedron": (TETRAHEDRON, 8.0), "plate": (meshes.box(1, 20, 20)[0], 400.0)}
+
+
+@pytest.mark.parametrize("turn", range(5))
+@pytest.mark.parametrize("name", KNOWN)
+def test_the_smallest_box_is_found_however_the_shape_lies(name, turn):
+    points, smallest = KNOWN[name]
+    rng = np.random.default_rng(turn)
+    R = meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi))
+    placed = 1e-3 * points @ R.T + [50, 0, -7]
+    assert packed_volume(placed) == pytest.approx(1e-9 * smallest, rel=1e-6)
+    assert box_volume(points @ R.T) == pytest.approx(np.prod(np.ptp(points @ R.T, axis=0)))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_box_of_many_orientations_is_smaller(seed):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(60, 3)) * [4, 2, 1]
+    packed = packed_volume(points)
+    turns = [meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi)) for _ in range(4000)]
+    tried = min(box_volume(points @ R.T) for R in turns)
+    assert packed <= min(tried, box_volume(points))
+    assert packed > 0.8 * tried
+
+
+def test_what_is_flat_takes_no_room():
+    V, F = meshes.grid(4, 3)
+    assert packed_volume(V @ meshes.rotation([1, 2, 3], 0.8).T) == 0.0
+    found = examined(V, F)
+    assert found.packed == 0.0
+    assert len(found.crossing) == 0
+
+
+def test_a_vertex_without_a_face_takes_no_room():
+    V, F = meshes.box(1, 2, 3)
+    assert examined(np.vstack([V, [[90, 90, 90]]]), F).packed == pytest.approx(6.0, rel=1e-9)
+
+
+def test_a_ball_is_the_most_compact():
+    assert compactness(1.0, 6.0) == pytest.approx(np.pi / 6)
+    V, F = meshes.sphere(4)
+    assert 0.99 < compactness(volume(V, F), area(V, F)) < 1.0
+    assert compactness(4 / 3 * np.pi * 7**3, 4 * np.pi * 7**2) == pytest.approx(1.0)
