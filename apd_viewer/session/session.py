@@ -24,6 +24,7 @@ from apd_viewer.session.baking import baked
 from apd_viewer.session.by_numbers import chosen, place
 from apd_viewer.session.document import IDENTITY, State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
+from apd_viewer.session.examining import Examining
 from apd_viewer.session.expressions import length
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
@@ -55,6 +56,7 @@ class Session:
     Attributes
     ----------
     autosave : Autosave
+    examining : Examining
     parts : Parts
     settings : Settings
     unit : Unit
@@ -62,6 +64,7 @@ class Session:
     """
 
     def __init__(self, listener: Listener) -> None:
+        listener = watched(listener, lambda: self.examining.follow())
         self._listener = listener = watched(listener, lambda: self.autosave.follow())
         self._worker = Worker(listener.wake)
         self._stage = Stage(listener, self._worker)
@@ -71,6 +74,7 @@ class Session:
         self.parts = Parts(self._stage, self._gestures, listener)
         self.settings = Settings(self._stage, self._gestures, listener)
         self.autosave = Autosave(self._stage, self._gestures, listener, self._open)
+        self.examining = Examining(self._stage, self._gestures, listener)
         self.unit = Unit.NONE
 
     @property
@@ -374,6 +378,7 @@ class Session:
             self._listener.status_changed()
         self._stage.receive()
         self.autosave.receive()
+        self.examining.receive()
 
     def wait_idle(self, timeout: float) -> bool:
         """Receive until nothing is under way any more; False if that took longer than ``timeout`` seconds."""
@@ -389,4 +394,5 @@ class Session:
         """Stop the worker; a file that is being written is finished first."""
         self._errands.close()
         self.autosave.close()
+        self.examining.close()
         self._worker.close()

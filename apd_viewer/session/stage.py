@@ -43,6 +43,8 @@ class Listener:
         ``failed(sentence)``: something the user asked for was not done, and why.
     viewed : callable
         ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
+    examined : callable
+        More is known about the shape on screen, or less, because it is another one.
     """
 
     wake: Callable[[], object]
@@ -51,6 +53,7 @@ class Listener:
     told: Callable[[str], object]
     failed: Callable[[str], object]
     viewed: Callable[[View], object] = lambda _: None
+    examined: Callable[[], object] = lambda: None
 
 
 class Stage:

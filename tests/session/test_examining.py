@@ -1,0 +1,186 @@
+"""Shapes at rest are examined, in a process that nobody waits for; what moves is forgotten."""
+
+import os
+import signal
+import sys
+import threading
+import time
+
+import meshes
+import numpy as np
+import pytest
+
+from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.crossings import crossings
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.room import packed_volume
+from apd_viewer.session import examiner
+from apd_viewer.session.document import opened
+from apd_viewer.session.examiner import Examiner, Shape
+from apd_viewer.session.session import Listener, Session
+
+LONG = 30.0
+SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(examiner, "_CALM", 0.0)
+
+
+@pytest.fixture
+def woken():
+    return threading.Event()
+
+
+@pytest.fixture
+def examiner_(woken):
+    examiner_ = Examiner(woken.set)
+    yield examiner_
+    examiner_.close()
+
+
+def taken(examiner_, woken):
+    assert woken.wait(LONG)
+    woken.clear()
+    return examiner_.take()
+
+
+def two_spheres(apart):
+    V, F = meshes.sphere(2)
+    return Shape(np.vstack([V, V + [apart, 0.1, 0.2]]), np.vstack([F, F + len(V)]))
+
+
+def test_it_says_what_is_found_here_too(examiner_, woken):
+    for apart in (1.0, 3.0):
+        shape = two_spheres(apart)
+        examiner_.ask(shape)
+        asked, found = taken(examiner_, woken)
+        assert asked is shape
+        assert np.array_equal(found.crossing, crossings(shape.U, shape.F))
+        assert (len(found.crossing) > 0) == (apart < 2)
+        assert found.packed == packed_volume(shape.U)
+        assert examiner_.take() is None
+
+
+def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(examiner_, woken):
+    examiner_.ask(two_spheres(1.0))
+    examiner_.forget()
+    for apart in (1.1, 1.2):
+        examiner_.ask(two_spheres(apart))
+    last = two_spheres(1.3)
+    examiner_.ask(last)
+    assert taken(examiner_, woken)[0] is last
+
+
+def test_a_process_is_ended_when_its_shape_has_moved_on(examiner_, woken, monkeypatch):
+    examiner_.ask(two_spheres(1.0))
+    taken(examiner_, woken)
+    process = examiner_._process
+    V, F = meshes.sphere(6)
+    examiner_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
+    end = time.monotonic() + LONG
+    while not examiner_._busy:
+        assert time.monotonic() < end
+        time.sleep(0.001)
+    examiner_.forget()
+    while examiner_._process is process:
+        assert time.monotonic() < end
+        time.sleep(0.001)
+    shape = two_spheres(1.0)
+    examiner_.ask(shape)
+    assert taken(examiner_, woken)[0] is shape
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+def test_of_a_shape_whose_process_dies_nothing_is_known(examiner_, woken):
+    examiner_.ask(two_spheres(1.0))
+    taken(examiner_, woken)
+    os.kill(examiner_._process.pid, SIGKILL)
+    examiner_._process.wait()
+    examiner_.ask(two_spheres(1.0))
+    _, found = taken(examiner_, woken)
+    assert found.crossing is None
+    assert np.isnan(found.packed)
+    examiner_.ask(two_spheres(1.0))
+    assert len(taken(examiner_, woken)[1].crossing)
+
+
+def test_where_there_can_be_no_process_nothing_is_known(examiner_, woken, monkeypatch):
+    def refused(_):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(examiner, "started", refused)
+    examiner_.ask(two_spheres(1.0))
+    assert taken(examiner_, woken)[1].crossing is None
+
+
+def test_it_can_be_closed_at_any_time(woken):
+    for pause in (0.0, 0.05, 0.6):
+        examiner_ = Examiner(woken.set)
+        examiner_.ask(two_spheres(1.0))
+        time.sleep(pause)
+        examiner_.close()
+        assert examiner_._process is None
+        assert not examiner_._thread.is_alive()
+
+
+@pytest.fixture
+def session():
+    told = []
+    nothing = dict.fromkeys(("wake", "status_changed"), lambda: None)
+    session = Session(
+        Listener(
+            **nothing,
+            changed=lambda *_: None,
+            told=print,
+            failed=pytest.fail,
+            examined=lambda: told.append((session.examining.under_way, session.examining.found)),
+        )
+    )
+    session.said = told
+    yield session
+    session.close()
+
+
+def known(session):
+    end = time.monotonic() + LONG
+    assert session.wait_idle(LONG)
+    while session.examining.found is None:
+        assert time.monotonic() < end
+        session.receive()
+        time.sleep(0.002)
+    return session.examining.found
+
+
+def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
+    V, F = meshes.tube(16, 24, height=4.0)
+    V, F = meshes.soup(V, F)
+    labels = np.full(len(V), FREE, dtype=np.uint8)
+    labels[V[:, 2] < 0.5] = BASE
+    labels[V[:, 2] > 3.5] = HANDLE
+    mesh = Mesh(V, F)
+    session._open("tube", lambda: opened(mesh, labels))
+    first = known(session)
+    assert first is session.examining.at_rest
+    assert len(first.crossing) == 0
+    assert session.said[0] == (True, None)
+    session.begin_gesture()
+    pose = np.eye(4)
+    pose[:3, 3] = 0.7, 0.0, -6.0  # through the base
+    session.move_handle(pose)
+    assert session.examining.found is None
+    assert not session.examining.under_way
+    session.wait_idle(LONG)
+    assert not session.examining.under_way, "the gesture is not over"
+    session.end_gesture("Move handle")
+    assert session.examining.under_way
+    crossed = known(session)
+    U = session.state.frame.U
+    assert np.array_equal(crossed.crossing, crossings(U, mesh.joined_F))
+    assert len(crossed.crossing) > 10
+    assert crossed.packed == pytest.approx(packed_volume(U), rel=1e-9)
+    assert session.examining.at_rest is first
+    session.undo()
+    assert session.examining.found is first, "it is known already"
