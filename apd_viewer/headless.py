@@ -287,7 +287,7 @@ def _info(options: argparse.Namespace) -> None:
             }
             for finding in all_found
         ]
-        room = room_of(mesh, mesh.V, examination)
+        room = room_of(examination)
         report = {field.name: getattr(found, field.name) for field in fields(found)}
         print(json.dumps({"mesh": str(options.mesh), **report, **room, "findings": findings}, indent=2))
         return

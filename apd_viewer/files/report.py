@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.replacing import replacing
 from apd_viewer.geometry.examination import Examination, examined
-from apd_viewer.geometry.room import box_volume
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import numpy as np
 
     from apd_viewer.geometry.deform import Result
     from apd_viewer.geometry.mesh import Mesh
@@ -25,19 +22,19 @@ def write_report(path: Path, mesh: Mesh, result: Result) -> None:
     del readings["U"]
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
-        room = room_of(mesh, U, examined(U, mesh.joined_F))
+        room = room_of(examined(U, mesh.joined_F))
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
     with replacing(path) as scratch:
         scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 
 
-def room_of(mesh: Mesh, U: np.ndarray, found: Examination) -> dict[str, Any]:
-    """What room ``mesh`` takes at the positions ``U`` (n, 3), and how many triangles pass through others.
+def room_of(found: Examination) -> dict[str, Any]:
+    """What room a shape takes, and how many of its triangles pass through others.
 
     That number is None where the library is missing that finds them.
     """
     return {
         "self_intersections": None if found.crossing is None else len(found.crossing),
-        "box_volume": box_volume(U[mesh.F.ravel()]),
+        "box_volume": found.box,
         "packed_volume": found.packed,
     }

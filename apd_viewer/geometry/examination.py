@@ -17,14 +17,25 @@ class Examination(NamedTuple):
     ----------
     crossing : (k,) int array or None
         Triangles that pass through others; None where nobody could look.
+    size : tuple of 3 floats
+        Of the box along the axes.
     packed : float
-        Volume of the smallest box around the shape.
+        Volume of the smallest box around the shape, turned in any way.
     """
 
     crossing: np.ndarray | None
+    size: tuple[float, float, float]
     packed: float
+
+    @property
+    def box(self) -> float:
+        """Volume of the box along the axes."""
+        dx, dy, dz = self.size
+        return dx * dy * dz
 
 
 def examined(U: np.ndarray, F: np.ndarray) -> Examination:
     """Examine the shape with the positions ``U`` (n, 3), whose triangles ``F`` (m, 3) hang together."""
-    return Examination(crossings(U, F), packed_volume(U[np.unique(F)]))
+    points = U[np.unique(F)]
+    dx, dy, dz = np.ptp(points, axis=0).tolist()
+    return Examination(crossings(U, F), (dx, dy, dz), packed_volume(points))

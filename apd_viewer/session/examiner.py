@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ _START = START.format(module="examining_process")
 # A shape that has settled is often moved again at once, and what starts has more urgent things to do.
 _CALM, _AT_FIRST = 0.3, 2.0  # s
 # What is known where the process has died, or there can be none.
-UNKNOWN = Examination(None, float("nan"))
+UNKNOWN = Examination(None, (math.nan, math.nan, math.nan), math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +125,9 @@ def _answer(process: Process, shape: Shape) -> Examination | None:
     with contextlib.suppress(OSError, ValueError):
         wire.write(process.stdin, np.ascontiguousarray(shape.F, dtype=np.int32))
         wire.write(process.stdin, np.ascontiguousarray(shape.U))
-        crossing, packed = wire.read(process.stdout), wire.read(process.stdout)
-        if crossing is not None and packed is not None:
+        crossing, boxes = wire.read(process.stdout), wire.read(process.stdout)
+        if crossing is not None and boxes is not None:
             ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
-            return Examination(ids, float(np.frombuffer(packed)[0]))
+            dx, dy, dz, packed = np.frombuffer(boxes).tolist()
+            return Examination(ids, (dx, dy, dz), packed)
     return None

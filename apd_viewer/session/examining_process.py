@@ -33,11 +33,12 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """Examine the shapes that come from ``source`` until it ends.
 
     A shape are two messages: its triangles (m, 3) int32, and its positions (n, 3) float64. The answer are two
-    as well: the triangles that pass through others, int64, and the volume of its box.
+    as well: the triangles that pass through others, int64, and the three sizes of its box along the axes with
+    the volume of its smallest box, float64.
     """
     while (triangles := wire.read(source)) is not None and (positions := wire.read(source)) is not None:
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         found = examined(np.frombuffer(positions).reshape(-1, 3), F)
         crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
         wire.write(sink, crossing)
-        wire.write(sink, np.array([found.packed]).tobytes())
+        wire.write(sink, np.array([*found.size, found.packed]).tobytes())

@@ -20,8 +20,10 @@ from apd_viewer.geometry.methods import METHODS
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import Document, Handle, NamedRegion, State, rest_frame
+from apd_viewer.session.expressions import MOST_CHARACTERS
 from apd_viewer.session.units import Unit
 from apd_viewer.session.view import Point, Standpoint, View
+from apd_viewer.session.wall import Wall
 
 _MOST_PARTS = MOST_HANDLES  # there are as many colours
 _MOST = 1e9  # of a weight or a percentage
@@ -138,7 +140,11 @@ def view_said(view: View) -> dict[str, Any]:
         **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
         "angle": float(eye.angle),
     }
-    return {"camera": camera, "unit": view.unit or None}
+    return {
+        "camera": camera,
+        "unit": view.unit or None,
+        "wall": {name: text or None for name, text in view.wall._asdict().items()},
+    }
 
 
 def view_of(said: Fields) -> View:
@@ -146,15 +152,24 @@ def view_of(said: Fields) -> View:
     unit = said.text("unit") if said.says("unit") else ""
     if unit not in [each.value for each in Unit]:
         raise ValueError(tr("its “unit” is none of this program"))
+    wall = _wall(said.part("wall")) if said.says("wall") else Wall()
     if not said.says("camera"):
-        return View(None, unit)
+        return View(None, unit, wall)
     camera = said.part("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” looks nowhere"))
     angle = camera.number("angle", _LEAST, np.pi - _LEAST)
-    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit)
+    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall)
+
+
+def _wall(said: Fields) -> Wall:
+    """What was typed; an empty field says nothing."""
+    typed = [said.text(name) if said.says(name) else "" for name in Wall._fields]
+    if any(len(text) > MOST_CHARACTERS for text in typed):
+        raise ValueError(tr("its “wall” is damaged"))
+    return Wall(*typed)
 
 
 def _point(numbers: np.ndarray) -> Point:

@@ -8,6 +8,7 @@ from apd_viewer.language import tr
 
 # Never at the end of a line: a number is not parted from its unit.
 _GAP = "\u00a0"
+_DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0}
 _POWERS = {1: "", 2: "²", 3: "³"}
 
 
@@ -35,6 +36,11 @@ class Unit(Enum):
     def volume(self, number: str) -> str:
         """A volume: the number, as it is written, with its unit."""
         return self._written(number, 3)
+
+    def litres(self, volume: float) -> float | None:
+        """A volume in cubic mesh units as litres; None where the unit is not known."""
+        side = _DECIMETRES.get(self.value)
+        return None if side is None else volume * side**3
 
     def _written(self, number: str, power: int) -> str:
         return f"{number}{_GAP}{self.value}{_POWERS[power]}" if self.value else number

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from apd_viewer.session.wall import NO_WALL, Wall
+
 SUFFIX = ".apd"  # of a session file
 
 Point: TypeAlias = tuple[float, float, float]
@@ -38,7 +40,10 @@ class View:
         None where nobody has looked yet: the mesh is shown whole.
     unit : str
         Symbol of the unit of length: the value of a :class:`apd_viewer.session.units.Unit`.
+    wall : Wall
+        What the surface is made of, as it was typed.
     """
 
     camera: Standpoint | None = None
     unit: str = ""
+    wall: Wall = NO_WALL

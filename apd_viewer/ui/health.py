@@ -34,6 +34,7 @@ class Health(QObject):
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(canvas)
         self._canvas = canvas
+        self._of_mesh: tuple[Finding, ...] = ()
         self._findings: tuple[Finding, ...] = ()
         self.badge = Badge()
         self.list = FindingList(canvas.viewport)
@@ -46,9 +47,25 @@ class Health(QObject):
 
     def show(self, findings: tuple[Finding, ...]) -> None:
         """Count the findings of another mesh; those of the one before are no longer shown."""
+        self._of_mesh = findings
+        self._count(findings)
+
+    def show_shape(self, findings: tuple[Finding, ...]) -> None:
+        """Count what was found of the shape on screen too, as long as it is this one."""
+        if findings or len(self._findings) > len(self._of_mesh):
+            self._count(self._of_mesh + findings)
+
+    def _count(self, findings: tuple[Finding, ...]) -> None:
         self.close()
         self._findings = findings
         self.badge.count(len(findings))
+
+    def open_last(self) -> None:
+        """List the findings, and show where the last one is."""
+        if self._findings and not self.badge.isChecked():
+            self.open()
+            self._show(len(self._findings) - 1)
+            self.list.rows[-1].setFocus()
 
     def open(self) -> None:
         """List the findings, if there are any, or close the list."""

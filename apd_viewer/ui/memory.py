@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +11,9 @@ from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
+from apd_viewer.session.wall import Wall
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh import Mesh
@@ -45,7 +49,7 @@ class Memory:
     @property
     def folded(self) -> list[str]:
         """The sections of the panel that are folded away, by their titles."""
-        value = self._settings.value("folded", [])
+        value = self._settings.value("folded", [tr("Size and mass")])
         return [value] if isinstance(value, str) else list(value or [])
 
     @folded.setter
@@ -81,6 +85,24 @@ class Memory:
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.value or '-'} {other}" for other, unit in units.items()]
         self._settings.setValue("units", lines[:_MOST_UNITS])
+
+    @property
+    def walls(self) -> dict[Path, Wall]:
+        """What the files' surfaces are made of, where that was said, the latest first."""
+        value = self._settings.value("walls", [])
+        walls = {}
+        for line in [value] if isinstance(value, str) else list(value or []):
+            with contextlib.suppress(ValueError, TypeError):  # somebody has written into the settings
+                path, thickness, density = json.loads(str(line))
+                walls[Path(path)] = Wall(str(thickness), str(density))
+        return walls
+
+    def remember_wall(self, path: Path, wall: Wall) -> None:
+        """Put what the surface in the file at ``path`` is made of before all others."""
+        path = path.resolve()
+        walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
+        lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
+        self._settings.setValue("walls", lines[:_MOST_UNITS])
 
     @property
     def shortcuts(self) -> dict[str, str]:

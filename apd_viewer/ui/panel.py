@@ -17,6 +17,7 @@ from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.ui.part_list import Swatch
 from apd_viewer.ui.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.section import Section
+from apd_viewer.ui.size_section import SizeSection
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.volume_section import VolumeSection
 
@@ -62,7 +63,7 @@ class Panel(QScrollArea):
 
     Attributes
     ----------
-    area, volume, method, handles, regions, paint
+    area, volume, measures, method, handles, regions, paint
         The sections.
     """
 
@@ -73,12 +74,14 @@ class Panel(QScrollArea):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.area = AreaSection()
         self.volume = VolumeSection()
+        self.measures = SizeSection()
         self.method = MethodSection()
         self.handles = HandleSection()
         self.regions = RegionSection()
         self.paint = PaintSection()
         self.sections: tuple[Section, ...] = (
             self.volume,
+            self.measures,
             self.method,
             self.handles,
             self.regions,
@@ -133,6 +136,7 @@ class Panel(QScrollArea):
     def _show_readings(self, state: State, asked_anew: bool) -> None:
         self.area.show_readings(state, self.unit, asked_anew)
         self.volume.show_readings(state, self.unit)
+        self.measures.show_readings(state, self.unit)
         self.handles.show_readings(state, self.unit)
         self.regions.show_readings(state, self.unit)
 

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Signal
 
 from apd_viewer.language import tr, trc
+from apd_viewer.session.sentences import about_caps
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
 from apd_viewer.ui.figures import figures, signed
+from apd_viewer.ui.flag import Flag
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.examination import Examination
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 
@@ -29,7 +32,8 @@ class VolumeSection(Section):
         In percent.
     kept : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume : QLabel
+    volume, litres : QLabel
+    flag : Flag
     """
 
     kept = Signal(object)
@@ -40,7 +44,9 @@ class VolumeSection(Section):
         self.keep = Check(tr("Keep the volume"), toolTip=tr("Keep the enclosed volume to the last digits"))
         self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Target of the volume"))
         self.why_not = quiet(tr("Why the volume cannot be kept"))
-        for part in (self.volume, self.target, self.why_not):
+        self.litres = quiet(tr("Volume in litres, and how it was closed"))
+        self.flag = Flag()
+        for part in (self.volume, self.litres, self.flag, self.target, self.why_not):
             self.column.addWidget(part)
         for later in (self.target.field, self.target.slider, self.why_not):
             later.hide()  # until there is something to keep
@@ -50,6 +56,7 @@ class VolumeSection(Section):
         """Recolour what the style sheet does not reach."""
         super().set_theme(theme)
         self.target.set_theme(theme)
+        self.flag.set_theme(theme)
 
     @property
     def change(self) -> str:
@@ -76,13 +83,34 @@ class VolumeSection(Section):
         self.target.show_value(100.0 if document.volume is None else document.volume)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show the shape's volume."""
-        rest, now = state.inspection.volume, state.frame.volume
-        if rest is None or now is None or rest == 0.0:
+        """Show the shape's volume; that of an open surface with its openings capped, and saying so."""
+        inspection, frame = state.inspection, state.frame
+        capped = inspection.volume_capped is not None
+        rest = inspection.volume_capped if capped else inspection.volume
+        now = frame.volume_capped if capped else frame.volume
+        if not rest or now is None:
             self.heading.say(trc("volume", "none"))
-            why = state.inspection.why_no_volume or tr("the surface encloses nothing")
+            why = inspection.why_no_volume or tr("the surface encloses nothing")
             self.volume.setText(tr("{reason}.").format(reason=why[0].upper() + why[1:]))
+            self.litres.hide()
             return
         change = signed(100 * (now / rest - 1), 2)
-        self.heading.say(tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %")
+        said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
+        self.heading.say(tr("{change}, capped").format(change=said) if capped else said)
         self.volume.setText(unit.volume(tr("{now} of {rest}").format(now=figures(now), rest=figures(rest))))
+        lines = [about_caps(inspection.openings)] if capped else []
+        litres, at_rest = unit.litres(now), unit.litres(rest)
+        if litres is not None and at_rest is not None:
+            said = tr("{now} of {rest}").format(now=figures(litres, 4), rest=figures(at_rest, 4))
+            lines.insert(0, f"{said}\u00a0l")
+        self.litres.setText(", ".join(lines))
+        self.litres.setVisible(bool(lines))
+
+    def show_examination(self, found: Examination | None, under_way: bool) -> None:
+        """Say whether the surface passes through itself, as far as that is known."""
+        if found is not None:
+            self.flag.show_count(None if found.crossing is None else len(found.crossing))
+        elif under_way:
+            self.flag.show_checking()
+        else:
+            self.flag.show_moving()

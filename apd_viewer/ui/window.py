@@ -29,6 +29,7 @@ from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
+from apd_viewer.ui.room import Room
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool, Way
 from apd_viewer.ui.units import Units
@@ -81,7 +82,9 @@ class Window(QMainWindow):
         super().__init__()
         self._memory = Memory(settings)
         self._units = Units(self._memory)
-        self.filing = Filing(self, self._memory, lambda unit: self.canvas.view(unit), recovery)
+        self.filing = Filing(
+            self, self._memory, lambda unit: self.room.in_view(self.canvas.view(unit)), recovery
+        )
         self.setWindowTitle("APD Viewer")
         self.setWindowIcon(application_icon())
         self.setAcceptDrops(True)
@@ -129,6 +132,7 @@ class Window(QMainWindow):
                 told=self.notice.tell,
                 failed=self.notice.fail,
                 viewed=self._look_as,
+                examined=self.room.show,
             )
         )
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
@@ -159,6 +163,7 @@ class Window(QMainWindow):
     def _make_panel(self) -> None:
         self.panel = Panel()
         self.panel.folded = self._memory.folded
+        self.room = Room(self.panel, self.health, self._memory)
         self._history = HistoryList()
         self.docks = Docks(self)
         self.docks.add("readings", tr("Readings"), self.panel)
@@ -208,6 +213,7 @@ class Window(QMainWindow):
         connect_settings(panel, session)
         connect_parts(panel, session, parts)
         self.deeds.start(session, parts)
+        self.room.start(session)
         self._history.chosen.connect(self.deeds.verbs["travel"])
         panel.area.unit.chosen.connect(self._choose_unit)
 
@@ -284,6 +290,7 @@ class Window(QMainWindow):
 
     def _look_as(self, view: View) -> None:
         self.canvas.look_as(view)
+        self.room.look_as(view)
         self._choose_unit(type(self.session.unit)(view.unit))
         self.filing.viewed()
         self.actions_.fill_recent(self._memory.recent)
@@ -301,6 +308,7 @@ class Window(QMainWindow):
         self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.unit = self.panel.unit = self._units.of(mesh)
+        self.room.welcome(mesh)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
 

@@ -1,0 +1,62 @@
+"""Whether the surface passes through itself: quiet while it does not, a button where it does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.ui.icons import icon
+from apd_viewer.ui.theme import LIGHT, Theme
+
+
+class Flag(QToolButton):
+    """One line under the volume, which says nothing there."""
+
+    def __init__(self) -> None:
+        super().__init__(objectName="flag", iconSize=QSize(16, 16), focusPolicy=Qt.FocusPolicy.StrongFocus)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._theme = LIGHT
+        self.show_moving()
+
+    def show_moving(self) -> None:
+        """The shape is on its way to somewhere else."""
+        tip = tr("Self-intersections are looked for as soon as the shape rests")
+        self._say(tr("self-intersections: not while it moves"), tip)
+
+    def show_checking(self) -> None:
+        """It is being found out."""
+        self._say(tr("checking for self-intersections…"), tr("Whether triangles pass through others"))
+
+    def show_count(self, triangles: int | None) -> None:
+        """So many triangles pass through others; None where nobody could look."""
+        if triangles is None:
+            tip = tr("The library ipctk is missing or gave no answer; without it nobody knows")
+            self._say(tr("self-intersections: not checked"), tip)
+        elif triangles == 0:
+            self._say(tr("no self-intersections"), tr("No triangle passes through another one"))
+        else:
+            said = tr("self-intersecting: {n:,} triangles")
+            tip = tr("The volume is wrong by what they share. Show where this is")
+            self._say(said.format(n=triangles), tip, warns=True)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self._theme = theme
+        self._draw()
+
+    def _say(self, text: str, tip: str, warns: bool = False) -> None:
+        self.setText(text)
+        self.setToolTip(tip)
+        self.setAccessibleName(text)
+        self.setEnabled(warns)
+        self._draw()
+
+    def _draw(self) -> None:
+        if self.isEnabled():
+            warm = replace(self._theme, ink=self._theme.warm, on_accent=self._theme.warm)
+            self.setIcon(icon("warning", warm))
+        else:
+            self.setIcon(icon("sound", replace(self._theme, faint=self._theme.quiet)))

@@ -1,0 +1,193 @@
+"""What room the shape takes, and what it weighs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.room import compactness
+from apd_viewer.language import tr
+from apd_viewer.session.units import Unit
+from apd_viewer.session.wall import NO_WALL, Wall, mass
+from apd_viewer.ui.figures import figures, short, signed
+from apd_viewer.ui.section import Section, quiet
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.examination import Examination
+    from apd_viewer.session.document import State
+
+_MOST_CHARACTERS = 200
+_NOTHING, _LATER = "–", "…"
+
+
+class SizeSection(Section):
+    """A compact table of readings, and two fields for what the surface is made of.
+
+    Attributes
+    ----------
+    wall_typed : Signal(Wall)
+    extent, box, packed, compact, mass : QLabel
+    thickness, density : QLineEdit
+    """
+
+    wall_typed = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Size and mass"))
+        self._unit, self._area = Unit.NONE, 0.0
+        self._found: Examination | None = None
+        self._at_rest: Examination | None = None
+        self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        self._grid.setColumnStretch(1, 1)
+        later = tr("measured when the shape rests")
+        self.extent = self._row(
+            tr("Box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
+        )
+        self.box, self._box_change = self._rows(
+            tr("Box volume"), tr("Volume of the box along x, y and z; {later}").format(later=later)
+        )
+        self.packed, self._packed_change = self._rows(
+            tr("Packed volume"),
+            tr(
+                "Volume of the smallest box that was found around the shape, turned in any way: "
+                "what it takes up in a carton or a bale; {later}"
+            ).format(later=later),
+        )
+        self.compact, self._compact_change = self._rows(
+            tr("Compactness"),
+            tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a ball, 0.52 for a cube"),
+        )
+        self.thickness = self._field(
+            tr("Wall"), "0.3mm", tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
+        )
+        self.density = self._field(
+            tr("Density"), "1.38 g/cm³", tr("Density of the material: 1.38 (g/cm³), or 1380 kg/m³, as of PET")
+        )
+        self.mass = self._row(tr("Mass"), tr("Area times thickness times density"), wide=True)
+        self.column.addLayout(self._grid)
+        self._problem = quiet(tr("Why there is no mass"))
+        self._problem.setObjectName("unreached")
+        self._problem.hide()
+        self.column.addWidget(self._problem)
+
+    def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
+        row = self._grid.rowCount()
+        reading = QLabel(_NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
+        self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+        self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
+        return reading
+
+    def _rows(self, title: str, tip: str) -> tuple[QLabel, QLabel]:
+        """A reading, and by how much it has changed."""
+        reading = self._row(title, tip)
+        name = tr("{title}, change").format(title=title)
+        change = QLabel("", objectName="quiet", accessibleName=name, alignment=Qt.AlignmentFlag.AlignRight)
+        change.setMinimumWidth(change.fontMetrics().horizontalAdvance("−100.0 %"))
+        self._grid.addWidget(change, self._grid.rowCount() - 1, 2)
+        return reading, change
+
+    def _field(self, title: str, example: str, tip: str) -> QLineEdit:
+        row = self._grid.rowCount()
+        field = _Field(objectName="typed", accessibleName=title, placeholderText=example, toolTip=tip)
+        field.setMaxLength(_MOST_CHARACTERS)
+        field.editingFinished.connect(self._type)
+        label = QLabel(title, objectName="quiet", toolTip=tip)
+        label.setBuddy(field)
+        self._grid.addWidget(label, row, 0)
+        self._grid.addWidget(field, row, 1, 1, 2)
+        return field
+
+    @property
+    def wall(self) -> Wall:
+        """What is typed."""
+        return Wall(self.thickness.text(), self.density.text())
+
+    def show_wall(self, wall: Wall) -> None:
+        """Show what the surface of another mesh is made of."""
+        self.thickness.setText(wall.thickness)
+        self.density.setText(wall.density)
+        self._typed = wall
+        self._show_mass()
+
+    _typed = NO_WALL
+
+    def _type(self) -> None:
+        if self.wall != self._typed:
+            self._typed = self.wall
+            self._show_mass()
+            self.wall_typed.emit(self.wall)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show what every frame has: the compactness and the mass."""
+        rest, now = state.inspection, state.frame
+        self._area = now.area
+        if rest.volume and now.volume is not None and now.area > 0.0:
+            value = compactness(now.volume, now.area)
+            self.compact.setText(f"{value:.3f}")
+            self._compact_change.setText(_change(value, compactness(rest.volume, rest.area)))
+        else:
+            self.compact.setText(_NOTHING)
+            self._compact_change.setText("")
+        if unit is not self._unit:
+            self._unit = unit
+            self._show_boxes()
+        self._show_mass()
+
+    def show_examination(self, found: Examination | None, at_rest: Examination | None) -> None:
+        """Show what was found of the shape; None while it is not known."""
+        self._found, self._at_rest = found, at_rest
+        self._show_boxes()
+
+    def _show_boxes(self) -> None:
+        found, rest = self._found, self._at_rest
+        for label, change, what in (
+            (self.box, self._box_change, "box"),
+            (self.packed, self._packed_change, "packed"),
+        ):
+            value = None if found is None else getattr(found, what)
+            label.setText(_LATER if value is None else self._written(value))
+            change.setText("" if value is None or rest is None else _change(value, getattr(rest, what)))
+        if found is None or math.isnan(found.packed):
+            self.extent.setText(_LATER if found is None else _NOTHING)
+        else:
+            self.extent.setText(self._unit.length(" × ".join(short(extent) for extent in found.size)))
+        self.heading.say(self._packed_change.text(), only_folded=True)
+
+    def _written(self, volume: float) -> str:
+        return _NOTHING if math.isnan(volume) else self._unit.volume(figures(volume, 4))
+
+    def _show_mass(self) -> None:
+        try:
+            grams, problem = mass(self._typed, self._area, self._unit), ""
+        except InputError as error:
+            grams, problem = None, str(error)
+        self.mass.setText(_NOTHING if grams is None else _weight(grams))
+        if problem != self._problem.text():
+            self._problem.setText(problem)
+            self._problem.setVisible(bool(problem))
+
+
+class _Field(QLineEdit):
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Give the keyboard back on Enter and Esc."""
+        super().keyPressEvent(event)
+        if event.key() in (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.clearFocus()
+
+
+def _change(now: float, rest: float) -> str:
+    """By how much a reading has changed since the rest, in percent; nothing where there is no telling."""
+    if not rest > 0.0 or math.isnan(now):
+        return ""
+    return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
+
+
+def _weight(grams: float) -> str:
+    """A mass with the unit that suits it."""
+    size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
+    return f"{figures(grams * size, 4)}\u00a0{symbol}"

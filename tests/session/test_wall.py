@@ -1,0 +1,61 @@
+"""What a wall weighs: against units worked out by hand."""
+
+import pytest
+
+from apd_viewer.errors import InputError
+from apd_viewer.session.units import Unit
+from apd_viewer.session.wall import Wall, density, mass
+
+MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
+
+
+@pytest.mark.parametrize(
+    ("wall", "area", "unit", "grams"),
+    [
+        (("0.3mm", "1.38 g/cm3"), 500.0, CM, 500 * 0.03 * 1.38),
+        (("0.3mm", "1380 kg/m³"), 50_000.0, MM, 500 * 0.03 * 1.38),
+        (("0.03", "1.38"), 500.0, CM, 500 * 0.03 * 1.38),
+        (("300um", "1,38 kg/l"), 0.05, M, 500 * 0.03 * 1.38),
+        (("2 mm", "7.85 g/cm^3"), 1.0, M, 2 * 7850),
+        (("1/100 in", "1000 g/l"), 1.0, CM, 2.54 / 100),
+        (("0.1mm + 0.2mm", "2 * 0.69"), 500.0, CM, 500 * 0.03 * 1.38),
+    ],
+)
+def test_it_weighs_area_times_thickness_times_density(wall, area, unit, grams):
+    assert mass(Wall(*wall), area, unit) == pytest.approx(grams, rel=1e-12)
+
+
+def test_nothing_typed_weighs_nothing_that_could_be_said():
+    assert mass(Wall(), 1.0, NONE) is None
+    assert mass(Wall(" ", ""), 1.0, CM) is None
+
+
+@pytest.mark.parametrize(
+    ("wall", "unit", "words"),
+    [
+        (("0.3mm", "1.38"), NONE, "needs the unit of the mesh; choose it"),
+        (("0.3mm", ""), CM, "needs the density"),
+        (("", "1.38"), CM, "needs the thickness"),
+        (("0", "1.38"), CM, "thicker than nothing"),
+        (("-1mm", "1.38"), CM, "thicker than nothing"),
+        (("30deg", "1.38"), CM, "an angle"),
+        (("thin", "1.38"), CM, "unknown"),
+        (("0.3mm", "light"), CM, "unknown"),
+        (("0.3mm", "1.38 lb/ft3"), CM, "no unit of density"),
+        (("0.3mm", "0"), CM, "Nothing has a density"),
+        (("0.3mm", "1380"), CM, "Nothing has a density of 1380"),
+        (("0.3mm", "1mm"), CM, "no place here"),
+    ],
+)
+def test_what_makes_no_sense_is_said_in_a_sentence(wall, unit, words):
+    with pytest.raises(InputError, match=words):
+        mass(Wall(*wall), 1.0, unit)
+
+
+def test_units_of_density():
+    alike = ("1.2", "1.2g/cm3", "1.2 g / cm³", "1.2 kg/l", "1200kg/m3", "1.2 t/m3", "1.2 g/ml", "1,2 kg/dm³")
+    assert {round(density(text), 12) for text in alike} == {1.2}
+
+
+def test_litres():
+    assert [unit.litres(1.0) for unit in (MM, CM, M, NONE)] == pytest.approx([1e-6, 1e-3, 1e3, None])
