@@ -5,7 +5,7 @@ from hypothesis import settings
 from in_thread import InThread
 
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.session import child
+from apd_viewer.session import child, examiner
 
 START = child.start_process
 
@@ -18,6 +18,12 @@ settings.load_profile("suite")
 def solver_in_a_thread(monkeypatch):
     """The solver is a thread, where a test can change it, unless the test is about the process."""
     monkeypatch.setattr(child, "start_process", InThread)
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_examined(monkeypatch):
+    """No process is started to examine shapes, unless the test is about that."""
+    monkeypatch.setattr(examiner, "_AT_FIRST", 1e6)
 
 
 @pytest.fixture(scope="session")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QToolButton
 
 from apd_viewer.language import tr
@@ -18,7 +19,7 @@ class Flag(QToolButton):
     def __init__(self) -> None:
         super().__init__(objectName="flag", iconSize=QSize(16, 16), focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self._theme = LIGHT
+        self._theme, self._symbol = LIGHT, ""
         self.show_moving()
 
     def show_moving(self) -> None:
@@ -36,27 +37,28 @@ class Flag(QToolButton):
             tip = tr("The library ipctk is missing or gave no answer; without it nobody knows")
             self._say(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
-            self._say(tr("no self-intersections"), tr("No triangle passes through another one"))
+            self._say(tr("no self-intersections"), tr("No triangle passes through another one"), "sound")
         else:
             said = tr("self-intersecting: {n:,} triangles")
             tip = tr("The volume is wrong by what they share. Show where this is")
-            self._say(said.format(n=triangles), tip, warns=True)
+            self._say(said.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""
         self._theme = theme
         self._draw()
 
-    def _say(self, text: str, tip: str, warns: bool = False) -> None:
+    def _say(self, text: str, tip: str, symbol: str = "") -> None:
         self.setText(text)
         self.setToolTip(tip)
         self.setAccessibleName(text)
-        self.setEnabled(warns)
+        self.setEnabled(symbol == "warning")
+        self._symbol = symbol
         self._draw()
 
     def _draw(self) -> None:
-        if self.isEnabled():
-            warm = replace(self._theme, ink=self._theme.warm, on_accent=self._theme.warm)
-            self.setIcon(icon("warning", warm))
-        else:
-            self.setIcon(icon("sound", replace(self._theme, faint=self._theme.quiet)))
+        theme = self._theme
+        if self._symbol == "warning":
+            self.setIcon(icon("warning", replace(theme, ink=theme.warm, on_accent=theme.warm)))
+        else:  # what is not known has none
+            self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)) if self._symbol else QIcon())

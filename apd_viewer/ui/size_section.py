@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.room import compactness
@@ -39,7 +39,7 @@ class SizeSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Size and mass"))
-        self._unit, self._area = Unit.NONE, 0.0
+        self._unit, self._area, self._typed = Unit.NONE, 0.0, NO_WALL
         self._found: Examination | None = None
         self._at_rest: Examination | None = None
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
@@ -62,14 +62,10 @@ class SizeSection(Section):
             tr("Compactness"),
             tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a ball, 0.52 for a cube"),
         )
-        self.thickness = self._field(
-            tr("Wall"), "0.3mm", tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
-        )
-        self.density = self._field(
-            tr("Density"), "1.38 g/cm³", tr("Density of the material: 1.38 (g/cm³), or 1380 kg/m³, as of PET")
-        )
+        self._add_wall()
         self.mass = self._row(tr("Mass"), tr("Area times thickness times density"), wide=True)
         self.column.addLayout(self._grid)
+        self.column.addSpacing(4)
         self._problem = quiet(tr("Why there is no mass"))
         self._problem.setObjectName("unreached")
         self._problem.hide()
@@ -91,15 +87,26 @@ class SizeSection(Section):
         self._grid.addWidget(change, self._grid.rowCount() - 1, 2)
         return reading, change
 
-    def _field(self, title: str, example: str, tip: str) -> QLineEdit:
+    def _add_wall(self) -> None:
         row = self._grid.rowCount()
-        field = _Field(objectName="typed", accessibleName=title, placeholderText=example, toolTip=tip)
+        tip = tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
+        self.thickness = self._field(tr("thickness"), tip)
+        tip = tr("Density of the material: 1.38 (g/cm³, as of PET), or 1380 kg/m³")
+        self.density = self._field(tr("density"), tip)
+        label = QLabel(tr("Wall"), objectName="quiet")
+        label.setBuddy(self.thickness)
+        line = QHBoxLayout(spacing=4)
+        line.setContentsMargins(0, 4, 0, 4)
+        line.addWidget(self.thickness, 1)
+        line.addWidget(self.density, 1)
+        self._grid.addWidget(label, row, 0)
+        self._grid.addLayout(line, row, 1, 1, 2)
+
+    def _field(self, what: str, tip: str) -> QLineEdit:
+        field = _Field(objectName="typed", placeholderText=what, toolTip=tip)
+        field.setAccessibleName(tr("Wall, {what}").format(what=what))
         field.setMaxLength(_MOST_CHARACTERS)
         field.editingFinished.connect(self._type)
-        label = QLabel(title, objectName="quiet", toolTip=tip)
-        label.setBuddy(field)
-        self._grid.addWidget(label, row, 0)
-        self._grid.addWidget(field, row, 1, 1, 2)
         return field
 
     @property
@@ -113,8 +120,6 @@ class SizeSection(Section):
         self.density.setText(wall.density)
         self._typed = wall
         self._show_mass()
-
-    _typed = NO_WALL
 
     def _type(self) -> None:
         if self.wall != self._typed:
@@ -145,18 +150,17 @@ class SizeSection(Section):
 
     def _show_boxes(self) -> None:
         found, rest = self._found, self._at_rest
-        for label, change, what in (
-            (self.box, self._box_change, "box"),
-            (self.packed, self._packed_change, "packed"),
-        ):
+        rows = (self.box, self._box_change, "box"), (self.packed, self._packed_change, "packed")
+        for reading, changed, what in rows:
             value = None if found is None else getattr(found, what)
-            label.setText(_LATER if value is None else self._written(value))
-            change.setText("" if value is None or rest is None else _change(value, getattr(rest, what)))
+            reading.setText(_LATER if value is None else self._written(value))
+            changed.setText("" if value is None or rest is None else _change(value, getattr(rest, what)))
         if found is None or math.isnan(found.packed):
             self.extent.setText(_LATER if found is None else _NOTHING)
         else:
-            self.extent.setText(self._unit.length(" × ".join(short(extent) for extent in found.size)))
-        self.heading.say(self._packed_change.text(), only_folded=True)
+            self.extent.setText(self._unit.length(" × ".join(short(side) for side in found.size)))
+        change = self._packed_change.text()
+        self.heading.say(tr("packed {change}").format(change=change) if change else "", only_folded=True)
 
     def _written(self, volume: float) -> str:
         return _NOTHING if math.isnan(volume) else self._unit.volume(figures(volume, 4))

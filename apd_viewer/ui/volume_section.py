@@ -98,12 +98,12 @@ class VolumeSection(Section):
         said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
         self.heading.say(tr("{change}, capped").format(change=said) if capped else said)
         self.volume.setText(unit.volume(tr("{now} of {rest}").format(now=figures(now), rest=figures(rest))))
-        lines = [about_caps(inspection.openings)] if capped else []
+        lines = [about_caps(inspection.openings)] if capped else []  # never without a word
         litres, at_rest = unit.litres(now), unit.litres(rest)
         if litres is not None and at_rest is not None:
             said = tr("{now} of {rest}").format(now=figures(litres, 4), rest=figures(at_rest, 4))
             lines.insert(0, f"{said}\u00a0l")
-        self.litres.setText(", ".join(lines))
+        self.litres.setText("\n".join(lines))
         self.litres.setVisible(bool(lines))
 
     def show_examination(self, found: Examination | None, under_way: bool) -> None:

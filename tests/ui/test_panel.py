@@ -249,7 +249,8 @@ def test_sections_fold_and_are_remembered(qtbot, bottle, settings):
     heading = bottle.panel.volume.heading
     qtbot.mouseClick(heading, Qt.MouseButton.LeftButton)
     assert not bottle.panel.volume.keep.isVisible()
-    assert bottle.panel.folded == ["Volume"]
+    assert bottle.panel.folded == ["Volume", "Size and mass"]
+    bottle.panel.measures.folded = False
     bottle.close()
     assert settings.value("folded") in ("Volume", ["Volume"])
 

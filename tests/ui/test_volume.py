@@ -1,0 +1,211 @@
+"""The volume, the room and the mass, in a real window: against other libraries and closed forms."""
+
+import meshes
+import numpy as np
+import pytest
+import pyvista as pv
+import trimesh
+from driving import Mouse, document, idle
+from PySide6.QtCore import QPointF, Qt
+
+from apd_viewer.files.meshes import save_mesh
+from apd_viewer.geometry.crossings import crossings
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.room import packed_volume
+from apd_viewer.session import examiner
+from apd_viewer.session.document import opened
+from apd_viewer.session.units import Unit
+from apd_viewer.session.wall import NO_WALL, Wall
+from apd_viewer.ui.memory import Memory
+
+CM = Unit.CENTIMETRE
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(examiner, "_CALM", 0.0)
+
+
+def known(qtbot, window):
+    """Wait until the shape rests and is known."""
+    idle(qtbot, window)
+    qtbot.waitUntil(lambda: window.session.examining.found is not None, timeout=30_000)
+
+
+def crush(qtbot, window, by):
+    session, pose = window.session, np.eye(4)
+    session.begin_gesture()
+    pose[1, 3] = -by
+    session.move_handle(pose)
+    idle(qtbot, window)
+    session.end_gesture("Move handle")
+
+
+def coarse_bottle(qtbot, window, open_top=False):
+    V, F, labels = meshes.sample_bottle(2.2)
+    if open_top:
+        F = F[(V[F][:, :, 1] < V[:, 1].max() - 1e-6).any(axis=1)]
+    mesh = Mesh(V, F)
+    window.session._open("bottle", lambda: opened(mesh, frozen(labels)))
+    idle(qtbot, window)
+    window._choose_unit(CM)
+    return mesh
+
+
+@pytest.fixture
+def crushed(qtbot, window):
+    """A coarse bottle, crushed by half along its axis: it passes through itself."""
+    mesh = coarse_bottle(qtbot, window)
+    crush(qtbot, window, np.ptp(mesh.V[:, 1]) / 2)
+    known(qtbot, window)
+    return window
+
+
+def number(text):
+    return float(text.replace("−", "-").split()[0])
+
+
+def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(crushed, tmp_path):
+    state, panel = crushed.session.state, crushed.panel
+    save_mesh(state.document.mesh, state.frame.U, tmp_path / "crushed.off")
+    other, rest = (
+        trimesh.load(tmp_path / "crushed.off", process=False),
+        trimesh.Trimesh(state.document.mesh.V, state.document.mesh.F, process=False),
+    )
+    assert state.frame.volume == pytest.approx(other.volume, rel=1e-6)
+    assert number(panel.volume.volume.text()) == pytest.approx(other.volume, rel=1e-5)
+    assert panel.volume.volume.text().endswith(f"of {rest.volume:.3f}\u00a0cm³")
+    assert panel.volume.litres.text().startswith(f"{other.volume / 1000:.4f} of")
+    assert number(panel.volume.change) == pytest.approx(100 * (other.volume / rest.volume - 1), abs=0.005)
+    room = panel.measures
+    extents = [float(part) for part in room.extent.text().removesuffix("\u00a0cm").split("×")]
+    assert extents == pytest.approx(other.extents, rel=5e-3)
+    assert number(room.box.text()) == pytest.approx(np.prod(other.extents), rel=1e-3)
+    assert number(room.packed.text()) == pytest.approx(packed_volume(state.frame.U), rel=1e-3)
+    change = 100 * (packed_volume(state.frame.U) / packed_volume(rest.vertices) - 1)
+    assert room.heading.reading == f"packed {change:.1f} %".replace("-", "−")
+    assert number(room.compact.text()) == pytest.approx(
+        36 * np.pi * other.volume**2 / other.area**3, abs=6e-4
+    )
+
+
+def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crushed):
+    flag, health, state = crushed.panel.volume.flag, crushed.health, crushed.session.state
+    crossing = crossings(state.frame.U, state.document.mesh.F)
+    assert len(crossing) > 20
+    assert flag.text() == f"self-intersecting: {len(crossing):,} triangles"
+    assert health.badge.text() == "1 finding"
+    Mouse(flag).drag(QPointF(flag.width() / 3, flag.height() / 2))
+    assert np.array_equal(crushed.canvas.marks.ids, np.unique(state.document.mesh.F[crossing]))
+    assert health.list.isVisible()
+    crushed.actions_.undo.trigger()
+    known(qtbot, crushed)
+    assert flag.text() == "no self-intersections"
+    assert not flag.isEnabled()
+    assert crushed.canvas.marks.ids is None
+    assert health.badge.text() == "No findings"
+
+
+def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
+    coarse_bottle(qtbot, window)
+    known(qtbot, window)
+    room, flag = window.panel.measures, window.panel.volume.flag
+    assert room.packed.text() != "…"
+    window.session.begin_gesture()
+    pose = np.eye(4)
+    pose[1, 3] = -1.0
+    window.session.move_handle(pose)
+    assert [room.extent.text(), room.box.text(), room.packed.text()] == ["…"] * 3
+    assert flag.text() == "self-intersections: not while it moves"
+    idle(qtbot, window)
+    window.session.end_gesture("Move handle")
+    assert flag.text() == "checking for self-intersections…"
+    known(qtbot, window)
+    assert flag.text() == "no self-intersections"
+
+
+def filled(U, F):
+    """The volume after VTK has filled the hole, which is flat: any filling is the cap."""
+    closed = pv.PolyData.from_regular_faces(U, F).fill_holes(1e3)
+    other = trimesh.Trimesh(closed.points, closed.regular_faces)
+    other.fix_normals()  # VTK leaves the filling turned as it happens
+    assert other.is_watertight
+    return other.volume
+
+
+def test_an_open_bottle_is_measured_with_its_mouth_capped_and_says_so(qtbot, window):
+    mesh = coarse_bottle(qtbot, window, open_top=True)
+    panel = window.panel.volume
+    assert panel.change == "unchanged, capped"
+    assert number(panel.volume.text()) == pytest.approx(filled(mesh.V, mesh.F), rel=1e-5)
+    assert panel.litres.text().endswith("with its mouth capped flat")
+    assert not panel.keep.isEnabled()
+    crush(qtbot, window, 1.5)
+    U = window.session.state.frame.U
+    assert panel.change.endswith("%, capped")
+    assert number(panel.volume.text()) == pytest.approx(filled(U, mesh.F), rel=1e-5)
+
+
+def type_into(qtbot, field, text):
+    field.setFocus()
+    field.selectAll()
+    qtbot.keyClicks(field, text)
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+
+
+def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, bottle):
+    room = bottle.panel.measures
+    room.folded = False
+    type_into(qtbot, room.thickness, "0.3mm")
+    assert room.mass.text() == "–"
+    assert "needs the unit of the mesh" in room._problem.text()
+    bottle._choose_unit(CM)
+    assert "needs the density" in room._problem.text()
+    type_into(qtbot, room.density, "1380 kg/m3")
+    assert room._problem.isHidden()
+    grams = bottle.session.state.frame.area * 0.03 * 1.38
+    assert room.mass.text() == f"{grams:.2f}\u00a0g"
+    bottle._choose_unit(Unit.METRE)
+    assert room.mass.text() == f"{bottle.session.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
+    type_into(qtbot, room.thickness, "thin")
+    assert "“thin” is unknown" in room._problem.text()
+
+
+def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window, settings, tmp_path):
+    paths = [tmp_path / f"part, {name}.obj" for name in "ab"]
+    for path in paths:
+        save_mesh(Mesh(*meshes.sphere(2)), meshes.sphere(2)[0], path)
+    room, wall = window.panel.measures, Wall("0.3mm", "1.38 g/cm³")
+
+    def open_(path):
+        window.filing.open_path(path)
+        idle(qtbot, window)
+
+    open_(paths[0])
+    type_into(qtbot, room.thickness, wall.thickness)
+    type_into(qtbot, room.density, wall.density)
+    open_(paths[1])
+    assert room.wall == NO_WALL
+    open_(paths[0])
+    assert room.wall == wall
+    assert Memory(settings).walls == {paths[0].resolve(): wall}
+    saved = tmp_path / "s.apd"
+    window.session.save(saved, window.filing._view(CM.value))
+    idle(qtbot, window)
+    type_into(qtbot, room.thickness, "2mm")
+    open_(saved)
+    assert room.wall == wall
+    assert window.session.unit is CM
+    assert document(window).mesh.path == paths[0]
+
+
+def test_settings_that_somebody_has_broken_say_nothing_of_walls(settings):
+    settings.setValue("walls", ["nonsense", "[1]", '["/a.obj", "1mm", "2"]'])
+    assert list(Memory(settings).walls.values()) == [Wall("1mm", "2")]
+
+
+def test_size_and_mass_are_folded_away_at_first(bottle):
+    assert bottle.panel.folded == ["Size and mass"]
+    assert bottle.panel.measures.heading.isVisible()
+    assert not bottle.panel.measures.mass.isVisible()
