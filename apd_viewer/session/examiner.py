@@ -81,8 +81,10 @@ class Examiner:
     # The thread "examiner"
 
     def _run(self) -> None:
+        begun = False
         while self._shapes.comes_within(threading.TIMEOUT_MAX):
-            self._closed.wait(_AT_FIRST if self._process is None else _CALM)
+            self._closed.wait(_CALM if begun else _AT_FIRST)
+            begun = True
             shape = self._shapes.wait()
             if shape is None:
                 break

@@ -27,7 +27,7 @@ class Examining:
     Attributes
     ----------
     found : Examination or None
-        Of the shape on screen; None while it moves, and until it has been examined.
+        Of the shape on screen; None while it moves, and until that has been examined.
     at_rest : Examination or None
         Of the mesh as it was opened.
     """
@@ -38,29 +38,30 @@ class Examining:
         self._listener = listener
         self._examiner = Examiner(listener.wake)
         self._mesh: Mesh | None = None
-        self._U: np.ndarray | None = None
+        self._last: tuple[np.ndarray, Examination] | None = None
+        self._wanted: np.ndarray | None = None
         self.found: Examination | None = None
         self.at_rest: Examination | None = None
 
     @property
     def under_way(self) -> bool:
         """Whether the shape on screen is at rest, and will be known."""
-        return self._U is not None and self.found is None
+        return self._wanted is not None
 
     def follow(self) -> None:
-        """Look whether there is another shape at rest."""
+        """Look whether there is another shape on screen, and whether it rests."""
         state = self._stage.state
         if state is None:
             return
-        mesh = state.document.mesh
+        mesh, U = state.document.mesh, state.frame.U
         if mesh is not self._mesh:
             self._mesh, self.at_rest = mesh, None
         rests = self._gestures.before is None and self._stage.activity is not Activity.REFINING
-        U = state.frame.U if rests else None
-        if U is not self._U:
-            self._U, self.found = U, None
-            self._examiner.forget()
-            self._go_on()
+        found = self._known(U)
+        wanted = U if found is None and rests else None
+        if found is not self.found or wanted is not self._wanted:
+            self.found = found
+            self._ask(wanted)
             self._listener.examined()
 
     def receive(self) -> None:
@@ -71,20 +72,26 @@ class Examining:
         shape, found = answer
         if shape.U is self._mesh.V:
             self.at_rest = found
-        if shape.U is self._U:
-            self.found = found
-        self._go_on()
+        self._last = shape.U, found
+        if self._wanted is not None:
+            self.found = self._known(self._wanted)
+            self._ask(self._wanted if self.found is None else None)
         self._listener.examined()
 
     def close(self) -> None:
         """End what is under way."""
         self._examiner.close()
 
-    def _go_on(self) -> None:
-        """Ask for what is not known yet: first of the mesh at rest, which all others are compared with."""
-        if self._U is None or self._mesh is None:
-            return
-        if self._U is self._mesh.V and self.at_rest is not None:
-            self.found = self.at_rest
-        if self.found is None:
-            self._examiner.ask(Shape(self._mesh.V if self.at_rest is None else self._U, self._mesh.joined_F))
+    def _known(self, U: np.ndarray) -> Examination | None:
+        """What was found of the shape ``U`` (n, 3), if that was the mesh at rest or the last one."""
+        if self._mesh is not None and U is self._mesh.V:
+            return self.at_rest
+        return self._last[1] if self._last is not None and U is self._last[0] else None
+
+    def _ask(self, U: np.ndarray | None) -> None:
+        """Have ``U`` (n, 3) examined, or nothing; before the first one the mesh at rest, to compare with."""
+        self._wanted = U
+        if U is None or self._mesh is None:
+            self._examiner.forget()
+        else:
+            self._examiner.ask(Shape(self._mesh.V if self.at_rest is None else U, self._mesh.joined_F))

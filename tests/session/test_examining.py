@@ -167,12 +167,12 @@ def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
     assert len(first.crossing) == 0
     assert session.said[0] == (True, None)
     session.begin_gesture()
+    assert session.examining.found is first, "nothing has moved"
     pose = np.eye(4)
     pose[:3, 3] = 0.7, 0.0, -6.0  # through the base
     session.move_handle(pose)
-    assert session.examining.found is None
-    assert not session.examining.under_way
     session.wait_idle(LONG)
+    assert session.examining.found is None
     assert not session.examining.under_way, "the gesture is not over"
     session.end_gesture("Move handle")
     assert session.examining.under_way
@@ -184,3 +184,4 @@ def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
     assert session.examining.at_rest is first
     session.undo()
     assert session.examining.found is first, "it is known already"
+    assert not session.examining.under_way

@@ -116,9 +116,9 @@ def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
     pose = np.eye(4)
     pose[1, 3] = -1.0
     window.session.move_handle(pose)
+    idle(qtbot, window)
     assert [room.extent.text(), room.box.text(), room.packed.text()] == ["…"] * 3
     assert flag.text() == "self-intersections: not while it moves"
-    idle(qtbot, window)
     window.session.end_gesture("Move handle")
     assert flag.text() == "checking for self-intersections…"
     known(qtbot, window)
