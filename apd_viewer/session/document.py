@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, numbered
-from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints, transform
+from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
 from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
@@ -24,54 +24,13 @@ from apd_viewer.geometry.regions import region_areas
 from apd_viewer.geometry.skin import Skin
 from apd_viewer.language import tr
 from apd_viewer.session import derived
+from apd_viewer.session.named_parts import IDENTITY, Handle, NamedRegion
 from apd_viewer.session.names import next_name
 
-IDENTITY = frozen(np.eye(4))
 # These say nothing of the total area.
 _LEAVE_THE_AREA = ("arap", "sr-arap")
 # To what part of its value at rest a goal is promised to be met.
 _MET = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Handle:
-    """A part that is moved as one.
-
-    Attributes
-    ----------
-    name : str
-    pose : (4, 4) float array
-        Its motion since it was gripped, read-only.
-    pivot : (3,) float array or None
-        What it turns about, where that was when it was gripped, read-only; None is its centre.
-    falloff : float
-        How far along the surface it draws free vertices along, mesh units.
-    """
-
-    name: str
-    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
-    pivot: np.ndarray | None = None
-    falloff: float = 0.0
-
-    def gripped(self) -> Handle:
-        """The same handle, gripped where it is now."""
-        pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
-        return replace(self, pose=IDENTITY, pivot=pivot)
-
-
-@dataclass(frozen=True, eq=False)
-class NamedRegion:
-    """A part whose area is measured, and kept if that is asked for.
-
-    Attributes
-    ----------
-    name : str
-    area : float or None
-        What its area should be, in percent of its area at rest; None only measures it.
-    """
-
-    name: str
-    area: float | None = None
 
 
 class Asked(NamedTuple):

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.session.document import Handle
+from apd_viewer.session.named_parts import Handle
 from apd_viewer.session.names import new_name, next_name
 
 if TYPE_CHECKING:

@@ -22,12 +22,13 @@ from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
 from apd_viewer.session.baking import baked
 from apd_viewer.session.by_numbers import chosen, place
-from apd_viewer.session.document import IDENTITY, State, opened, rest_frame
+from apd_viewer.session.document import State, opened, rest_frame
 from apd_viewer.session.errand import Errand, Errands
 from apd_viewer.session.examining import Examining
 from apd_viewer.session.expressions import length
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
+from apd_viewer.session.named_parts import IDENTITY
 from apd_viewer.session.part import Part
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of

@@ -19,8 +19,9 @@ from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.methods import METHODS
 from apd_viewer.geometry.rest_mesh import RestMesh
 from apd_viewer.language import tr
-from apd_viewer.session.document import Document, Handle, NamedRegion, State, rest_frame
+from apd_viewer.session.document import Document, State, rest_frame
 from apd_viewer.session.expressions import MOST_CHARACTERS
+from apd_viewer.session.named_parts import Handle, NamedRegion
 from apd_viewer.session.units import Unit
 from apd_viewer.session.view import Point, Standpoint, View
 from apd_viewer.session.wall import Wall

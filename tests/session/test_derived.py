@@ -9,7 +9,8 @@ from meshes import box, ends
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session import derived
-from apd_viewer.session.document import NamedRegion, opened
+from apd_viewer.session.document import opened
+from apd_viewer.session.named_parts import NamedRegion
 
 
 @pytest.fixture

@@ -13,7 +13,8 @@ from test_session import Driven
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.selecting import RINGS
-from apd_viewer.session.document import Document, NamedRegion, opened
+from apd_viewer.session.document import Document, opened
+from apd_viewer.session.named_parts import NamedRegion
 from apd_viewer.session.part import Part
 from apd_viewer.session.reshaping import Change, reshaped
 

@@ -15,7 +15,8 @@ from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.child import Published
-from apd_viewer.session.document import Document, Handle, NamedRegion, opened
+from apd_viewer.session.document import Document, opened
+from apd_viewer.session.named_parts import Handle, NamedRegion
 from apd_viewer.session.requests import Reply, Request
 from apd_viewer.session.solver import Solver
 from apd_viewer.session.worker import Worker

@@ -1,0 +1,53 @@
+"""The parts of a document that have a name: the handles and the regions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.mesh import frozen
+
+IDENTITY = frozen(np.eye(4))
+
+
+@dataclass(frozen=True, eq=False)
+class Handle:
+    """A part that is moved as one.
+
+    Attributes
+    ----------
+    name : str
+    pose : (4, 4) float array
+        Its motion since it was gripped, read-only.
+    pivot : (3,) float array or None
+        What it turns about, where that was when it was gripped, read-only; None is its centre.
+    falloff : float
+        How far along the surface it draws free vertices along, mesh units.
+    """
+
+    name: str
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
+    pivot: np.ndarray | None = None
+    falloff: float = 0.0
+
+    def gripped(self) -> Handle:
+        """The same handle, gripped where it is now."""
+        pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
+        return replace(self, pose=IDENTITY, pivot=pivot)
+
+
+@dataclass(frozen=True, eq=False)
+class NamedRegion:
+    """A part whose area is measured, and kept if that is asked for.
+
+    Attributes
+    ----------
+    name : str
+    area : float or None
+        What its area should be, in percent of its area at rest; None only measures it.
+    """
+
+    name: str
+    area: float | None = None
