@@ -23,6 +23,7 @@ _DENSITIES = {
 }
 _SPELLINGS = str.maketrans({"³": "3", "^": "", "∕": "/", "⁄": "/"})
 _UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-z]+\s*/\s*[a-z]+3?)", re.DOTALL)
+_SHOWN = 20  # characters of what makes no sense
 _HEAVIEST = 100.0  # g/cm³; osmium has 22.6
 
 
@@ -81,7 +82,11 @@ def density(text: str) -> float:
                 tr("“{unit}” is no unit of density here; write g/cm³ or kg/m³.").format(unit=said)
             )
         amount, factor = parted["amount"], _DENSITIES[said]
-    value = factor * number(amount, {})
+    try:
+        value = factor * number(amount, {})
+    except InputError:
+        sentence = tr("“{text}” is no density; write one such as 1.38 g/cm³.")
+        raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None
     if not 0.0 < value <= _HEAVIEST:
         raise InputError(
             tr("Nothing has a density of {value:.4g} g/cm³; type one such as 1.38 g/cm³.").format(value=value)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 
+_LITRE = 0.1  # of which on people say litres
 _TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
 
 
@@ -101,8 +102,9 @@ class VolumeSection(Section):
         lines = [about_caps(inspection.openings)] if capped else []  # never without a word
         litres, at_rest = unit.litres(now), unit.litres(rest)
         if litres is not None and at_rest is not None:
-            said = tr("{now} of {rest}").format(now=figures(litres, 4), rest=figures(at_rest, 4))
-            lines.insert(0, f"{said}\u00a0l")
+            factor, symbol = (1.0, "l") if abs(at_rest) >= _LITRE else (1e3, "ml")
+            now_, rest_ = figures(factor * litres, 4), figures(factor * at_rest, 4)
+            lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
         self.litres.setText("\n".join(lines))
         self.litres.setVisible(bool(lines))
 

@@ -40,11 +40,11 @@ def test_nothing_typed_weighs_nothing_that_could_be_said():
         (("-1mm", "1.38"), CM, "thicker than nothing"),
         (("30deg", "1.38"), CM, "an angle"),
         (("thin", "1.38"), CM, "unknown"),
-        (("0.3mm", "light"), CM, "unknown"),
+        (("0.3mm", "light"), CM, "“light” is no density"),
         (("0.3mm", "1.38 lb/ft3"), CM, "no unit of density"),
         (("0.3mm", "0"), CM, "Nothing has a density"),
         (("0.3mm", "1380"), CM, "Nothing has a density of 1380"),
-        (("0.3mm", "1mm"), CM, "no place here"),
+        (("0.3mm", "1mm"), CM, "“1mm” is no density"),
     ],
 )
 def test_what_makes_no_sense_is_said_in_a_sentence(wall, unit, words):
