@@ -90,6 +90,11 @@ class Constrained:
         return self._projection.met
 
     @property
+    def energy(self) -> float | None:
+        """The energy of ``U``; None if it is not known."""
+        return self._descent.energy if self._descent else self._elastic.energy
+
+    @property
     def hides(self) -> bool:
         """Whether ``U`` is not the shape that is iterated."""
         return False

@@ -33,6 +33,11 @@ class Cycled(Guided):
         return self._best[1][0] if self._tries else super().U
 
     @property
+    def energy(self) -> float | None:
+        """The energy of ``U``; None if it is not known."""
+        return self._best[0] if self._tries else super().energy
+
+    @property
     def hides(self) -> bool:
         """Whether ``U`` is not the shape that is iterated."""
         return self._tries or super().hides

@@ -86,6 +86,11 @@ class Frame:
         Volume with flat caps over the openings; None where the surface has none.
     unreached : str or None
         What was asked for but cannot be reached in this pose, and how near it came: a sentence.
+    energy : float or None
+        What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
+        terms of the material; without the coupling of "sr-arap". None where that is not known.
+    total : int
+        Iterations since the deformation was made.
     """
 
     U: np.ndarray
@@ -100,6 +105,8 @@ class Frame:
     local_change: float = 0.0
     volume_capped: float | None = None
     unreached: str | None = None
+    energy: float | None = None
+    total: int = 0
 
 
 class Deformation:
@@ -175,6 +182,7 @@ class Deformation:
             rest = RestMesh(V, F)
         self.rest = rest
         self.method = method
+        self._total = 0
         self.fixed = vertex_ids(fixed, len(rest.V))
         self._solve_ids, self._chosen, self._inverse = np.unique(
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
@@ -305,6 +313,7 @@ class Deformation:
                 method.iterate()
             step = largest_difference(method.U, before)
         self._iteration += 1
+        self._total += 1
         self._steps.append(step / self.rest.diagonal)
 
     @property
@@ -324,6 +333,7 @@ class Deformation:
         with cores_for(len(method.U)):
             found = self.rest.survey(method.U)
             regions = tuple(patch.area(method.U) for patch in self._patches)
+            energy = method.energy
         return Frame(
             U=frozen(self._spread(method.U)),
             iteration=self._iteration,
@@ -334,6 +344,8 @@ class Deformation:
             settled=settled,
             regions=regions,
             unreached=self._unreached() if method.stuck else None,
+            energy=energy,
+            total=self._total,
         )
 
     def _spread(self, U: np.ndarray) -> np.ndarray:

@@ -234,13 +234,21 @@ class Elastic:
     @property
     def energy(self) -> float:
         """The energy of the current positions, without the coupling of the rotations."""
-        material = self.material
-        E = material.rigidity * cells.energy(*self.rest.graph, self.rest.V, self.U, self.q)
-        if self._membrane is not None:
-            E += self._membrane.energy
+        flat = 0.0 if self._membrane is None else self._membrane.energy
+        return self._without_membrane(self.U, self.q) + flat
+
+    def energy_at(self, U: np.ndarray) -> float:
+        """What the energy would be at ``U`` (n, 3), near the current positions; there is no membrane."""
+        q = self.q.copy()
+        self._turn_cells(U, q)
+        return self._without_membrane(U, q)
+
+    def _without_membrane(self, U: np.ndarray, q: np.ndarray) -> float:
+        """The terms of cells that are turned by ``q`` (n, 4), and of springs, at ``U`` (n, 3)."""
+        E = self.material.rigidity * cells.energy(*self.rest.graph, self.rest.V, U, q)
         if self._bending is not None:
-            E += material.bending * self._bending.energy(self.U, self.q)
+            E += self.material.bending * self._bending.energy(U, q)
         if len(self.soft.ids):
-            away = self.U[self.soft.ids] - self._targets[len(self.fixed) :]
+            away = U[self.soft.ids] - self._targets[len(self.fixed) :]
             E += 2.0 * float(self._firm @ (away * away).sum(axis=1))
         return float(E)

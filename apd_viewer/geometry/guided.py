@@ -97,6 +97,11 @@ class Guided(Constrained):
         return self._preview.met if self._preview else super().met
 
     @property
+    def energy(self) -> float | None:
+        """The energy of ``U``; None if it is not known."""
+        return None if self._preview else super().energy
+
+    @property
     def hides(self) -> bool:
         """Whether ``U`` is not the shape that is iterated."""
         return self._preview is not None

@@ -64,6 +64,11 @@ class LiHui:
         return self._elastic.factor.ready and self._blend.ready
 
     @property
+    def energy(self) -> float:
+        """The energy of ``U``, which is not the shape that minimises it."""
+        return self._elastic.energy_at(self.U)
+
+    @property
     def met(self) -> bool:
         """Whether the area of ``U`` is close enough to what it should be."""
         return abs(self.goals[0].miss(float(self.values[0]))) <= self.tolerance * self._wanted

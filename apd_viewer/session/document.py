@@ -357,4 +357,5 @@ def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
         volume_capped=inspection.volume_capped,
         handle_drift=0.0,
         converged=True,
+        energy=0.0,
     )

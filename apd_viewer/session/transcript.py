@@ -110,6 +110,7 @@ def frame_said(frame: Frame) -> dict[str, Any]:
         "converged": bool(frame.converged),
         "handle_drift": float(frame.handle_drift),
         "unreached": frame.unreached,
+        "energy": None if frame.energy is None else float(frame.energy),
     }
 
 
@@ -131,6 +132,7 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
         handle_drift=said.number("handle_drift", 0.0),
         regions=state.document.region_areas(U),
         unreached=said.text("unreached") if said.says("unreached") else None,
+        energy=said.number("energy", 0.0) if said.says("energy") else None,
     )
 
 

@@ -148,6 +148,7 @@ WRONG = {
     "iteration": (("frame", "iteration"), -1, "“iteration” is damaged"),
     "settled": (("frame", "settled"), "yes", "“settled” is damaged"),
     "unreached": (("frame", "unreached"), 5, "“unreached” is damaged"),
+    "energy": (("frame", "energy"), -1.0, "“energy” is damaged"),
     "unit": (("view", "unit"), "parsec", "“unit”"),
     "up": (("view", "camera", "up"), [0, 0, 0], "looks nowhere"),
     "focal": (("view", "camera", "focal"), [0.0, -12.0, 4.0], "looks nowhere"),
