@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from apd_viewer.geometry import local_change
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.methods import METHODS
@@ -16,6 +17,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
 
     Between two methods ``enough()`` may end it.
     """
+    local_change.warm_up()
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]

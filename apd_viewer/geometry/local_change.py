@@ -1,0 +1,116 @@
+"""How much of a surface has become larger or smaller, and by how much: a histogram, found in one pass.
+
+The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to that at rest,
+on the side of what has grown or of what has shrunk: then halved and doubled lie equally far from unchanged,
+and no logarithm is needed of every triangle. The bins are so narrow against their distance from zero
+that any coarser histogram and any percentile follow from them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.mesh import frozen
+
+# Bins an octave of c; the octaves reach from 2^_LOWEST, which is nothing but rounding, to 2^_HIGHEST.
+_STEPS = 64
+_LOWEST, _HIGHEST = -40, 10
+_BINS = (_HIGHEST - _LOWEST) * _STEPS
+# The area of a triangle this much smaller than the mean is nothing but rounding.
+_SLIVER = 1e-9
+
+
+def _edges() -> np.ndarray:
+    """Where the bins of one side end, in c: from 0 up, (_BINS + 2,)."""
+    octaves = np.repeat(2.0 ** np.arange(_LOWEST, _HIGHEST), _STEPS)
+    inner = octaves * (1.0 + np.tile(np.arange(_STEPS) / _STEPS, _HIGHEST - _LOWEST))
+    return np.concatenate([[0.0], inner, [2.0**_HIGHEST]])
+
+
+_C = _edges()
+_GROWN, _SHRUNK = _C, _C / (1.0 + _C)  # as changes relative to the area at rest
+_EITHER = np.union1d(_GROWN, _SHRUNK)
+_OCTAVES = np.log2(1.0 + _C)
+
+
+@dataclass(frozen=True, eq=False)
+class LocalChange:
+    """How the areas of the triangles have changed, each weighted by its area at rest.
+
+    Attributes
+    ----------
+    mean, p99, largest : float
+        Of the change of a triangle's area up or down, relative to its area at rest: the mean, what 99 % of
+        the surface do not exceed, and the largest of all.
+    below : (k,) float array
+        Share of the surface whose ratio of areas is less than that of an edge of the bins, from 0 to 1.
+    """
+
+    mean: float
+    p99: float
+    largest: float
+    below: np.ndarray
+
+    def shares(self, edges: np.ndarray) -> np.ndarray:
+        """Share of the surface between ``edges`` (b + 1,), ascending, in log2 of the ratio of areas, (b,)."""
+        return np.diff(np.interp(edges, _ALL_OCTAVES, self.below))
+
+
+_ALL_OCTAVES = np.concatenate([-_OCTAVES[:0:-1], _OCTAVES])
+
+
+def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
+    """How the areas of the triangles ``F`` (m, 3) at ``U`` (n, 3) differ from those at ``rest`` (m,)."""
+    weights = np.zeros((2, _BINS + 1))
+    moved, largest = _sorted_in(U, F, rest, _SLIVER * rest.mean(), weights)
+    total = weights.sum()
+    if total == 0.0:
+        return LocalChange(0.0, 0.0, 0.0, np.linspace(0.0, 1.0, len(_ALL_OCTAVES)))
+    weights /= total
+    shrunk, grown = (np.concatenate([[0.0], np.cumsum(side)]) for side in weights)
+    either = np.interp(_EITHER, _SHRUNK, shrunk) + np.interp(_EITHER, _GROWN, grown)
+    k = int(np.searchsorted(either, 0.99))
+    before = either[k - 1]
+    part = (0.99 - before) / (either[k] - before)
+    p99 = _EITHER[k - 1] + part * (_EITHER[k] - _EITHER[k - 1])
+    below = np.concatenate([shrunk[-1] - shrunk[:0:-1], shrunk[-1] + grown])
+    return LocalChange(moved / total, min(float(p99), largest), largest, below)
+
+
+# On one core: the window's thread must not wait for the cores, and shares them with the solver.
+@njit(cache=True, nogil=True)
+def _sorted_in(
+    U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray
+) -> tuple[float, float]:
+    """Add the areas at rest to the bins of what has shrunk and grown; the sum and the largest of changes."""
+    moved = largest = 0.0
+    for t in range(len(F)):
+        if rest[t] <= least:
+            continue
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        own = 0.5 * np.sqrt(x * x + y * y + z * z)
+        moved += abs(own - rest[t])
+        largest = max(largest, abs(own / rest[t] - 1.0))
+        side = 1 if own >= rest[t] else 0
+        low, high = (rest[t], own) if side else (own, rest[t])
+        place = 0
+        if high >= low * 2.0**_HIGHEST:
+            place = _BINS
+        elif high > low * (1.0 + 2.0**_LOWEST):
+            mantissa, exponent = math.frexp(high / low - 1.0)
+            place = (exponent - 1 - _LOWEST) * _STEPS + int((2.0 * mantissa - 1.0) * _STEPS) + 1
+        weights[side, min(max(place, 0), _BINS)] += rest[t]
+    return moved, largest
+
+
+def warm_up() -> None:
+    """Compile it as a window needs it, or load it from the cache."""
+    U, F = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
+    local_change(frozen(U), frozen(F), frozen(np.ones(1)))
