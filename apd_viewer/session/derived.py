@@ -11,6 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.constraints import FREE, HANDLE, Soft, what_is_missing
 from apd_viewer.geometry.mesh import Weld, frozen
+from apd_viewer.geometry.operators import face_areas
 from apd_viewer.geometry.regions import region_areas
 
 if TYPE_CHECKING:
@@ -58,6 +59,12 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
     """Area of each region at rest: see :func:`apd_viewer.geometry.regions.region_areas`."""
     return tuple(region_areas(V, F, member, count).tolist())
+
+
+@once
+def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Area of each triangle at rest, (m,) float array."""
+    return frozen(face_areas(V, F))
 
 
 @once

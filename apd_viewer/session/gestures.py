@@ -42,12 +42,15 @@ class Gestures:
     def begin(self) -> None:
         """Start what will be one step of undo."""
         self.before = self._stage.required()
+        self._stage.begin_trace()
 
     def end(self, name: str) -> None:
         """Finish it; nothing is remembered where nothing was changed."""
         before, self.before = self.before, None
+        if before is not None:
+            self._stage.trace.let_go()
         if before is not None and before.document is not self._stage.required().document:
-            self.record(name, before)
+            self._remember(name, before)
 
     def cancel(self) -> None:
         """Go back to where it began."""
@@ -64,9 +67,16 @@ class Gestures:
         """Remember the state before a step that has just been made, or the first of those that repeat it."""
         now = time.monotonic()
         follows = now - self._last < _TOGETHER and self.history.next_redo is None
-        if not (repeats and follows and self.history.next_undo == name):
-            self.history.record(name, before)
+        if repeats and follows and self.history.next_undo == name:
+            self._listener.status_changed()
+        else:
+            self._stage.begin_trace()
+            self._remember(name, before)
         self._last = now if repeats else -_TOGETHER
+
+    def _remember(self, name: str, before: State) -> None:
+        self.history.record(name, before)
+        self._last = -_TOGETHER
         self._listener.status_changed()
 
     def undo(self) -> None:

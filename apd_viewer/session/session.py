@@ -44,6 +44,7 @@ from apd_viewer.session.sentences import (
 )
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.trace import Trace
 from apd_viewer.session.units import Unit
 from apd_viewer.session.view import SUFFIX, View
 from apd_viewer.session.worker import Worker
@@ -97,6 +98,11 @@ class Session:
     def seconds_per_iteration(self) -> float:
         """Time that the last iteration took."""
         return self._stage.seconds_per_iteration
+
+    @property
+    def trace(self) -> Trace:
+        """The readings on the way to the shape on screen."""
+        return self._stage.trace
 
     @property
     def errand(self) -> Errand | None:

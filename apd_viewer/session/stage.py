@@ -12,6 +12,7 @@ from enum import Enum
 
 from apd_viewer.session.document import Document, State
 from apd_viewer.session.requests import Reply, Request, alike, factored_for
+from apd_viewer.session.trace import Trace
 from apd_viewer.session.view import View
 from apd_viewer.session.worker import Worker
 
@@ -70,10 +71,13 @@ class Stage:
         None until a mesh is open.
     activity : Activity
     seconds_per_iteration : float
+    trace : Trace
+        The readings on the way to the shape on screen.
     """
 
     def __init__(self, listener: Listener, worker: Worker) -> None:
         self.state: State | None = None
+        self.trace = Trace()
         self.activity = Activity.IDLE
         self.seconds_per_iteration = 0.0
         self._listener = listener
@@ -106,6 +110,10 @@ class Stage:
         if self.state is None or state.document.mesh is not self.state.document.mesh:
             self._warned = None
         self._generation += 1
+        if self.state is not None and state.frame.U is self.state.frame.U:
+            self.begin_trace()
+        else:
+            self.trace.begin(state)
         self.show(state)
         self._ask(iterate=not state.frame.settled)
 
@@ -120,6 +128,10 @@ class Stage:
         iterate = self.activity is Activity.REFINING or not at_rest
         self.show(state.unsettled() if iterate else state)
         self._ask(iterate)
+
+    def begin_trace(self) -> None:
+        """Whatever else is asked from now on begins another trace, which leads from here."""
+        self.trace.expect(self._asked, self.required())
 
     def regrip(self, before: Document, document: Document) -> None:
         """Go from one document to another, with base and handles gripped where they are on screen."""
@@ -154,6 +166,7 @@ class Stage:
         if reply.frame is not None:
             self.seconds_per_iteration = reply.seconds
             state = self._showing(reply)
+            self.trace.add(reply.document, reply.frame)
             self.show(state if latest else state.unsettled())
         if reply.finished and latest:
             settled = reply.frame is not None and reply.frame.converged
