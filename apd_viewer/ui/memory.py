@@ -57,6 +57,16 @@ class Memory:
         self._settings.setValue("folded", titles)
 
     @property
+    def plots(self) -> list[str] | None:
+        """What is plotted, by its names; None before anything was chosen."""
+        value = self._settings.value("plots")
+        return None if value is None else [name for name in str(value).split() if name]
+
+    @plots.setter
+    def plots(self, names: list[str]) -> None:
+        self._settings.setValue("plots", " ".join(names))
+
+    @property
     def folder(self) -> Path:
         """Where the last file was."""
         return Path(str(self._settings.value("folder", str(Path.home()))))

@@ -29,6 +29,7 @@ from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
+from apd_viewer.ui.plots import Plots
 from apd_viewer.ui.room import Room
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.toolbox import Tool, Way
@@ -141,6 +142,7 @@ class Window(QMainWindow):
         self.status.cancel_asked.connect(self.session.cancel_errand)
         self._connect_canvas()
         self._connect_panel()
+        self.plots.start(self.session)
         self._started = True
         self.filing.start(self.session)
         self.offer.start()
@@ -168,6 +170,11 @@ class Window(QMainWindow):
         self.docks = Docks(self)
         self.docks.add("readings", tr("Readings"), self.panel)
         self.docks.add("history", tr("History"), self._history, shown=False)
+        self.plots = Plots(self._memory, self.notice)
+        below = Qt.DockWidgetArea.BottomDockWidgetArea
+        self.docks.add("plots", tr("Plots"), self.plots, below, False).toggleViewAction().setShortcut(
+            "Ctrl+P"
+        )
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
         view = self.canvas.viewport
@@ -285,6 +292,7 @@ class Window(QMainWindow):
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._welcome(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
+        self.plots.follow()
         if old is None or old.document.labels is not document.labels:
             self._invite()
 
@@ -356,7 +364,8 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        for part in (self.actions_, self.notice, self.offer, self.panel, self.canvas, self.health, self.help):
+        over = self.notice, self.offer, self.health, self.help
+        for part in (self.actions_, self.panel, self.plots, self.canvas, *over):
             part.set_theme(colors)
 
     # Events

@@ -1,0 +1,57 @@
+"""Plots on disk: the picture as PNG or SVG, the numbers as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QRect, QRectF, QSize
+from PySide6.QtGui import QColor, QImage, QPaintDevice, QPainter
+from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtWidgets import QFileDialog, QWidget
+
+from apd_viewer.files.replacing import replacing
+from apd_viewer.language import tr
+
+_SCALE = 3  # pixels of a picture for each on the screen
+_PAPER = "#ffffff"
+
+
+def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
+    """Where to write a file of plots; None if the user thought better of it."""
+    kind = tr("{kind} file (*{suffix})").format(kind=suffix[1:].upper(), suffix=suffix)
+    path, _ = QFileDialog.getSaveFileName(parent, tr("Save the plots"), str(folder / f"{name}{suffix}"), kind)
+    if not path:
+        return None
+    return Path(path) if path.lower().endswith(suffix) else Path(path + suffix)
+
+
+def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
+    """Write what ``draw`` paints into a field of a size as a picture, on white; SVG or PNG by the suffix.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as scratch:
+        if path.suffix.lower() == ".svg":
+            sheet = QSvgGenerator()
+            sheet.setFileName(str(scratch))
+            sheet.setSize(size)
+            sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+            sheet.setTitle(tr("Plots of APD Viewer"))
+            _paint(sheet, size, draw)
+        else:
+            image = QImage(size * _SCALE, QImage.Format.Format_RGB32)
+            image.setDevicePixelRatio(_SCALE)
+            _paint(image, size, draw)
+            if not image.save(str(scratch), "PNG"):
+                raise OSError(tr("the picture could not be encoded"))
+
+
+def _paint(device: QPaintDevice, size: QSize, draw: Callable[[QPainter], None]) -> None:
+    painter = QPainter(device)
+    painter.fillRect(QRectF(0, 0, size.width(), size.height()), QColor(_PAPER))
+    draw(painter)
+    painter.end()
