@@ -168,6 +168,11 @@ class Plots(QWidget):
         self._session, self._trace = session, session.trace
         self.follow()
 
+    def end(self) -> None:
+        """Wait for what is compiled: while the interpreter ends it would take that down."""
+        if self._loading.ident is not None:
+            self._loading.join()
+
     def follow(self) -> None:
         """Something has changed: draw anew with the next frame, if this can be seen."""
         if self.isVisible():

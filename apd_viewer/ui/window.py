@@ -402,6 +402,7 @@ class Window(QMainWindow):
         self.help.tour.end()
         self.health.close()
         self.offer.close_all()
+        self.plots.end()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()

@@ -252,7 +252,7 @@ def main() -> None:
     stroking(bench, profile)
     if "--picture" in sys.argv:
         bench.window.grab().save("frame_cost.png")
-    bench.window.session._saved.append(bench.window.session.state.frame.U)
+    bench.window.session._kept.append(bench.window.session.state.frame.U)
     bench.window.close()
 
 

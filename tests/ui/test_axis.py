@@ -1,0 +1,86 @@
+"""Ticks: round numbers, where they say they are, and never too many."""
+
+import math
+
+import numpy as np
+import pytest
+
+from apd_viewer.ui.axis import decades, linear, power, ratios, rounded
+
+RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+def value(text):
+    """The number that a tick says."""
+    number = text.removesuffix(" %").removesuffix(" s").replace(",", "").replace("−", "-")
+    if number.startswith("10") and number[2:].translate(RAISED) != number[2:]:
+        return 10.0 ** int(number[2:].translate(RAISED))
+    return float(number)
+
+
+def check_within(axis, ticks):
+    places = [place for place, _ in ticks]
+    span = axis.high - axis.low
+    assert all(axis.low - 1e-9 * span <= place <= axis.high + 1e-9 * span for place in places)
+    assert len({text for _, text in ticks}) == len(ticks)
+
+
+@pytest.mark.parametrize("most", [1, 2, 4, 9])
+@pytest.mark.parametrize("seed", range(20))
+def test_ticks_of_numbers_say_where_they_are(seed, most):
+    random = np.random.default_rng(seed)
+    low = random.choice([0.0, random.normal()]) * 10.0 ** random.integers(-3, 5)
+    high = low + random.uniform(0.1, 10.0) * 10.0 ** random.integers(-3, 5)
+    for axis in (linear(low, high, " s"), rounded(low, high, " %")):
+        ticks = axis.ticks(most)
+        check_within(axis, ticks)
+        assert len(ticks) <= most + 1
+        for place, text in ticks:
+            assert value(text) == pytest.approx(place, abs=1e-9 * max(abs(low), abs(high)))
+            lead = abs(value(text)) / 10.0 ** math.floor(math.log10(abs(value(text)) or 1.0))
+            assert round(lead, 6) == round(lead, 1) or abs(place) > (axis.high - axis.low), text
+    assert rounded(low, high).low <= low + 1e-9 * abs(low)
+    assert rounded(low, high).high >= high - 1e-9 * abs(high)
+
+
+def test_whole_numbers_have_no_ticks_between_them():
+    assert [text for _, text in linear(0.0, 2.0, whole=True).ticks(9)] == ["0", "1", "2"]
+    assert linear(0.0, 12_000.0, whole=True).ticks(3)[1][1] == "5,000"
+
+
+@pytest.mark.parametrize("most", [1, 3, 20])
+@pytest.mark.parametrize(("low", "high"), [(1e-13, 2e-9), (1e-7, 0.3), (0.02, 0.03), (1e-3, 1e-3)])
+def test_decades_are_percentages(low, high, most):
+    axis = decades(low, high)
+    assert axis.low <= math.log10(low) <= math.log10(high) <= axis.high
+    ticks = axis.ticks(most)
+    check_within(axis, ticks)
+    assert 1 <= len(ticks) <= most + 1
+    for place, text in ticks:
+        assert value(text) == pytest.approx(100.0 * 10.0**place, rel=1e-12)
+
+
+def test_a_power_is_written_out_where_that_is_short():
+    assert [power(k) for k in (-4, -3, 0, 2, 4)] == ["10⁻⁴", "0.001", "1", "100", "10⁴"]
+
+
+@pytest.mark.parametrize("reach", [1.001, 1.05, 1.5])
+@pytest.mark.parametrize("most", [1, 3, 8])
+def test_small_ratios_are_percentages_on_both_sides(reach, most):
+    axis = ratios(reach)
+    assert axis.low == -axis.high
+    ticks = axis.ticks(most)
+    check_within(axis, ticks)
+    values = [value(text) for _, text in ticks]
+    assert values == [-x for x in reversed(values)]
+    for place, text in ticks:
+        assert 2.0**place == pytest.approx(1.0 + value(text) / 100.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("reach", [2.0, 16.0, 1024.0])
+def test_large_ratios_are_factors(reach):
+    axis = ratios(reach)
+    for place, text in axis.ticks(6):
+        factor = float(text.lstrip("×÷").replace(",", ""))
+        assert 2.0**place == (1.0 / factor if text.startswith("÷") else factor)
+    assert {"1"} < {text for _, text in axis.ticks(6)}

@@ -1,0 +1,287 @@
+"""The plots in a real window: what they show, when they are drawn, and what is written of them."""
+
+import csv
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from driving import drag, idle, ring_grip
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QMenu
+
+from apd_viewer.session.trace import COLUMNS
+from apd_viewer.ui import plots as module
+from apd_viewer.ui.plots import Plots
+from apd_viewer.ui.theme import DARK
+
+
+@pytest.fixture
+def plotted(qtbot, bottle):
+    """The bottle with all plots in sight."""
+    bottle.docks["plots"].show()
+    for button in bottle.plots.choices.values():
+        button.setChecked(True)
+    loaded(qtbot, bottle)
+    return bottle
+
+
+def loaded(qtbot, window):
+    """Wait until the histogram can be found, which takes long only where nothing is compiled yet."""
+    window.plots.views["local"].chart()
+    qtbot.waitUntil(lambda: not window.plots._loading.is_alive(), timeout=60_000)
+
+
+def twist(qtbot, window):
+    frames = []
+    show = window.canvas.show_state
+
+    def seen(old, new, handle, region):
+        frames.append(new.frame)
+        show(old, new, handle, region)
+
+    window.canvas.show_state = seen
+    drag(qtbot, window, ring_grip(window, 1), (40, 0))
+    idle(qtbot, window)
+    window.canvas.show_state = show
+    return frames
+
+
+def areas(U, F):
+    return 0.5 * np.linalg.norm(np.cross(U[F[:, 1]] - U[F[:, 0]], U[F[:, 2]] - U[F[:, 0]]), axis=1)
+
+
+def volume(U, F):
+    a, b, c = (U[F[:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0
+
+
+def readings(chart):
+    return [text for text, _ in chart.readings]
+
+
+def number(text):
+    found = re.search(r"[+−-]?[\d.,]+", text).group()
+    return float(found.replace("−", "-").replace(",", ""))
+
+
+def watched(plots):
+    """How often each chart is asked for from now on."""
+    counts = dict.fromkeys(plots.views, 0)
+    for name, view in plots.views.items():
+
+        def asked(name=name, make=view.chart):
+            counts[name] += 1
+            return make()
+
+        view.chart = asked
+    return counts
+
+
+def test_the_curves_are_what_was_shown_on_the_way(qtbot, plotted):
+    plotted.session.settings.set_method("paper")
+    idle(qtbot, plotted)
+    frames = twist(qtbot, plotted)
+    mesh = plotted.session.state.document.mesh
+    V, F = mesh.V, mesh.F
+    rest_area, rest_volume = areas(V, F).sum(), volume(V, F)
+    change = [100.0 * (areas(frame.U, F).sum() / rest_area - 1.0) for frame in frames]
+    emptied = [100.0 * (volume(frame.U, F) / rest_volume - 1.0) for frame in frames]
+    views = plotted.plots.views
+    chart = views["area"].chart()
+    below, above = chart.curves
+    for curve, shown in ((below, emptied), (above, change)):
+        distance = np.abs(np.subtract.outer(curve.y, shown)).min(axis=1)
+        assert distance.max() < 1e-9, "a curve goes through nothing but what was shown"
+        assert curve.y[-1] == pytest.approx(shown[-1], abs=1e-9)
+        assert len(curve.y) > 4
+    assert number(readings(chart)[0]) == pytest.approx(change[-1], abs=5e-4)
+    assert number(readings(chart)[1]) == pytest.approx(emptied[-1], abs=5e-3)
+    errors = views["error"].chart()
+    (curve,) = errors.curves
+    assert 10.0 ** curve.y[-1] == pytest.approx(abs(change[-1]) / 100.0, rel=1e-6)
+    assert (np.diff(curve.x) > 0).all()
+    assert curve.x[-1] >= frames[-1].iteration
+    assert errors.across[0].place == pytest.approx(np.log10(plotted.session.state.document.tolerance))
+    (curve,) = views["energy"].chart().curves
+    assert curve.y[-1] == frames[-1].energy > curve.y[0] >= 0.0
+
+
+def test_the_histogram_is_that_of_the_triangles(qtbot, plotted):
+    twist(qtbot, plotted)
+    state = plotted.session.state
+    F, rest = state.document.mesh.F, areas(state.document.mesh.V, state.document.mesh.F)
+    ratio = areas(state.frame.U, F) / rest
+    chart = plotted.plots.views["local"].chart()
+    edges = chart.bars.edges.copy()
+    assert edges[0] == -edges[-1]
+    edges[0], edges[-1] = -np.inf, np.inf
+    expected = 100.0 * np.histogram(np.log2(ratio), edges, weights=rest)[0] / rest.sum()
+    np.testing.assert_allclose(chart.bars.heights, expected, atol=1.0)
+    assert chart.bars.heights.sum() == pytest.approx(100.0)
+    changed = np.abs(ratio - 1.0)
+    order = np.argsort(changed)
+    p99 = changed[order][np.searchsorted(np.cumsum(rest[order]) / rest.sum(), 0.99)]
+    found = [number(text.replace("99th", "")) for text in readings(chart)]
+    wanted = 100.0 * np.array([np.average(changed, weights=rest), p99, changed.max()])
+    assert found == pytest.approx(wanted, rel=0.02)
+
+
+def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise(qtbot, bottle):
+    plots, dock = bottle.plots, bottle.docks["plots"]
+    counts = watched(plots)
+    assert not dock.isVisible()
+    twist(qtbot, bottle)
+    assert set(counts.values()) == {0}
+    dock.show()
+    loaded(qtbot, bottle)
+    qtbot.waitUntil(lambda: counts["error"] > 0)
+    qtbot.wait(200)
+    for name in counts:
+        counts[name] = 0
+    for _ in range(20):
+        plots.follow()
+    qtbot.waitUntil(lambda: counts["error"] > 0)
+    qtbot.wait(50)
+    assert (counts["error"], counts["local"], counts["energy"]) == (1, 1, 0)
+    assert plots._measured is not None
+    dock.hide()
+    assert plots._measured is None, "no shape is kept that nobody looks at"
+
+
+def test_a_key_shows_and_hides_them(qtbot, window):
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    (action,) = [a for a in window.docks.toggles if a.text() == "Plots"]
+    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(window.docks["plots"].isVisible)
+    assert action.isChecked()
+    menus = window.menuBar().findChildren(QMenu)
+    assert any(action in menu.actions() for menu in menus)
+    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(lambda: not window.docks["plots"].isVisible())
+
+
+def test_what_is_empty_says_what_will_be_there(qtbot, window):
+    charts = {name: view.chart() for name, view in window.plots.views.items()}
+    assert all(chart.x is None and chart.empty.endswith(".") for chart in charts.values())
+    assert "Open a mesh" in charts["local"].empty
+    assert "Move a handle" in charts["energy"].empty
+
+
+def test_what_was_chosen_is_remembered(qtbot, window):
+    plots = window.plots
+    assert [name for name, view in plots.views.items() if not view.isHidden()] == ["error", "area", "local"]
+    plots.choices["energy"].click()
+    for name in ("error", "area"):
+        plots.choices[name].click()
+    again = Plots(window._memory, window.notice)
+    qtbot.addWidget(again)
+    assert [name for name, view in again.views.items() if not view.isHidden()] == ["energy", "local"]
+    for button in again.choices.values():
+        button.setChecked(False)
+    assert not again._none.isHidden()
+    none = Plots(window._memory, window.notice)
+    qtbot.addWidget(none)
+    assert not none._none.isHidden(), "nothing is a choice too"
+
+
+@pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
+def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size):
+    plots = Plots(window._memory, window.notice)
+    qtbot.addWidget(plots)
+    for button in plots.choices.values():
+        button.setChecked(True)
+    plots.resize(*size)
+    plots.show()
+    qtbot.waitExposed(plots)
+    qtbot.wait(30)
+    head = [*plots.choices.values(), plots.save]
+    for widgets in (head, list(plots.views.values())):
+        places = [QRect(widget.mapTo(plots, QPoint(0, 0)), widget.size()) for widget in widgets]
+        assert not any(a.intersects(b) for k, a in enumerate(places) for b in places[:k])
+    for button in head:
+        assert button.width() >= button.sizeHint().width(), f"{button.text()} is cut off"
+        assert plots.rect().contains(QRect(button.mapTo(plots, QPoint(0, 0)), button.size()))
+    beside = plots.views["error"].y() == plots.views["energy"].y()
+    assert beside == (size[0] > max(560, size[1]))
+    assert all(view.height() >= 96 for view in plots.views.values())
+
+
+def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
+    plotted._set_scheme(Qt.ColorScheme.Dark)
+    twist(qtbot, plotted)
+    picture = plotted.plots.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
+    pixels = np.frombuffer(picture.constBits(), np.uint32).reshape(picture.height(), -1) & 0xFFFFFF
+    for color, least in ((DARK.panel, 0.5), (DARK.accent, 1e-4), (DARK.warm, 1e-4), (DARK.ink, 1e-5)):
+        assert (pixels == int(color[1:], 16)).mean() > least, color
+
+
+def asked(monkeypatch, path):
+    monkeypatch.setattr(module, "ask_where", lambda *_: path)
+
+
+def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
+    twist(qtbot, plotted)
+    plots, shown = plotted.plots, ["Area error by iteration", "Local area change"]
+    for name in ("energy", "area"):
+        plots.choices[name].click()
+    qtbot.wait(30)
+    png, svg = plots._pictures
+    asked(monkeypatch, tmp_path / "plots.svg")
+    svg.trigger()
+    tree = ElementTree.parse(tmp_path / "plots.svg")
+    texts = ["".join(node.itertext()).strip() for node in tree.iter("{http://www.w3.org/2000/svg}text")]
+    assert [text for text in texts if text in shown] == shown
+    assert not any("gesture" in text for text in texts)
+    assert plotted.notice.text == "Wrote plots.svg."
+    asked(monkeypatch, tmp_path / "plots.png")
+    png.trigger()
+    image = QImage(str(tmp_path / "plots.png"))
+    views = [plots.views["error"], plots.views["local"]]
+    assert image.height() == 3 * views[0].height()
+    assert image.width() >= 3 * sum(view.width() for view in views)
+    assert image.pixelColor(1, 1).name() == "#ffffff"
+    assert len({image.pixel(x, image.height() // 2) for x in range(image.width())}) > 5
+
+
+def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, monkeypatch, tmp_path):
+    twist(qtbot, plotted)
+    plots = plotted.plots
+    asked(monkeypatch, tmp_path / "gesture.csv")
+    plots._numbers.trigger()
+    with (tmp_path / "gesture.csv").open(newline="") as stream:
+        head, *lines = csv.reader(stream)
+    assert tuple(head) == COLUMNS
+    found = np.array([[float(cell or "nan") for cell in line] for line in lines])
+    np.testing.assert_array_equal(found, plotted.session.trace.rows)
+    asked(monkeypatch, tmp_path / "change.csv")
+    plots._histogram.trigger()
+    with (tmp_path / "change.csv").open(newline="") as stream:
+        _, *lines = csv.reader(stream)
+    state = plotted.session.state
+    F, rest = state.document.mesh.F, areas(state.document.mesh.V, state.document.mesh.F)
+    ratio = areas(state.frame.U, F) / rest
+    low, high, share = np.array([[float(cell or "inf") for cell in line] for line in lines]).T
+    assert low[0] == 0.0
+    np.testing.assert_array_equal(low[1:], high[:-1])
+    assert share.sum() == pytest.approx(1.0)
+    # Edges away from unchanged, where half of the surface lies on one side of rounding.
+    for edge in (low[60], low[100]):
+        expected = rest[ratio < edge].sum() / rest.sum()
+        assert share[high <= edge].sum() == pytest.approx(expected, abs=0.005)
+
+
+def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypatch, tmp_path):
+    twist(qtbot, plotted)
+    plots = plotted.plots
+    for action in (*plots._pictures, plots._numbers, plots._histogram):
+        asked(monkeypatch, tmp_path / "nowhere" / "x.svg")
+        action.trigger()
+        assert plotted.notice.text.endswith("choose another place. Nothing was changed there.")
+        plotted.notice.hide()
+        asked(monkeypatch, None)  # the user thought better of it
+        action.trigger()
+        assert plotted.notice.text == ""
+    assert list(tmp_path.rglob("x*")) == []
