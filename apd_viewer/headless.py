@@ -18,8 +18,8 @@ from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_region, read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
-from apd_viewer.geometry.deformation import Frame
 from apd_viewer.geometry.examination import examined
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import inspect
 from apd_viewer.geometry.methods import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
-from apd_viewer.geometry.frames import triangle_frames
+from apd_viewer.geometry.triangle_frames import triangle_frames
 
 
 class Attached:

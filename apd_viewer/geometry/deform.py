@@ -10,7 +10,8 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deformation import Deformation, Frame
+from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.goals import Reading, Region
 from apd_viewer.geometry.methods import (
     DEFAULT_AREA_STIFFNESS,

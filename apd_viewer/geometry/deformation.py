@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +15,7 @@ from apd_viewer.geometry.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.cycles import Cycled
 from apd_viewer.geometry.elastic import Elastic
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.guided import guided
 from apd_viewer.geometry.held import handle_of, soft_of, vertex_ids
@@ -55,58 +55,6 @@ _CREEP = 5e-6
 _ROUNDING = 1e-12
 # In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
 _FARTHEST = 1e6
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """The shape after one iteration, and its readings.
-
-    Attributes
-    ----------
-    U : (n, 3) float array
-        Deformed positions in the order of the file, mesh units, read-only.
-    iteration : int
-        Iterations since the targets were last set.
-    area, area_error : float
-        Total area, and ``area / rest area - 1``.
-    volume : float or None
-        Enclosed volume; None if the surface is not closed.
-    handle_drift : float
-        Distance between the centroid of a handle where it was asked for and where it is; the largest
-        of several handles.
-    converged : bool
-        The shape has settled and meets what is asked of it.
-    settled : bool
-        Nothing more comes of iterating, converged or not.
-    regions : tuple of float
-        Area of each region.
-    local_change : float
-        Largest relative change of the area of a triangle, up or down.
-    volume_capped : float or None
-        Volume with flat caps over the openings; None where the surface has none.
-    unreached : str or None
-        What was asked for but cannot be reached in this pose, and how near it came: a sentence.
-    energy : float or None
-        What the method brings down, squared lengths: Eq. 1 with each undirected edge counted twice, and the
-        terms of the material; without the coupling of "sr-arap". None where that is not known.
-    total : int
-        Iterations since the deformation was made.
-    """
-
-    U: np.ndarray
-    iteration: int
-    area: float
-    area_error: float
-    volume: float | None
-    handle_drift: float
-    converged: bool
-    settled: bool = True
-    regions: tuple[float, ...] = ()
-    local_change: float = 0.0
-    volume_capped: float | None = None
-    unreached: str | None = None
-    energy: float | None = None
-    total: int = 0
 
 
 class Deformation:

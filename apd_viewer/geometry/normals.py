@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.frames import triangle_frames
+from apd_viewer.geometry.triangle_frames import triangle_frames
 
 
 def turned_normals(

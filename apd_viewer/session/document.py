@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, numbered
 from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
-from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh import Mesh, frozen

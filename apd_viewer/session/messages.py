@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.thinning import Thinning
 from apd_viewer.session.requests import Request
 

@@ -12,7 +12,7 @@ import numpy as np
 from apd_viewer.geometry.mesh import frozen
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.deformation import Frame
+    from apd_viewer.geometry.frame import Frame
     from apd_viewer.session.document import Document, State
 
 COLUMNS = (
@@ -70,7 +70,7 @@ class Trace:
         """A column by its name of ``COLUMNS``, read-only; not a number where nothing is known.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
-        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.deformation.Frame`.
+        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.frame.Frame`.
         """
         return frozen(self._rows[: self._count, COLUMNS.index(name)].copy())
 

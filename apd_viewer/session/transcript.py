@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.files.fields import Fields
 from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.cores import cores_for
-from apd_viewer.geometry.deformation import Frame
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.methods import METHODS
 from apd_viewer.geometry.rest_mesh import RestMesh

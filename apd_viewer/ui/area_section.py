@@ -19,7 +19,15 @@ from apd_viewer.ui.units import UnitButton
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
+    from apd_viewer.session.session import Session
 
+# For the values of Activity.
+_WORDS = {
+    "idle": tr("ready"),
+    "refining": tr("refining"),
+    "settled": tr("settled"),
+    "not reached": tr("not settled"),
+}
 _MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _TIP = tr("What the total area should be, in percent of the area at rest")
 
@@ -159,6 +167,16 @@ class AreaSection(QWidget):
         elif frame.settled or not missed or asked_anew:
             # It stays while the solver tries, or it would flicker with every step of a drag of the handle.
             self.unreached.hide()
+
+    def show_activity(self, state: State, session: Session) -> None:
+        """Say what the solver does about the shape."""
+        activity = session.activity.value
+        said = _WORDS[activity]
+        if session.preparing:
+            said = tr("preparing")
+        elif activity == "not reached" and state.frame.unreached:
+            said = tr("out of reach")
+        self.activity.setText(said)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour what the style sheet does not reach."""

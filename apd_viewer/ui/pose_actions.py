@@ -95,7 +95,7 @@ class PoseActions:
                 tr("T&ype the pivot…"),
                 "pivot",
                 tr("Type the coordinates of the point that the handle turns about"),
-                "Ctrl+P",
+                "Ctrl+Shift+V",
                 "type_pivot",
             ),
             make(

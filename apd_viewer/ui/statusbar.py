@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
     from apd_viewer.session.units import Unit
+    from apd_viewer.ui.painter import Painter
 
 
 class Hint(QLabel):
@@ -64,6 +65,11 @@ class StatusBar(QStatusBar):
         """Say what the tool in hand does."""
         self._hint.setText(text)
         self._hint.setToolTip(text)
+
+    def say_brush(self, brush: Painter, unit: Unit) -> None:
+        """Tell for a moment how large the brush is."""
+        size = f"{brush.radius:.0f} px" if brush.length is None else unit.length(short(brush.length))
+        self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
     def show_session(self, session: Session) -> None:
         """Show what is under way."""

@@ -17,7 +17,6 @@ from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
 from apd_viewer.ui.deeds import Deeds
 from apd_viewer.ui.docks import Docks
-from apd_viewer.ui.figures import short
 from apd_viewer.ui.filing import Filing
 from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.health import Health
@@ -44,14 +43,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.session.units import Unit
     from apd_viewer.session.view import View
-
-# For the values of Activity.
-_WORDS = {
-    "idle": tr("ready"),
-    "refining": tr("refining"),
-    "settled": tr("settled"),
-    "not reached": tr("not settled"),
-}
 
 
 class Window(QMainWindow):
@@ -177,30 +168,15 @@ class Window(QMainWindow):
         )
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
-        view = self.canvas.viewport
         return {
-            "open": self.filing.ask_for_file,
-            "open_path": self.filing.open_path,
-            "open_sample": self.filing.open_sample,
-            "export": self.filing.ask_for_target,
-            "save": self.filing.save,
-            "save_as": self.filing.save_as,
-            "load_selection": self.filing.load_selection,
-            "save_selection": self.filing.save_selection,
-            "quit": self.close,
+            **self.filing.verbs,
             **self.deeds.verbs,
+            **self.canvas.verbs,
+            "quit": self.close,
             "take": self.take,
             "way": self.choose_way,
-            "through": self.canvas.select_through,
-            "larger": partial(self.canvas.painter.scale, 1.25),
-            "smaller": partial(self.canvas.painter.scale, 0.8),
             "type_motion": self._type_motion,
-            "along": partial(setattr, self.canvas.gizmo, "along"),
-            "frame": self.canvas.frame_mesh,
             "findings": self.health.open,
-            "look": view.look_along,
-            "edges": partial(setattr, self.canvas.surface, "edges"),
-            "smooth": partial(setattr, self.canvas.surface, "smooth"),
             "scheme": self._set_scheme,
             "shortcuts": lambda: self.help.open_sheet(),
             "tour": lambda: self.help.begin_tour(),
@@ -267,13 +243,7 @@ class Window(QMainWindow):
             self.status.show_session(self.session)
 
     def _say_brush(self) -> None:
-        brush = self.canvas.painter
-        size = (
-            f"{brush.radius:.0f} px"
-            if brush.length is None
-            else self.session.unit.length(short(brush.length))
-        )
-        self.status.showMessage(tr("Brush {size}").format(size=size), 1500)
+        self.status.say_brush(self.canvas.painter, self.session.unit)
 
     # Showing
 
@@ -340,13 +310,10 @@ class Window(QMainWindow):
             action.setEnabled(moved)
         self.panel.handles.reset.setEnabled(moved)
         self.panel.setEnabled(state is not None)
-        self.panel.area.activity.setText("" if state is None else self._activity(state))
-
-    def _activity(self, state: State) -> str:
-        if self.session.preparing:
-            return tr("preparing")
-        activity = self.session.activity.value
-        return tr("out of reach") if activity == "not reached" and state.frame.unreached else _WORDS[activity]
+        if state is None:
+            self.panel.area.activity.setText("")
+        else:
+            self.panel.area.show_activity(state, self.session)
 
     def _invite(self) -> None:
         state = self._state
