@@ -13,7 +13,7 @@ test: packages += xvfb xauth
 # Where there is no display, `make run` does without a window what one would do in it. macOS always has one.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test lint format clean system-packages
+.PHONY: help run test lint format texts clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -48,6 +48,18 @@ lint: .venv/.tools ## the checks that do not run the program
 format: .venv/.tools ## lay out the source and sort its imports
 	@.venv/bin/ruff check --fix --select I
 	@.venv/bin/ruff format
+
+languages = apd_viewer/languages
+catalogues = $(wildcard $(languages)/*/LC_MESSAGES/apd_viewer.po)
+
+texts: .venv/.tools ## collect the words to translate; language=de begins another language
+	@mkdir -p $(languages)
+	@.venv/bin/pybabel -q extract --no-default-keywords -k tr -k trn:1,2 -k trc:1c,2 --project apd-viewer \
+	    --add-location file -o $(languages)/apd_viewer.pot apd_viewer
+	@$(if $(catalogues),.venv/bin/pybabel -q update -D apd_viewer -i $(languages)/apd_viewer.pot -d $(languages))
+	@$(if $(language),test -e $(languages)/$(language) || \
+	    .venv/bin/pybabel -q init -D apd_viewer -i $(languages)/apd_viewer.pot -d $(languages) -l $(language))
+	@$(if $(catalogues)$(language),.venv/bin/pybabel compile -D apd_viewer -d $(languages) --statistics)
 
 clean: ## remove the set-up and all caches; out/ stays
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

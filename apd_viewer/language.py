@@ -66,7 +66,7 @@ def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslat
             try:
                 with Path(path).open("rb") as stream:
                     return Path(path).parents[1].name, gettext.GNUTranslations(stream)
-            except (OSError, ValueError, LookupError):
+            except Exception:  # a file that is cut short raises whatever comes to gettext's mind
                 print(f"{path} cannot be read; compile it again.", file=sys.stderr)  # noqa: T201
     return "en", gettext.NullTranslations()
 
@@ -89,7 +89,8 @@ def trn(one: str, many: str, n: int) -> str:
 
     The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
-    return _catalogue.ngettext(one, many, n)
+    # A translation that is still to be written is an empty text, not a missing one.
+    return _catalogue.ngettext(one, many, n) or (one if n == 1 else many)
 
 
 def trc(context: str, text: str) -> str:

@@ -1,5 +1,9 @@
 """What all rooms' tests share. pytest puts this folder on sys.path, so ``from meshes import box`` works."""
 
+import os
+
+os.environ["APD_VIEWER_LANGUAGE"] = "en"  # what the tests expect, wherever they are run
+
 import pytest
 from hypothesis import settings
 from in_thread import InThread

@@ -100,7 +100,7 @@ class GestureRow(QFrame):
     @property
     def said(self) -> str:
         """All that can be searched for."""
-        return f"{self._gesture.title} {self._gesture.words} {tr('mouse')}"
+        return " ".join([self._gesture.title, self._gesture.words, tr("mouse")])
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""

@@ -1,0 +1,81 @@
+"""Every text of the window is in the language of its user: one that nobody speaks, made from the sources."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from pseudo import LANGUAGE, MARKED, ROOT, write_catalogue
+
+# What is no word of a language, or none of ours.
+EXCEPTIONS = {
+    r"<[^<>]+>": "a tag",
+    r"⟦[^⟦⟧]*…$": "a sentence for which there was no room",
+    r"[\w/*. -]*\.(obj|xyz|apd|json|sel|npz|ply|dmat|stl|off|glb|gltf|3mf)\b": "a file, or its ending",
+    r"^(OBJ|PLY|STL|OFF|GLB|JSON|NPZ|SEL|DMAT) $|\bOBJ\b": "the name of a format",
+    r"\b(mm|60deg|asin|pi)\b|“x”": "what is typed into a field for numbers",
+    r"\bqqq\b": "what was searched for",
+    r"^APD Viewer$": "the name of the program",
+    r"^PyVista$": "of a widget within the canvas, seen by nobody",
+    r"\b(Esc|Strg|Umschalt|Alt)\b(\+\w)?": "keys, as Qt calls them in this language",
+    r"^(Schließen|Lösen|Schließt das Dock-Widget|Löst das Dock-Widget .*)$": "Qt's own words",
+}
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory):
+    """What a window says from its start on, in many scenes: texts, and where they were first said."""
+    folder = tmp_path_factory.mktemp("language")
+    write_catalogue(folder / "languages")
+    (folder / "work").mkdir()
+    spoken = {"APD_VIEWER_LANGUAGE": LANGUAGE, "APD_VIEWER_LANGUAGES": str(folder / "languages")}
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).parent / "reading.py"), str(folder / "work")],
+        cwd=ROOT,
+        env=os.environ | spoken | {"PYTHONIOENCODING": "utf-8"},
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def foreign(text, keys):
+    """What is left of a text without what was translated and what need not be."""
+    for key in sorted(keys, key=len, reverse=True):
+        text = text.replace(key, "") if len(key) > 1 else text
+    while MARKED.search(text):
+        text = MARKED.sub("", text)
+    for pattern in EXCEPTIONS:
+        text = re.sub(pattern, "", text)
+    return re.findall(r"[^\W\d_]{2,}", text)
+
+
+def test_all_that_the_window_says_is_in_the_language_of_its_user(said):
+    wrong = {text: where for text, where in said["said"].items() if foreign(text, said["keys"])}
+    assert wrong == {}
+
+
+def test_the_window_was_listened_to(said):
+    """A scene that could not be reached would say nothing wrong."""
+    texts = said["said"]
+    assert len(texts) > 1000
+    assert sum(bool(MARKED.search(text)) for text in texts) > 800
+    kinds = {where.partition(": ")[2] for where in texts.values()}
+    assert {"drawn", "a question", "a choice", "a row", "statusTip of a QAction"} <= kinds
+
+
+def test_a_word_that_was_forgotten_is_noticed():
+    assert foreign("Readings", []) == ["Readings"]
+    assert foreign("⟦Rreeaadings⟧ of the mesh", []) == ["of", "the", "mesh"]
+    assert foreign("<b>⟦Ooppen⟧</b> (Ctrl+O)<br>⟦Ooppen a mmeesh⟧", ["Ctrl+O"]) == []
+
+
+def test_every_exception_is_needed(said):
+    for pattern in EXCEPTIONS:
+        assert any(re.search(pattern, text) for text in said["said"]), pattern
