@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry import local_change
+from apd_viewer.geometry import change, local_change
 from apd_viewer.geometry.deformation import Deformation
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.methods import METHODS
@@ -15,7 +15,7 @@ from apd_viewer.geometry.methods import METHODS
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
     """Use every one once: the first time compiles them (20 s), later ones load them (half a second).
 
-    Between two methods ``enough()`` may end it.
+    Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
     """
     local_change.warm_up()
     V, F = _ball()
@@ -31,6 +31,8 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
         solver.aim(targets)
         for _ in range(3):
             solver.step()
+    if not enough():
+        change.warm_up()
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from apd_viewer.language import tr
 # Never at the end of a line: a number is not parted from its unit.
 _GAP = "\u00a0"
 _DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0}
-_POWERS = {1: "", 2: "²", 3: "³"}
+_POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 
 
 class Unit(Enum):
@@ -36,6 +36,10 @@ class Unit(Enum):
     def volume(self, number: str) -> str:
         """A volume: the number, as it is written, with its unit."""
         return self._written(number, 3)
+
+    def curvature(self, number: str) -> str:
+        """A curvature: the number, as it is written, over the unit of length."""
+        return self._written(number, -1)
 
     def litres(self, volume: float) -> float | None:
         """A volume in cubic mesh units as litres; None where the unit is not known."""

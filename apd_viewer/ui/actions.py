@@ -13,6 +13,7 @@ from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.action_maker import ActionMaker, plain
 from apd_viewer.ui.icons import SIZE
+from apd_viewer.ui.look_actions import LookActions
 from apd_viewer.ui.pose_actions import PoseActions
 from apd_viewer.ui.select_actions import SelectActions
 from apd_viewer.ui.shortcuts import Entry
@@ -137,6 +138,7 @@ class Actions:
         self.smooth = switch(
             tr("&Smooth shading"), "smooth", tr("Shade over the edges"), None, "smooth", True
         )
+        self.looks = LookActions(self._window, self._maker)
         self.schemes = self._make_schemes()
 
     def _make_schemes(self) -> QMenu:
@@ -175,6 +177,8 @@ class Actions:
         self._view_menu = bar.addMenu(tr("&View"))
         self._view_menu.addAction(self.frame)
         self._view_menu.addActions(self.views)
+        self._view_menu.addSeparator()
+        self.looks.fill(self._view_menu)
         self._view_menu.addSeparator()
         self._view_menu.addActions([self.edges, self.smooth, self.findings])
         self._view_menu.addSeparator()

@@ -126,6 +126,17 @@ class Memory:
         self._settings.setValue("shortcuts", [f"{name} {keys}" for name, keys in shortcuts.items()])
 
     @property
+    def looks(self) -> dict[str, str]:
+        """How the shape was looked at, by names that :class:`apd_viewer.ui.looks.Looks` gives."""
+        value = self._settings.value("looks", [])
+        lines = [value] if isinstance(value, str) else list(value or [])
+        return {name: text for name, _, text in (str(line).partition(" ") for line in lines)}
+
+    @looks.setter
+    def looks(self, looks: dict[str, str]) -> None:
+        self._settings.setValue("looks", [f"{name} {text}" for name, text in looks.items()])
+
+    @property
     def toured(self) -> bool:
         """Whether this is not the first start of all: then the tour is shown only when asked for."""
         return bool(self._settings.value("tour", False, bool))

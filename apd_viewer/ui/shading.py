@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
 
+from apd_viewer.ui.color_maps import ColorMap
+from apd_viewer.ui.palette import FREE_COLOR
+
 # The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
 # ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:
 # they leave half of it dark or wash out the painted colours, which here stay true where the surface
@@ -19,14 +22,42 @@ _SHADING = """
   vec3 shaded = diffuseColor * (0.42 + 0.10 * sky + 0.64 * wrapped);
   shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
                                   - (1.0 - rimOnDark) * 0.30 * diffuseColor);
-  gl_FragData[0] = vec4(shaded, opacity);
+  gl_FragData[0] = vec4(shaded, OPACITY);
+"""
+
+# Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
+# are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
+# painted lies over them in stripes, between which the colours are those of the legend.
+_HEAT = """
+  float heat = opacity * 255.0;
+  float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
+  if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
+  vec3 paint = diffuseColor;
+  float painted = smoothstep(0.05, 0.15, distance(paint, FREE));
+  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (9.0 * heatPixel)) - 0.5);
+  painted *= smoothstep(0.33, 0.39, stripe);
+  diffuseColor = heat < 0.5 ? FREE : COLORS;
+  diffuseColor = mix(diffuseColor, paint, painted);
 """
 
 
-def shade(actor: vtkActor) -> None:
-    """Give ``actor`` the material, on a light background."""
-    actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHADING, False)
+def shade(actor: vtkActor, heat: ColorMap | None = None) -> None:
+    """Give ``actor`` the material; with ``heat`` the opacities of its vertices are values on a scale."""
+    code = _SHADING.replace("OPACITY", "opacity" if heat is None else "1.0")
+    if heat is not None:
+        free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
+        code = _HEAT.replace("COLORS", heat.glsl("place")).replace("FREE", free) + code
+    shader = actor.GetShaderProperty()
+    shader.ClearAllFragmentShaderReplacements()
+    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
     match_background(actor, dark=False)
+
+
+def scale_heat(actor: vtkActor, neutral: float, pixel: float) -> None:
+    """Show ``neutral`` of a scale around its middle as no change; ``pixel`` is the window's in drawn ones."""
+    uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
+    uniforms.SetUniformf("heatNeutral", neutral)
+    uniforms.SetUniformf("heatPixel", pixel)
 
 
 def match_background(actor: vtkActor, dark: bool) -> None:

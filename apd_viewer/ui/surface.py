@@ -9,12 +9,13 @@ import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.sketch import Sketch
-from apd_viewer.ui.shading import headlight, match_background, shade
+from apd_viewer.ui.shading import headlight, match_background, scale_heat, shade
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
     from apd_viewer.geometry.skin import Skin
+    from apd_viewer.ui.color_maps import ColorMap
     from apd_viewer.ui.viewport import Viewport
 
 
@@ -39,6 +40,8 @@ class Surface:
         Of the mesh that is shown.
     U : (n, 3) float64 array
         Positions as shown, read-only; what picking uses.
+    worn : ColorMap or None
+        In which values are shown instead of the paint.
     revision : int
         Counts changes of ``skin`` and ``U``.
     """
@@ -63,6 +66,7 @@ class Surface:
         prop = self._actor.GetProperty()
         prop.SetInterpolationToPhong()
         prop.SetLineWidth(1.0)
+        self.worn: ColorMap | None = None
         shade(self._actor)
         viewport.pre_draw.append(self._match_background)
         viewport.renderer.AddActor(self._actor)
@@ -111,8 +115,34 @@ class Surface:
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
         """Colour the vertices ``ids``, or all; ``rgba`` is a (k, 4) uint8 array, a row for each of them."""
-        self._mesh.point_data["rgba"][slice(None) if ids is None else ids] = rgba
+        # How opaque they are is how they are measured: see `wear`.
+        self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
         self._viewport.update()
+
+    def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
+        """Show values on a scale instead of the paint, which is seen in stripes; None shows the paint.
+
+        ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
+        is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
+        ask: it may be called while one is made ready.
+        """
+        if heat is not self.worn:
+            self.worn = heat
+            shade(self._actor, heat)
+        if heat is not None:
+            scale_heat(self._actor, neutral, self._viewport.devicePixelRatioF())
+        elif self.skin is not None:
+            self.shades[:] = 255
+            self.shades_changed()
+
+    @property
+    def shades(self) -> np.ndarray:
+        """The values, (n,) uint8: 1 to 255 is the scale, 0 no value. Say when they are changed."""
+        return np.asarray(self._mesh.point_data["rgba"])[:, 3]
+
+    def shades_changed(self) -> None:
+        """Draw with the values that are in ``shades`` from the next draw on."""
+        self._mesh.point_data["rgba"].VTKObject.Modified()
 
     @property
     def edges(self) -> bool:

@@ -23,6 +23,7 @@ from apd_viewer.ui.health import Health
 from apd_viewer.ui.help import Help
 from apd_viewer.ui.history_list import HistoryList
 from apd_viewer.ui.icons import application_icon
+from apd_viewer.ui.looks import Looks
 from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.offer import Offer
@@ -87,11 +88,13 @@ class Window(QMainWindow):
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
+        self.looks = Looks(self.canvas, self._memory, (self.invitation, self.offer, self.health.list))
         self._make_panel()
         self.deeds = Deeds(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
         self.actions_ = Actions(self, self._verbs())
+        self.looks.start(self.actions_.looks)
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
         self.actions_.add_panels(self.docks.toggles)
         for nudge in self.actions_.pose.nudges:  # elsewhere arrows move a slider or a cursor
@@ -172,6 +175,7 @@ class Window(QMainWindow):
             **self.filing.verbs,
             **self.deeds.verbs,
             **self.canvas.verbs,
+            **self.looks.verbs,
             "quit": self.close,
             "take": self.take,
             "way": self.choose_way,
@@ -239,6 +243,7 @@ class Window(QMainWindow):
         if state is not None:
             self._units.choose(state.document.mesh, unit)
             self.session.unit = unit
+            self.looks.measure_in(unit)
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.status.show_session(self.session)
 
@@ -285,8 +290,9 @@ class Window(QMainWindow):
         self.setWindowFilePath(str(mesh.path or ""))
         self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
-        self.session.unit = self.panel.unit = self._units.of(mesh)
+        self.session.unit = self.panel.unit = self.looks.heat.unit = self._units.of(mesh)
         self.room.welcome(mesh)
+        self.looks.follow(state)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
 
@@ -331,7 +337,7 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        over = self.notice, self.offer, self.health, self.help
+        over = self.notice, self.offer, self.health, self.help, self.looks
         for part in (self.actions_, self.panel, self.plots, self.canvas, *over):
             part.set_theme(colors)
 
@@ -370,6 +376,7 @@ class Window(QMainWindow):
         self.health.close()
         self.offer.close_all()
         self.plots.end()
+        self.looks.close()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()

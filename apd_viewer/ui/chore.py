@@ -1,0 +1,74 @@
+"""Something that takes a while, on a thread of its own: what was asked for last counts."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+# What is to be done: it is given a function that says whether nobody wants the result any more.
+Work = Callable[[Callable[[], bool]], object]
+
+
+class Chore(QObject):
+    """Does one thing at a time, and tells the result on the thread of the window.
+
+    Attributes
+    ----------
+    done : Signal(object)
+        The result of what was asked for last, None where there was no memory for it.
+    """
+
+    done = Signal(object)
+    _ended = Signal(object, object)
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._wanted: Work | None = None
+        self._thread: threading.Thread | None = None
+        self._ended.connect(self._end, Qt.ConnectionType.QueuedConnection)
+
+    @property
+    def busy(self) -> bool:
+        """Whether there is a result to come."""
+        return self._wanted is not None
+
+    def begin(self, work: Work) -> None:
+        """Do ``work``, as soon as what was asked for before has been given up."""
+        self._wanted = work
+        if self._thread is None:
+            self._start(work)
+
+    def give_up(self) -> None:
+        """Want nothing any more."""
+        self._wanted = None
+
+    def close(self) -> None:
+        """Wait for the end: a thread that computes while the interpreter ends would take it down."""
+        self.give_up()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def _start(self, work: Work) -> None:
+        self._thread = threading.Thread(target=self._run, args=(work,), name="measuring", daemon=True)
+        self._thread.start()
+
+    def _run(self, work: Work) -> None:
+        try:
+            result = work(lambda: self._wanted is not work)
+        except MemoryError:
+            result = None
+        self._ended.emit(work, result)
+
+    def _end(self, work: Work, result: object) -> None:
+        if self._thread is None:
+            return  # closed in the meantime
+        self._thread.join()
+        self._thread = None
+        if self._wanted is work:
+            self._wanted = None
+            self.done.emit(result)
+        elif self._wanted is not None:
+            self._start(self._wanted)

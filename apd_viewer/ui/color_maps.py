@@ -1,0 +1,72 @@
+"""The colours of measured values: Crameri's, perceptually even and told apart by colour-blind people.
+
+From F. Crameri, Scientific colour maps 8 (doi 10.5281/zenodo.1243862, MIT licence), without their darkest
+ends, on which light and shade could not be seen. Between the knots it is straight, as near to the original
+as an eye can see.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class ColorMap:
+    """Colours from the one end of a scale to the other.
+
+    Attributes
+    ----------
+    knots : tuple of (r, g, b)
+        From 0 to 255, at even steps.
+    """
+
+    knots: tuple[tuple[int, int, int], ...]
+
+    def color(self, t: float) -> tuple[int, int, int]:
+        """RGB at ``t`` from 0 to 1; what is beyond is as the end."""
+        at, knots = np.linspace(0.0, 1.0, len(self.knots)), np.array(self.knots, dtype=float)
+        red, green, blue = (round(float(np.interp(t, at, channel))) for channel in knots.T)
+        return red, green, blue
+
+    def glsl(self, t: str) -> str:
+        """The same as an expression of the shading language, a vec3 from 0 to 1; ``t`` names a float."""
+        knots, last = np.array(self.knots) / 255.0, len(self.knots) - 1
+        steps = [
+            f"{_vec3(step)} * clamp({t} * {last:.1f} - {k:.1f}, 0.0, 1.0)"
+            for k, step in enumerate(np.diff(knots, axis=0))
+        ]
+        return " + ".join([_vec3(knots[0]), *steps])
+
+
+def _vec3(v: np.ndarray) -> str:
+    return f"vec3({v[0]:.5f}, {v[1]:.5f}, {v[2]:.5f})"
+
+
+# "bam": neither of its hues is that of base or handle, and its middle, no change, is nearly white.
+DIVERGING = ColorMap(
+    (
+        (134, 37, 108),
+        (183, 86, 158),
+        (217, 143, 197),
+        (238, 205, 229),
+        (246, 241, 241),
+        (222, 235, 203),
+        (159, 195, 120),
+        (96, 146, 63),
+        (46, 103, 24),
+    )
+)
+# "lapaz" from its other end.
+SEQUENTIAL = ColorMap(
+    (
+        (254, 242, 243),
+        (223, 197, 173),
+        (157, 165, 150),
+        (104, 147, 162),
+        (63, 116, 161),
+        (43, 78, 144),
+        (33, 37, 117),
+    )
+)

@@ -1,0 +1,186 @@
+"""The card over the canvas that says what the colours of an overlay mean, and lets them be changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QEvent, QObject, QRect, Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.session.units import Unit
+from apd_viewer.ui.fields import Choice, Number, small_button
+from apd_viewer.ui.icons import icon
+from apd_viewer.ui.scale_bar import ScaleBar
+from apd_viewer.ui.scales import Kind, Measure, Scale
+from apd_viewer.ui.shield import shield
+from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.viewport import Viewport
+
+_MARGIN, _WIDTH = 12, 272
+_MOVES = (QEvent.Type.Show, QEvent.Type.Hide, QEvent.Type.Move, QEvent.Type.Resize)
+
+
+class Legend(QFrame):
+    """Which overlay is on, its scale, the value under the cursor and the largest of all.
+
+    It stands at the lower left of the canvas, above what else lies there.
+
+    Parameters
+    ----------
+    canvas : Viewport
+    others : sequence of QWidget
+        On the canvas, which it must not cover.
+
+    Attributes
+    ----------
+    chosen : Signal(object)
+        A Measure, or None by the cross.
+    scaled : Signal(float, float)
+        The end of the scale and what counts for no change, as :class:`Scale` has them.
+    fit_asked, worst_asked : Signal()
+    """
+
+    chosen = Signal(object)
+    scaled = Signal(float, float)
+    fit_asked = Signal()
+    worst_asked = Signal()
+
+    def __init__(self, canvas: Viewport, others: Sequence[QWidget]) -> None:
+        super().__init__(canvas, objectName="legend", accessibleName=tr("Overlay"))
+        shield(self)
+        self._canvas, self._others = canvas, others
+        self._scale = Scale(Measure.AREA, 0.1, 0.001)
+        self._unit = Unit.NONE
+        self._make_parts()
+        self._lay_out()
+        self.set_theme(LIGHT)
+        self.hide()
+        canvas.resized.connect(self._place)
+        for other in others:
+            other.installEventFilter(self)
+
+    def _make_parts(self) -> None:
+        self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("What the colours show"))
+        for measure in Measure:
+            self.choice.addItem(measure.words.title, measure)
+        self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
+        self.close_button = small_button(tr("Switch the overlay off"), tr("Switch the overlay off (Alt+0)"))
+        self.close_button.clicked.connect(lambda: self.chosen.emit(None))
+        self.bar = ScaleBar()
+        self._note = QLabel(objectName="quiet", wordWrap=True)
+        self._cursor, self._largest = QLabel(), QLabel()
+        self.worst = small_button(tr("Next worst place"), tr("Go to the next worst place (C)"))
+        self.worst.clicked.connect(self.worst_asked)
+        tip = tr("The change at the ends of the scale, where the colours are strongest")
+        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9)
+        tip = tr("Changes up to this one are shown as none")
+        self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=9)
+        for field in (self.reach, self.neutral):
+            field.valueChanged.connect(self._enter)
+        self.fit = QPushButton(tr("Fit"), toolTip=tr("Let the scale end at the largest change there is now"))
+        self.fit.clicked.connect(self.fit_asked)
+        for button in (self.fit, self.worst, self.close_button):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas
+
+    def _lay_out(self) -> None:
+        head = QHBoxLayout(spacing=4)
+        head.addWidget(self.choice, 1)
+        head.addWidget(self.close_button)
+        self._rows = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        self._rows.setColumnStretch(1, 1)
+        self._names = {}
+        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        for row, (text, value, button) in enumerate(
+            (
+                (tr("Under the cursor"), self._cursor, None),
+                (tr("Largest"), self._largest, self.worst),
+                (tr("Range"), self.reach, self.fit),
+                (tr("Neutral up to"), self.neutral, None),
+            )
+        ):
+            self._names[value] = QLabel(text, objectName="quiet")
+            self._rows.addWidget(self._names[value], row, 0)
+            self._rows.addWidget(value, row, 1, right)
+            if button is not None:
+                self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
+        column = self._column = QVBoxLayout(self, spacing=8)
+        column.setContentsMargins(12, 10, 12, 10)
+        column.addLayout(head)
+        column.addWidget(self.bar)
+        column.addWidget(self._note)
+        column.addLayout(self._rows)
+        self.setFixedWidth(_WIDTH)
+
+    # Showing
+
+    def show_scale(self, scale: Scale, unit: Unit) -> None:
+        """Show another scale, and that there is one."""
+        self._scale, self._unit = scale, unit
+        self.choice.setCurrentIndex(list(Measure).index(scale.measure))
+        self.choice.setToolTip(scale.measure.words.tip)
+        self.bar.show_scale(scale, unit)
+        ratio = scale.measure.words.kind is Kind.RATIO
+        factor = 100.0 if ratio else 1.0
+        suffix = {
+            Kind.RATIO: "\u00a0%",
+            Kind.LENGTH: unit.length(""),
+            Kind.CURVATURE: unit.curvature(""),
+        }[scale.measure.words.kind]
+        for field, value, least in ((self.reach, scale.reach, 1e-9), (self.neutral, scale.neutral, 0.0)):
+            field.blockSignals(True)
+            field.setRange(least, 1e9)
+            field.setSuffix(suffix)
+            field.setValue(factor * value)
+            field.blockSignals(False)
+        for widget in (self.neutral, self._names[self.neutral]):
+            widget.setVisible(scale.measure.is_signed)
+        self.show()
+        self._place()
+
+    def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
+        """Show the least and the largest value, and the one under the cursor; None shows none."""
+        self.bar.show_values(span, value)
+        written = "–" if value is None else self._scale.written(value, self._unit)
+        largest = "–" if span is None else self._scale.written(max(span, key=abs), self._unit)
+        for label, text in ((self._cursor, written), (self._largest, largest)):
+            if label.text() != text:
+                label.setText(text)
+        self.worst.setEnabled(span is not None)
+        self.fit.setEnabled(span is not None)
+
+    def say(self, note: str) -> None:
+        """Say why there are no colours; empty where there are."""
+        if note != self._note.text() or self._note.isHidden() == bool(note):
+            self._note.setText(note)
+            self._note.setVisible(bool(note))
+            self._place()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self.close_button.setIcon(icon("cancel", theme))
+        self.worst.setIcon(icon("worst", theme))
+
+    def _enter(self) -> None:
+        factor = 100.0 if self._scale.measure.words.kind is Kind.RATIO else 1.0
+        self.scaled.emit(self.reach.value() / factor, self.neutral.value() / factor)
+
+    # Place
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Make room for what else is shown at the bottom of the canvas."""
+        if event.type() in _MOVES:
+            self._place()
+        return False
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        self._column.activate()
+        self.adjustSize()
+        place = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
+        low = [other.geometry() for other in self._others if not other.isHidden()]
+        for room in sorted(low, key=QRect.bottom, reverse=True):
+            if room.adjusted(-_MARGIN, -_MARGIN, _MARGIN, _MARGIN).intersects(place):
+                place.moveBottom(room.top() - _MARGIN)
+        self.move(place.left(), max(place.top(), _MARGIN))

@@ -1,0 +1,67 @@
+"""The actions that show more than the shape: overlays, and what helps to see."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QActionGroup
+from PySide6.QtWidgets import QMainWindow, QMenu
+
+from apd_viewer.language import tr
+from apd_viewer.ui.scales import Measure
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.action_maker import ActionMaker
+
+
+class LookActions:
+    """How the shape is looked at.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    maker : ActionMaker
+
+    Attributes
+    ----------
+    off : QAction
+    measures : dict of Measure to QAction
+    worst : list of QAction
+    """
+
+    def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
+        make = maker.make
+        group = QActionGroup(window)
+        self.off = make(
+            tr("&No overlay"),
+            "overlay-off",
+            tr("Show what is painted, and no overlay"),
+            "Alt+0",
+            "no_measure",
+        )
+        self.measures = {
+            measure: make(
+                measure.words.title, "overlay", measure.words.tip, measure.words.key, "measure", measure
+            )
+            for measure in Measure
+        }
+        for action in (self.off, *self.measures.values()):
+            action.setCheckable(True)
+            group.addAction(action)
+        self.worst = [
+            make(tr("Ne&xt worst place"), "worst", tr("Go to where the overlay shows most"), "C", "worst", 1),
+            make(
+                tr("Pre&vious worst place"), "worst", tr("Go back to what was worse"), "Shift+C", "worst", -1
+            ),
+        ]
+
+    def show_measure(self, measure: Measure | None) -> None:
+        """Check the measure that is shown."""
+        (self.off if measure is None else self.measures[measure]).setChecked(True)
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into a menu."""
+        self.overlay = menu.addMenu(tr("&Overlay"))
+        self.overlay.addActions([self.off, *self.measures.values()])
+        self.overlay.addSeparator()
+        self.overlay.addActions(self.worst)

@@ -1,0 +1,293 @@
+"""Overlays show what has changed: in honest colours, with a legend, and at no cost while they are off."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from driving import LEFT, Mouse, centre, document, idle, settle, show
+from meshes import sphere
+from PySide6.QtCore import Qt
+
+from apd_viewer.geometry.change import Change
+from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.units import Unit
+from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.ui.palette import FREE_COLOR
+from apd_viewer.ui.scales import Measure, Scale
+from apd_viewer.ui.window import Window
+
+ALT = Qt.KeyboardModifier.AltModifier
+
+
+@pytest.fixture
+def globe(qtbot, window):
+    """A window on a sphere of radius one, with nothing painted."""
+    window.filing.show_mesh(Mesh(*sphere(3)))
+    idle(qtbot, window)
+    qtbot.wait(20)
+    return window
+
+
+@pytest.fixture
+def area(qtbot, globe):
+    """The same, with the overlay of areas."""
+    choose(qtbot, globe, Measure.AREA)
+    return globe
+
+
+def choose(qtbot, window, measure):
+    window.actions_.looks.measures[measure].trigger()
+    heat = window.looks.heat
+    qtbot.waitUntil(lambda: heat._change is not None and heat.values is not None, timeout=60_000)
+    settle(qtbot, window.canvas.viewport)
+
+
+def answer(qtbot, window, U):
+    """Show a shape as a frame of the worker is shown."""
+    stage = window.session._stage
+    stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
+    settle(qtbot, window.canvas.viewport)
+
+
+def shades(window):
+    return np.array(window.canvas.surface.shades)
+
+
+def middle_pixel(view):
+    picture = view.screenshot(return_img=True)
+    return picture[picture.shape[0] // 2, picture.shape[1] // 2, :3].astype(int)
+
+
+# What is shown
+
+
+def test_at_rest_everything_is_neutral(area):
+    assert set(shades(area)) == {128}
+    assert area.looks.legend.isVisible()
+
+
+def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
+    asked, measured = [], Change.area
+    monkeypatch.setattr(Change, "area", lambda self, U: asked.append(len(U)) or measured(self, U))
+    V = document(area).mesh.V
+    answer(qtbot, area, 1.02 * V)
+    assert len(asked) == 1
+    np.testing.assert_array_equal(shades(area), 128 + round(127 * np.log(1.02**2) / np.log(1.1)))
+    area.canvas.viewport.look_along("top")
+    settle(qtbot, area.canvas.viewport)
+    assert len(asked) == 1, "the camera has moved, and not the shape"
+
+
+def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, area, monkeypatch):
+    area.actions_.looks.off.trigger()
+    assert not area.looks.legend.isVisible()
+    monkeypatch.setattr(Change, "area", lambda *_: pytest.fail("nobody asked"))
+    answer(qtbot, area, 1.3 * document(area).mesh.V)
+    assert set(shades(area)) == {255}
+    assert area.canvas.surface.worn is None
+
+
+@pytest.mark.parametrize(
+    ("measure", "key", "expected"),
+    [
+        (Measure.AREA, Qt.Key.Key_1, "+21 %"),
+        (Measure.STRAIN, Qt.Key.Key_2, "+10 %"),
+        (Measure.BENDING, Qt.Key.Key_3, "−0.0909 mm⁻¹"),
+        (Measure.DISPLACEMENT, Qt.Key.Key_4, "0.1 mm"),
+        (Measure.DISTANCE, Qt.Key.Key_5, "0.1 mm"),
+    ],
+)
+def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, measure, key, expected):
+    globe.activateWindow()
+    qtbot.waitUntil(globe.isActiveWindow)
+    globe._choose_unit(Unit.MILLIMETRE)
+    answer(qtbot, globe, 1.1 * document(globe).mesh.V)
+    qtbot.keyClick(globe.canvas.viewport, key, ALT)
+    assert globe.looks.heat.measure is measure
+    heat, legend = globe.looks.heat, globe.looks.legend
+    qtbot.waitUntil(lambda: heat.values is not None, timeout=60_000)
+    settle(qtbot, globe.canvas.viewport)
+    heat._reading.stop()
+    Mouse(globe.canvas.viewport).move(centre(globe.canvas.viewport))
+    said = legend._cursor.text().replace("\u00a0", " ")
+    if measure is Measure.DISTANCE:  # from the facets, which are a little inside the sphere
+        assert float(said.split()[0]) == pytest.approx(0.1, abs=3e-3)
+    elif measure is Measure.BENDING:
+        assert float(said.split()[0].replace("−", "-")) == pytest.approx(-1 / 11, rel=2e-3)
+        assert said.endswith("mm⁻¹")
+    else:
+        assert said == expected
+    assert legend.bar._value == heat.value_at(centre(globe.canvas.viewport))
+    globe.canvas.viewport._dispatcher.leave()
+    assert legend._cursor.text() == "–"
+
+
+def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
+    choose(qtbot, globe, Measure.DISTANCE)
+    heat = globe.looks.heat
+    answer(qtbot, globe, 1.2 * document(globe).mesh.V)
+    assert heat.values is None
+    assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
+    assert "rest" in globe.looks.legend._note.text()
+    qtbot.waitUntil(lambda: heat.values is not None)
+    assert globe.canvas.surface.worn is SEQUENTIAL
+    assert not globe.looks.legend._note.isVisible()
+
+
+def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
+    area.session.open_sample("bottle")
+    idle(qtbot, area)
+    qtbot.waitUntil(lambda: area.looks.heat.values is not None and len(area.looks.heat.values) > 10_000)
+    assert not area.looks.heat.values.any()
+
+
+# Colours
+
+
+def test_the_colours_of_the_legend_are_those_on_the_shape(qtbot, area):
+    """A place painted in the colour of the legend looks as one that the overlay colours."""
+    view, surface, heat = area.canvas.viewport, area.canvas.surface, area.looks.heat
+    n = len(surface.U)
+    for colors in (DIVERGING, SEQUENTIAL):
+        for shade in (1, 90, 200, 255):
+            surface.wear(colors, -1.0)
+            surface.shades[:] = shade
+            surface.shades_changed()
+            heat._seen = (heat.measure, surface.revision, heat._change)
+            shown = middle_pixel(view)
+            surface.wear(None)
+            surface.set_colors(np.tile([*colors.color((shade - 1) / 254), 255], (n, 1)).astype(np.uint8))
+            np.testing.assert_allclose(shown, middle_pixel(view), atol=2)
+            surface.set_colors(np.tile([*FREE_COLOR, 255], (n, 1)).astype(np.uint8))
+
+
+def test_up_to_the_tolerance_there_is_no_colour(qtbot, area):
+    view, V = area.canvas.viewport, document(area).mesh.V
+    neutral = middle_pixel(view)
+    answer(qtbot, area, 1.01 * V)
+    assert np.abs(middle_pixel(view) - neutral).max() > 5
+    area.looks.heat._rescale(0.1, 0.03)
+    np.testing.assert_allclose(middle_pixel(view), neutral, atol=2)
+
+
+def test_paint_is_still_seen(qtbot, bottle):
+    """Stripes of the paint, between which the colours are those of the scale."""
+    choose(qtbot, bottle, Measure.AREA)
+    view, held = bottle.canvas.viewport, document(bottle).labels == HANDLE
+    picture = view.screenshot(return_img=True).astype(int)
+    (x0, x1), (y0, y1) = np.percentile(
+        view.project(document(bottle).mesh.V[held]), [35, 65], axis=0
+    ).T.astype(int)
+    patch = picture[y0:y1, x0:x1, :3].reshape(-1, 3)
+    assert 0.1 < (patch[:, 0] - patch[:, 2] > 40).mean() < 0.6
+
+
+# The legend
+
+
+def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
+    legend, heat = area.looks.legend, area.looks.heat
+    answer(qtbot, area, 1.3 * document(area).mesh.V)
+    assert set(shades(area)) == {255}
+    legend.reach.setFocus()
+    legend.reach.selectAll()
+    qtbot.keyClicks(legend.reach, "100")
+    qtbot.keyClick(legend.reach, Qt.Key.Key_Return)
+    assert heat.scale == Scale(Measure.AREA, 1.0, 0.001)
+    np.testing.assert_array_equal(shades(area), 128 + round(127 * np.log(1.69) / np.log(2)))
+    qtbot.mouseClick(legend.fit, LEFT)
+    assert heat.scale.reach == 1.0, "69 % fits into 100 %"
+    answer(qtbot, area, 1.02 * document(area).mesh.V)
+    qtbot.mouseClick(legend.fit, LEFT)
+    assert heat.scale.reach == pytest.approx(0.05)
+    assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
+
+
+def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
+    legend = area.looks.legend
+    legend.choice.setFocus()
+    qtbot.keyClick(legend.choice, Qt.Key.Key_Down)
+    assert area.looks.heat.measure is Measure.STRAIN
+    assert area.actions_.looks.measures[Measure.STRAIN].isChecked()
+    qtbot.mouseClick(legend.close_button, LEFT)
+    assert area.looks.heat.measure is None
+    assert area.actions_.looks.off.isChecked()
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
+def test_the_legend_covers_nothing(qtbot, bottle, size):
+    bottle.resize(*size)
+    choose(qtbot, bottle, Measure.AREA)
+    legend, canvas = bottle.looks.legend, bottle.canvas.viewport
+    assert bottle.invitation.isVisible()
+    for other in (bottle.invitation, bottle.notice, bottle.health.list):
+        assert other.isHidden() or not legend.geometry().intersects(other.geometry())
+    assert canvas.rect().contains(legend.geometry())
+    low = legend.geometry().bottom()
+    bottle.invitation.say("")
+    assert legend.geometry().bottom() >= low
+    assert legend.geometry().bottom() == canvas.height() - 13
+
+
+def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
+    eye = area.canvas.viewport.eye.key
+    mouse = Mouse(area.looks.legend)
+    mouse.drag((20, 60), (60, 80), (90, 120))
+    mouse.wheel((20, 60), 3)
+    assert area.canvas.viewport.eye.key == eye
+
+
+def test_overlay_and_range_are_remembered(qtbot, area, settings):
+    area.looks.heat._rescale(0.4, 0.02)
+    other = Window(settings)
+    other.start()
+    show(qtbot, other, other.canvas.viewport)
+    try:
+        assert other.looks.heat.measure is Measure.AREA
+        assert other.looks.heat.scales[Measure.AREA] == Scale(Measure.AREA, 0.4, 0.02)
+        assert other.actions_.looks.measures[Measure.AREA].isChecked()
+    finally:
+        other.close()
+        other.deleteLater()
+        qtbot.wait(10)
+
+
+def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
+    settings.setValue("looks", ["overlay nonsense", "area many 3", "strain -1 0", "ghost"])
+    other = Window(settings)
+    try:
+        assert other.looks.heat.measure is None
+        assert other.looks.heat.scales == {}
+    finally:
+        other.close()
+        other.deleteLater()
+        qtbot.wait(10)
+
+
+# The worst places
+
+
+def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
+    area.activateWindow()
+    qtbot.waitUntil(area.isActiveWindow)
+    V = document(area).mesh.V
+    away = np.linalg.norm(V - [0.0, 0.0, -1.0], axis=1), np.linalg.norm(V - [1.0, 0.0, 0.0], axis=1)
+    U = V * (1.0 + 0.3 * np.exp(-20 * away[0] ** 2) - 0.1 * np.exp(-20 * away[1] ** 2))[:, None]
+    answer(qtbot, area, U)
+    heat, view = area.looks.heat, area.canvas.viewport
+    qtbot.keyClick(view, Qt.Key.Key_C)
+    first = heat._mark.vertex
+    assert abs(heat.values[first]) == np.abs(heat.values).max()
+    assert view.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
+    assert view.rect().contains(*map(int, view.project(U[[first]])[0]))
+    assert heat._mark._text.startswith("1 of")
+    qtbot.keyClick(view, Qt.Key.Key_C)
+    second = heat._mark.vertex
+    assert np.linalg.norm(U[second] - U[first]) > 0.05
+    qtbot.keyClick(view, Qt.Key.Key_C, Qt.KeyboardModifier.ShiftModifier)
+    assert heat._mark.vertex == first
+    answer(qtbot, area, V)
+    assert heat._mark.vertex is None, "there is no worst place any more"
+    qtbot.keyClick(view, Qt.Key.Key_C)
+    assert heat._mark.vertex is None

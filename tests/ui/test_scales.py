@@ -1,0 +1,96 @@
+"""The scales of the overlays: their ends, their figures, and colours that everybody can tell apart."""
+
+import numpy as np
+import pytest
+
+from apd_viewer.session.units import Unit
+from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.ui.palette import BASE_COLOR, HANDLE_COLORS
+from apd_viewer.ui.scales import Measure, Scale, nice, usual
+
+# Machado, Oliveira and Fernandes 2009, severity 1.
+SIGHTS = {
+    "protan": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deutan": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritan": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+    "all": np.eye(3),
+}
+TO_LMS = [
+    [0.4122214708, 0.5363325363, 0.0514459929],
+    [0.2119034982, 0.6806995451, 0.1073969566],
+    [0.0883024619, 0.2817188376, 0.6299787005],
+]
+TO_LAB = [
+    [0.2104542553, 0.7936177850, -0.0040720468],
+    [1.9779984951, -2.4285922050, 0.4505937099],
+    [0.0259040371, 0.7827717662, -0.8086757660],
+]
+
+
+def seen(rgb, sight):
+    """OKLab coordinates of what is seen of colours, (k, 3)."""
+    c = np.asarray(rgb) / 255.0
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    return np.cbrt(np.clip(linear @ np.transpose(SIGHTS[sight]), 0, 1) @ np.transpose(TO_LMS)) @ np.transpose(
+        TO_LAB
+    )
+
+
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_loss_and_gain_are_told_apart_by_everybody(sight):
+    t = np.linspace(0, 1, 101)
+    lab = seen([DIVERGING.color(x) for x in t], sight)
+    far = np.abs(t - 0.5) > 0.12
+    assert np.linalg.norm(lab - lab[::-1], axis=1)[far].min() > 0.06
+    light = lab[:, 0]
+    assert (np.diff(light[:50]) > 0).all(), "from the ends to the middle it only gets lighter"
+    assert (np.diff(light[51:]) < 0).all()
+    sequence = seen([SEQUENTIAL.color(x) for x in t], sight)[:, 0]
+    assert (np.diff(sequence) < 0).all()
+
+
+def test_the_middle_is_neutral_and_the_ends_are_nobody_s_paint():
+    middle = DIVERGING.color(0.5)
+    assert max(middle) - min(middle) <= 6
+    for paint in (BASE_COLOR, *HANDLE_COLORS[:2]):
+        for end in (DIVERGING.color(0), DIVERGING.color(1)):
+            assert np.linalg.norm(seen([paint], "all") - seen([end], "all")) > 0.15
+
+
+# Scales
+
+
+def test_the_ends_of_a_ratio_are_one_over_each_other():
+    scale = Scale(Measure.AREA, 0.25, 0.01)
+    assert scale.written(scale.end, Unit.NONE) == "+25\u00a0%"
+    assert scale.written(-scale.end, Unit.NONE) == "−20\u00a0%"
+    assert scale.place(scale.end) == 1.0
+    assert scale.place(0.0) == 0.5
+    assert scale.place(-np.inf) == 0.0
+    assert scale.written(-np.inf, Unit.NONE) == "−100\u00a0%"
+    assert scale.color(0.5 + 0.4 * scale.neutral_share) == DIVERGING.color(0.5)
+    assert scale.color(0.5 + 0.6 * scale.neutral_share) != DIVERGING.color(0.5)
+
+
+@pytest.mark.parametrize(("value", "expected"), [(0.13, 0.2), (0.2, 0.2), (21.0, 50.0), (7e-5, 1e-4)])
+def test_a_nice_number_is_the_next_one_above(value, expected):
+    assert nice(value) == pytest.approx(expected)
+
+
+def test_a_scale_fits_the_size_of_the_mesh():
+    for size in (1e-3, 1.0, 4e4):
+        for measure in (Measure.DISPLACEMENT, Measure.DISTANCE):
+            assert 0.1 <= usual(measure, size).reach / size <= 0.6
+        assert 8.0 <= usual(Measure.BENDING, size).reach * size <= 20.0
