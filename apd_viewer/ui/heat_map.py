@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, QRectF, QTimer, Signal
+from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
 from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.language import tr
@@ -51,6 +51,8 @@ class HeatMap(QObject):
     ----------
     canvas : Canvas
     legend : Legend
+    covered : callable
+        What lies over the canvas at its lower left.
     scales : dict of Measure to Scale
         Scales to begin with, where there are any.
 
@@ -66,8 +68,11 @@ class HeatMap(QObject):
 
     changed = Signal()
 
-    def __init__(self, canvas: Canvas, legend: Legend, scales: dict[Measure, Scale]) -> None:
+    def __init__(
+        self, canvas: Canvas, legend: Legend, covered: Callable[[], QRect], scales: dict[Measure, Scale]
+    ) -> None:
         super().__init__(canvas)
+        self._covered = covered
         self._canvas, self._legend = canvas, legend
         self.scales = dict(scales)
         self.measure: Measure | None = None
@@ -187,7 +192,7 @@ class HeatMap(QObject):
         surface, measure = self._canvas.surface, self.measure
         if measure is None or self._change is None:
             return
-        now = measure, surface.revision, self._change
+        now = measure, surface.shape_revision, self._change
         if now == self._seen or len(surface.U) != len(surface.shades):
             return
         self._forget()
@@ -199,13 +204,13 @@ class HeatMap(QObject):
                 surface.wear(None)
             self._resting.start()
         else:
-            self.values = getattr(self._change, measure.words.method)(surface.U)
+            self.values = getattr(self._change, measure.words.method)(surface.shape)
             self._color()
         if not self._reading.isActive():
             self._reading.start()
 
     def _measure_slowly(self) -> None:
-        change, U, seen = self._change, self._canvas.surface.U, self._seen
+        change, U, seen = self._change, self._canvas.surface.shape, self._seen
         if change is None or self.measure is None:
             return
         method = getattr(change, self.measure.words.method)
@@ -299,7 +304,7 @@ class HeatMap(QObject):
         self._mark.show(vertex, text)
         away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
         around = np.flatnonzero(away <= (_AROUND * self._size) ** 2)
-        self._canvas.bring_into_view(around, QRectF(self._legend.geometry()))
+        self._canvas.bring_into_view(around, QRectF(self._covered()))
 
     def cancel(self) -> bool:
         """Take the mark away; it is no work that Esc would end."""

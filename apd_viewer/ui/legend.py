@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from PySide6.QtCore import QEvent, QObject, QRect, Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
@@ -15,22 +13,10 @@ from apd_viewer.ui.scale_bar import ScaleBar
 from apd_viewer.ui.scales import Kind, Measure, Scale
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
-from apd_viewer.ui.viewport import Viewport
-
-_MARGIN, _WIDTH = 12, 272
-_MOVES = (QEvent.Type.Show, QEvent.Type.Hide, QEvent.Type.Move, QEvent.Type.Resize)
 
 
 class Legend(QFrame):
     """Which overlay is on, its scale, the value under the cursor and the largest of all.
-
-    It stands at the lower left of the canvas, above what else lies there.
-
-    Parameters
-    ----------
-    canvas : Viewport
-    others : sequence of QWidget
-        On the canvas, which it must not cover.
 
     Attributes
     ----------
@@ -46,19 +32,15 @@ class Legend(QFrame):
     fit_asked = Signal()
     worst_asked = Signal()
 
-    def __init__(self, canvas: Viewport, others: Sequence[QWidget]) -> None:
-        super().__init__(canvas, objectName="legend", accessibleName=tr("Overlay"))
+    def __init__(self) -> None:
+        super().__init__(objectName="card", accessibleName=tr("Overlay"))
         shield(self)
-        self._canvas, self._others = canvas, others
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self._unit = Unit.NONE
         self._make_parts()
         self._lay_out()
         self.set_theme(LIGHT)
         self.hide()
-        canvas.resized.connect(self._place)
-        for other in others:
-            other.installEventFilter(self)
 
     def _make_parts(self) -> None:
         self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("What the colours show"))
@@ -104,13 +86,12 @@ class Legend(QFrame):
             self._rows.addWidget(value, row, 1, right)
             if button is not None:
                 self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
-        column = self._column = QVBoxLayout(self, spacing=8)
+        column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(head)
         column.addWidget(self.bar)
         column.addWidget(self._note)
         column.addLayout(self._rows)
-        self.setFixedWidth(_WIDTH)
 
     # Showing
 
@@ -136,7 +117,6 @@ class Legend(QFrame):
         for widget in (self.neutral, self._names[self.neutral]):
             widget.setVisible(scale.measure.is_signed)
         self.show()
-        self._place()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
         """Show the least and the largest value, and the one under the cursor; None shows none."""
@@ -154,7 +134,6 @@ class Legend(QFrame):
         if note != self._note.text() or self._note.isHidden() == bool(note):
             self._note.setText(note)
             self._note.setVisible(bool(note))
-            self._place()
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -164,23 +143,3 @@ class Legend(QFrame):
     def _enter(self) -> None:
         factor = 100.0 if self._scale.measure.words.kind is Kind.RATIO else 1.0
         self.scaled.emit(self.reach.value() / factor, self.neutral.value() / factor)
-
-    # Place
-
-    def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Make room for what else is shown at the bottom of the canvas."""
-        if event.type() in _MOVES:
-            self._place()
-        return False
-
-    def _place(self) -> None:
-        if self.isHidden():
-            return
-        self._column.activate()
-        self.adjustSize()
-        place = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
-        low = [other.geometry() for other in self._others if not other.isHidden()]
-        for room in sorted(low, key=QRect.bottom, reverse=True):
-            if room.adjusted(-_MARGIN, -_MARGIN, _MARGIN, _MARGIN).intersects(place):
-                place.moveBottom(room.top() - _MARGIN)
-        self.move(place.left(), max(place.top(), _MARGIN))

@@ -27,6 +27,8 @@ class LookActions:
     off : QAction
     measures : dict of Measure to QAction
     worst : list of QAction
+    switches : dict of str to QAction
+        What is on or off, by the names of their verbs.
     """
 
     def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
@@ -55,6 +57,41 @@ class LookActions:
             ),
         ]
 
+        self.switches = {
+            name: maker.switch(title, image, tip, key, name)
+            for name, title, image, tip, key in (
+                (
+                    "ghost",
+                    tr("&Rest shape"),
+                    "ghost",
+                    tr("Show the rest shape around the mesh, as if of glass"),
+                    "A",
+                ),
+                (
+                    "compare",
+                    tr("&Before and after"),
+                    "compare",
+                    tr("Drag a slider to see the way from the rest shape"),
+                    "Shift+A",
+                ),
+                ("cut", tr("Se&ction"), "cut", tr("Cut the mesh by a plane, to see its inside"), "S"),
+                (
+                    "ground",
+                    tr("&Axes and grid"),
+                    "ground",
+                    tr("Show the axes, and a grid in the unit of length on which the mesh stands"),
+                    "I",
+                ),
+                (
+                    "turntable",
+                    tr("&Turntable"),
+                    "turntable",
+                    tr("Let the camera go around the mesh until the mouse takes it"),
+                    "Shift+T",
+                ),
+            )
+        }
+
     def show_measure(self, measure: Measure | None) -> None:
         """Check the measure that is shown."""
         (self.off if measure is None else self.measures[measure]).setChecked(True)
@@ -65,3 +102,5 @@ class LookActions:
         self.overlay.addActions([self.off, *self.measures.values()])
         self.overlay.addSeparator()
         self.overlay.addActions(self.worst)
+        menu.addSeparator()
+        menu.addActions(list(self.switches.values()))

@@ -6,9 +6,15 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from apd_viewer.ui.cards import Cards
+from apd_viewer.ui.compare import Compare
+from apd_viewer.ui.cut import Cut
+from apd_viewer.ui.ghost import Ghost
+from apd_viewer.ui.ground import Ground
 from apd_viewer.ui.heat_map import HeatMap
 from apd_viewer.ui.legend import Legend
 from apd_viewer.ui.scales import Measure, Scale
+from apd_viewer.ui.turntable import Turntable
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
@@ -20,6 +26,9 @@ if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.theme import Theme
 
+# What is as it was at the next start; where a plane cuts, only the mesh at hand can tell.
+_REMEMBERED = "ghost", "ground"
+
 
 class Looks:
     """What belongs to the window, and not to the document: it is remembered from one start to the next.
@@ -28,19 +37,30 @@ class Looks:
     ----------
     canvas : Canvas
     memory : Memory
-    others : sequence of QWidget
-        On the canvas, which must not be covered.
+    below : sequence of QWidget
+        At the bottom of the canvas, which must not be covered.
 
     Attributes
     ----------
-    heat : HeatMap
+    cards : Cards
     legend : Legend
+    heat : HeatMap
+    compare : Compare
+    cut : Cut
+    ghost : Ghost
+    ground : Ground
+    turntable : Turntable
     """
 
-    def __init__(self, canvas: Canvas, memory: Memory, others: Sequence[QWidget]) -> None:
+    def __init__(self, canvas: Canvas, memory: Memory, below: Sequence[QWidget]) -> None:
         self._canvas, self._memory = canvas, memory
-        self.legend = Legend(canvas.viewport, others)
-        self.heat = HeatMap(canvas, self.legend, _recalled(memory.looks))
+        self.cards = Cards(canvas.viewport, below)
+        self.compare, self.cut, self.legend = Compare(canvas), Cut(canvas), Legend()
+        for card in (self.compare, self.cut, self.legend):
+            self.cards.add(card)
+        self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
+        self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
+        self.turntable = Turntable(canvas.viewport)
 
     @property
     def verbs(self) -> dict[str, Callable[..., object]]:
@@ -49,37 +69,58 @@ class Looks:
             "measure": self.heat.choose,
             "no_measure": partial(self.heat.choose, None),
             "worst": self.heat.next_worst,
+            "ghost": partial(self._switch, self.ghost),
+            "ground": partial(self._switch, self.ground),
+            "compare": self.compare.show_card,
+            "cut": self.cut.show_card,
+            "turntable": partial(setattr, self.turntable, "on"),
         }
 
     def start(self, actions: LookActions) -> None:
         """Look as before, and keep the actions in step."""
-        self._actions = actions
-        name = self._memory.looks.get("overlay")
-        if name in {measure.value for measure in Measure}:
-            self.heat.choose(Measure(name))
+        looks = self._memory.looks
+        if looks.get("overlay") in {measure.value for measure in Measure}:
+            self.heat.choose(Measure(looks["overlay"]))
+        for name in _REMEMBERED:
+            actions.switches[name].setChecked(looks.get(name) == "on")
+        self._actions: LookActions = actions
         self.heat.changed.connect(self._keep)
+        self.compare.dismissed.connect(partial(actions.switches["compare"].setChecked, False))
+        self.cut.dismissed.connect(partial(actions.switches["cut"].setChecked, False))
+        self.turntable.stopped.connect(partial(actions.switches["turntable"].setChecked, False))
         self._keep()
 
     def follow(self, state: State) -> None:
         """Look at another mesh."""
-        self.heat.follow(state.document.mesh)
+        for part in (self.heat, self.ghost, self.ground, self.compare, self.cut):
+            part.follow(state.document.mesh)
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
-        self.heat.measure_in(unit)
+        for part in (self.heat, self.ground, self.cut):
+            part.measure_in(unit)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw what the style sheet does not reach."""
-        self.legend.set_theme(theme)
+        for part in (self.legend, self.compare, self.cut):
+            part.set_theme(theme)
 
     def close(self) -> None:
         """End what is under way."""
+        self.turntable.on = False
         self.heat.close()
 
+    def _switch(self, part: Ghost | Ground, on: bool) -> None:
+        part.on = on
+        self._keep()
+
     def _keep(self) -> None:
+        if not hasattr(self, "_actions"):
+            return  # it is still looking as before
         measure = self.heat.measure
         self._actions.show_measure(measure)
         looks = {"overlay": "" if measure is None else measure.value}
+        looks |= {name: "on" if self._actions.switches[name].isChecked() else "" for name in _REMEMBERED}
         for scale in self.heat.scales.values():
             if scale.travels:
                 looks[scale.measure.value] = f"{scale.reach:g} {scale.neutral:g}"

@@ -41,9 +41,27 @@ _HEAT = """
 """
 
 
-def shade(actor: vtkActor, heat: ColorMap | None = None) -> None:
-    """Give ``actor`` the material; with ``heat`` the opacities of its vertices are values on a scale."""
+# Seen through from the front, and at its outline.
+GLASS = """
+  float facing = clamp(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)), 0.0, 1.0);
+  float rim = pow(1.0 - facing, 2.5);
+  gl_FragData[0] = vec4(mix(vec3(0.16, 0.22, 0.33), vec3(0.80, 0.87, 1.0), onDark), 0.07 + 0.63 * rim);
+"""
+
+# What is seen of the inside where the surface is cut.
+_INSIDE = """
+  if (!gl_FrontFacing) { diffuseColor *= vec3(0.60, 0.62, 0.68); }
+"""
+
+
+def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
+    """Give ``actor`` the material.
+
+    With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
+    """
     code = _SHADING.replace("OPACITY", "opacity" if heat is None else "1.0")
+    if inside:
+        code = _INSIDE + code
     if heat is not None:
         free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
         code = _HEAT.replace("COLORS", heat.glsl("place")).replace("FREE", free) + code

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pyvista as pv
+from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.sketch import Sketch
@@ -44,13 +45,19 @@ class Surface:
         In which values are shown instead of the paint.
     revision : int
         Counts changes of ``skin`` and ``U``.
+    shape_revision : int
+        Counts changes of ``shape``.
     """
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
         self.skin: Skin | Sketch | None = None
         self.U: np.ndarray = np.empty((0, 3))
-        self.revision = 0
+        self.revision = self.shape_revision = 0
+        self._given = self.U
+        self._blend: tuple[np.ndarray, float] | None = None
+        self._cut: tuple[np.ndarray, np.ndarray] | None = None
+        self._plane = vtkPlane()
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
@@ -83,7 +90,7 @@ class Surface:
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """
-        self.skin = skin
+        self.skin, self._blend = skin, None
         # Far from the origin single precision is coarser than the mesh.
         self._origin = np.array([x.mean() for x in U.T])
         self._actor.SetPosition(*self._origin)
@@ -101,6 +108,12 @@ class Surface:
         The array is kept, not copied: nobody must write to it any more.
         """
         assert self.skin is not None
+        if U is not self._given:
+            self._given = U
+            self.shape_revision += 1
+        if self._blend is not None:
+            rest, share = self._blend
+            U = rest + share * (U - rest)
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
         points, normals = self._mesh.points, self._mesh.point_data["Normals"]
@@ -111,6 +124,30 @@ class Surface:
         points.VTKObject.Modified()
         normals.VTKObject.Modified()
         self.revision += 1
+        self._viewport.update()
+
+    @property
+    def shape(self) -> np.ndarray:
+        """The positions that the vertices have, (n, 3), even while others are shown: see :meth:`blend`."""
+        return self._given
+
+    def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
+        """Show the shape on its way from ``rest`` (n, 3), 0, to what it is, 1; as it is without ``rest``."""
+        self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
+        if self.skin is not None:
+            self.set_points(self._given)
+
+    def cut(self, point: np.ndarray | None, normal: np.ndarray | None = None) -> None:
+        """Leave out what is behind a plane, seen along its ``normal``, both (3,); nothing without them."""
+        was_cut, self._cut = self._cut is not None, None
+        self._mapper.RemoveAllClippingPlanes()
+        if point is not None and normal is not None:
+            self._cut = point, normal
+            self._plane.SetOrigin(*point)
+            self._plane.SetNormal(*normal)
+            self._mapper.AddClippingPlane(self._plane)
+        if was_cut != (self._cut is not None):
+            shade(self._actor, self.worn, inside=self._cut is not None)
         self._viewport.update()
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
@@ -128,7 +165,7 @@ class Surface:
         """
         if heat is not self.worn:
             self.worn = heat
-            shade(self._actor, heat)
+            shade(self._actor, heat, inside=self._cut is not None)
         if heat is not None:
             scale_heat(self._actor, neutral, self._viewport.devicePixelRatioF())
         elif self.skin is not None:
@@ -179,14 +216,27 @@ class Surface:
         if self.skin is None or isinstance(self.skin, Sketch):
             return None
         origin, direction = self._viewport.ray(position)
+        near, far = self._uncut(origin, direction)
+        origin = origin + near * direction
         face, distance, b1, b2 = self.skin.hit(origin, direction, self.U, self.boxes)
-        if face < 0:
+        if face < 0 or distance > far - near:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
         normal = weights @ np.asarray(self._mesh.point_data["Normals"])[self.skin.F[face]]
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
+
+    def _uncut(self, origin: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
+        """From where to where a ray is in front of the plane that cuts the surface."""
+        if self._cut is None:
+            return 0.0, np.inf
+        point, normal = self._cut
+        height, slope = float((origin - point) @ normal), float(direction @ normal)
+        if slope == 0.0:
+            return (0.0, np.inf) if height >= 0.0 else (0.0, -1.0)
+        meets = -height / slope
+        return (max(meets, 0.0), np.inf) if slope > 0.0 else (0.0, meets)
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """How far rays go, (k,), until they meet the surface; infinite where they do not.

@@ -50,6 +50,8 @@ class Viewport(QtInteractor):
         From a position in the widget to the point of the surface seen there, or None.
     box : callable or None
         The box around all that is drawn: least and largest x, then y, then z.
+    more_boxes : list of callables
+        The same of what else is drawn; empty where nothing is.
     dark : bool
         Whether the background is dark.
     resized : Signal()
@@ -66,6 +68,7 @@ class Viewport(QtInteractor):
         self.draws = 0
         self.pick: Callable[[QPointF], np.ndarray | None] | None = None
         self.box: Callable[[], tuple[float, ...]] | None = None
+        self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
         self.dark = False
         self._stale = True  # the scene has changed since the last VTK draw
         self._software = False
@@ -221,8 +224,11 @@ class Viewport(QtInteractor):
     def _draw(self) -> None:
         for prepare in self.pre_draw:
             prepare()
-        if self.box is not None and (box := self.box()):
-            self.renderer.ResetCameraClippingRange(box)
+        boxes = [box for find in (self.box, *self.more_boxes) if find is not None and (box := find())]
+        if boxes:
+            ends = np.array(boxes).reshape(-1, 3, 2)
+            low, high = ends[:, :, 0].min(axis=0), ends[:, :, 1].max(axis=0)
+            self.renderer.ResetCameraClippingRange(np.column_stack([low, high]).ravel().tolist())
         self.renderer.SetUseFXAA(self._refine)
         self._in_paint = True
         try:
@@ -318,6 +324,7 @@ class Viewport(QtInteractor):
             self._still.stop()
             self.pre_draw.clear()
             self.tools.clear()
+            self.more_boxes.clear()
             self.pick = self.box = self._framed = None
         super().close()
         # Qt frees context and surface itself and may put others at their addresses, where Python

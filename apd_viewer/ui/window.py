@@ -96,6 +96,7 @@ class Window(QMainWindow):
         self.actions_ = Actions(self, self._verbs())
         self.looks.start(self.actions_.looks)
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
+        self.looks.cards.stand_beside(self.way_bar)
         self.actions_.add_panels(self.docks.toggles)
         for nudge in self.actions_.pose.nudges:  # elsewhere arrows move a slider or a cursor
             nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)
@@ -290,9 +291,10 @@ class Window(QMainWindow):
         self.setWindowFilePath(str(mesh.path or ""))
         self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
-        self.session.unit = self.panel.unit = self.looks.heat.unit = self._units.of(mesh)
+        self.session.unit = self.panel.unit = self._units.of(mesh)
         self.room.welcome(mesh)
         self.looks.follow(state)
+        self.looks.measure_in(self.session.unit)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
 

@@ -154,7 +154,7 @@ def test_the_colours_of_the_legend_are_those_on_the_shape(qtbot, area):
             surface.wear(colors, -1.0)
             surface.shades[:] = shade
             surface.shades_changed()
-            heat._seen = (heat.measure, surface.revision, heat._change)
+            heat._seen = (heat.measure, surface.shape_revision, heat._change)
             shown = middle_pixel(view)
             surface.wear(None)
             surface.set_colors(np.tile([*colors.color((shade - 1) / 254), 255], (n, 1)).astype(np.uint8))
@@ -219,7 +219,7 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
 def test_the_legend_covers_nothing(qtbot, bottle, size):
     bottle.resize(*size)
     choose(qtbot, bottle, Measure.AREA)
-    legend, canvas = bottle.looks.legend, bottle.canvas.viewport
+    legend, canvas = bottle.looks.cards, bottle.canvas.viewport
     assert bottle.invitation.isVisible()
     for other in (bottle.invitation, bottle.notice, bottle.health.list):
         assert other.isHidden() or not legend.geometry().intersects(other.geometry())

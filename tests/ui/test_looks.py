@@ -1,0 +1,267 @@
+"""What helps to see: the rest shape, before and after, sections, the grid and the turntable."""
+
+import dataclasses
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from driving import LEFT, Mouse, centre, document, idle, settle, show
+from meshes import sphere
+from PySide6.QtCore import QPointF, Qt
+
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.units import Unit
+from apd_viewer.ui.scales import Measure
+from apd_viewer.ui.window import Window
+
+SHIFT = Qt.KeyboardModifier.ShiftModifier
+
+
+@pytest.fixture
+def globe(qtbot, window):
+    """A window on a sphere of radius one, seen from the front, that has the keys."""
+    window.filing.show_mesh(Mesh(*sphere(3)))
+    idle(qtbot, window)
+    window.canvas.viewport.look_along("front")
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    window.canvas.viewport.setFocus()
+    settle(qtbot, window.canvas.viewport)
+    return window
+
+
+def answer(qtbot, window, U):
+    """Show a shape as a frame of the worker is shown."""
+    stage = window.session._stage
+    stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
+    settle(qtbot, window.canvas.viewport)
+
+
+def switch(window, name):
+    return window.actions_.looks.switches[name]
+
+
+def picture(window):
+    return window.canvas.viewport.screenshot(return_img=True).astype(int)
+
+
+# The rest shape
+
+
+def test_the_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
+    view = globe.canvas.viewport
+    answer(qtbot, globe, 0.5 * document(globe).mesh.V)
+    plain = picture(globe)
+    qtbot.keyClick(view, Qt.Key.Key_A)
+    assert switch(globe, "ghost").isChecked()
+    changed = np.abs(picture(globe) - plain).max(axis=2)
+    centre_of = np.array([view.height(), view.width()]) / 2
+    radius = np.linalg.norm(view.project(np.array([[0.999, 0.0, 0.0]]))[0] - centre_of[::-1])
+    y, x = np.nonzero(changed > 12)
+    away = np.hypot(y - centre_of[0], x - centre_of[1])
+    assert len(away) > 1000
+    assert away.max() < 1.05 * radius
+    change = changed[y, x]
+    ring = (away > 0.9 * radius) & (away < radius)
+    assert change[ring].mean() > 2 * change[away < 0.45 * radius].mean(), "most of it is the outline"
+    qtbot.keyClick(view, Qt.Key.Key_A)
+    np.testing.assert_array_equal(picture(globe), plain)
+
+
+def test_what_is_not_shown_is_not_made(globe):
+    assert globe.looks.ghost._mapper.GetInput() is None
+    assert globe.looks.ground._mapper.GetInput() is None
+    assert [find() for find in globe.canvas.viewport.more_boxes] == [(), ()]
+
+
+def test_a_ghost_that_is_larger_than_the_mesh_is_not_cut_off(qtbot, globe):
+    answer(qtbot, globe, 0.1 * document(globe).mesh.V)
+    switch(globe, "ghost").trigger()
+    settle(qtbot, globe.canvas.viewport)
+    eye = globe.canvas.viewport.eye
+    near, far = globe.canvas.viewport.renderer.GetActiveCamera().GetClippingRange()
+    assert near <= eye.distance - 1.0
+    assert far >= eye.distance + 1.0
+
+
+# Before and after
+
+
+def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
+    V = document(globe).mesh.V
+    answer(qtbot, globe, V * [2.0, 1.0, 1.0])
+    qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_A, SHIFT)
+    compare, surface = globe.looks.compare, globe.canvas.surface
+    assert compare.isVisible()
+    slider = compare.slider
+    mouse, knob = Mouse(slider), slider._x_of(slider.value())
+    mouse.press((knob, slider.height() / 2))
+    mouse.move((slider.width() / 2, slider.height() / 2))
+    np.testing.assert_allclose(surface.U, V * [1.5, 1.0, 1.0], atol=0.01)
+    mouse.move((-20, slider.height() / 2))
+    np.testing.assert_allclose(surface.U, V, atol=1e-12)
+    answer(qtbot, globe, V * [3.0, 1.0, 1.0])
+    np.testing.assert_allclose(surface.U, V, atol=1e-12, err_msg="a frame comes while it is held")
+    mouse.release((-20, slider.height() / 2))
+    np.testing.assert_allclose(surface.U, V * [3.0, 1.0, 1.0])
+    assert document(globe).mesh.V is V, "nothing was done"
+    assert not globe.session.history.next_undo
+
+
+def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
+    globe.actions_.looks.measures[Measure.STRAIN].trigger()
+    heat = globe.looks.heat
+    qtbot.waitUntil(lambda: heat.values is not None, timeout=60_000)
+    answer(qtbot, globe, 1.5 * document(globe).mesh.V)
+    globe.canvas.surface.blend(document(globe).mesh.V, 0.0)
+    settle(qtbot, globe.canvas.viewport)
+    np.testing.assert_allclose(heat.values, np.log(1.5))
+
+
+def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):
+    switch(globe, "compare").trigger()
+    slider = globe.looks.compare.slider
+    slider.setFocus()
+    qtbot.keyClick(slider, Qt.Key.Key_PageDown)
+    assert slider.value() < slider.maximum()
+    globe.canvas.viewport.setFocus()
+    assert slider.value() == slider.maximum()
+    slider.setValue(0)
+    globe.filing.show_mesh(Mesh(*sphere(2)))
+    idle(qtbot, globe)
+    assert len(globe.canvas.surface.U) == len(document(globe).mesh.V)
+    assert slider.value() == slider.maximum()
+    qtbot.mouseClick(globe.looks.compare.close_button, LEFT)
+    assert not switch(globe, "compare").isChecked()
+    assert not globe.looks.compare.isVisible()
+
+
+# Sections
+
+
+def test_what_is_cut_away_is_not_seen_and_not_touched(qtbot, globe):
+    view, surface = globe.canvas.viewport, globe.canvas.surface
+    assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01)
+    qtbot.keyClick(view, Qt.Key.Key_S)
+    cut = globe.looks.cut
+    assert cut.isVisible()
+    cut.slider.setValue(200)  # through the middle
+    assert surface.hit(centre(view)).point[2] == pytest.approx(-1.0, abs=0.01), "the inside of its back"
+    cut.flip.click()
+    assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "its front"
+    view.look_along("-front")
+    assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "the inside of its front"
+    qtbot.mouseClick(cut.axes[0], LEFT)
+    at = view.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
+    hits = [surface.hit(QPointF(*p)) for p in at]
+    assert [hit is None for hit in hits] == [False, True]
+    qtbot.mouseClick(cut.close_button, LEFT)
+    assert not switch(globe, "cut").isChecked()
+    assert surface.hit(QPointF(*at[1])) is not None
+
+
+def test_the_picture_is_cut_where_the_mesh_is(qtbot, globe):
+    view = globe.canvas.viewport
+    switch(globe, "cut").trigger()
+    plain, cut = picture(globe), globe.looks.cut
+    qtbot.mouseClick(cut.axes[1], LEFT)
+    cut.slider.setValue(300)
+    _, normal = cut.plane
+    height = cut.plane[0][1]
+    assert 0.3 < height < 0.95
+    x, y = view.project(np.array([[0.0, height, 0.0]]))[0]
+    shown = picture(globe)
+    inside = np.abs(shown[int(y) + 25, int(x)] - plain[0, 0]).max()
+    assert normal[1] == -1.0
+    assert inside > 10
+    top = view.project(np.array([[0.0, 0.97, 0.25]]))[0].astype(int)
+    np.testing.assert_allclose(shown[top[1], top[0]], shown[top[1], 5], atol=6)
+
+
+def test_the_place_of_the_section_is_told_in_the_unit(qtbot, globe):
+    switch(globe, "cut").trigger()
+    globe._choose_unit(Unit.CENTIMETRE)
+    cut = globe.looks.cut
+    cut.slider.setValue(300)
+    value, unit = cut._place.text().replace("−", "-").split("\u00a0")
+    assert unit == "cm"
+    assert float(value) == pytest.approx(cut.plane[0][2], rel=0.01)
+
+
+# The grid
+
+
+def test_the_grid_lies_below_the_mesh_in_nice_steps(qtbot, globe):
+    qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_I)
+    ground, V = globe.looks.ground, document(globe).mesh.V
+    assert ground.on
+    assert ground.step == 0.2
+    lines = ground._mapper.GetInput()
+    low, high = np.array(lines.GetBounds()).reshape(3, 2).T + ground._actor.GetPosition()
+    assert low[1] == high[1] == pytest.approx(V[:, 1].min(), abs=1e-6)
+    for axis in (0, 2):
+        assert low[axis] <= V[:, axis].min() < V[:, axis].max() <= high[axis]
+        assert low[axis] / ground.step == pytest.approx(round(low[axis] / ground.step), abs=1e-4)
+    across = len(ground._ticks(0)) + len(ground._ticks(2))
+    assert lines.GetNumberOfLines() == across
+    globe.canvas.viewport.look_along("top")
+    settle(qtbot, globe.canvas.viewport)
+
+
+# The turntable
+
+
+def test_the_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
+    view, table = globe.canvas.viewport, globe.looks.turntable
+    before = view.eye
+    qtbot.keyClick(view, Qt.Key.Key_T, SHIFT)
+    qtbot.waitUntil(lambda: np.linalg.norm(view.eye.position - before.position) > 0.05 * before.distance)
+    eye = view.eye
+    assert eye.distance == pytest.approx(before.distance)
+    assert eye.position[1] == pytest.approx(before.position[1]), "it goes around, and not up"
+    Mouse(view).drag((30, 30), (30, 30))
+    assert not table.on
+    assert not switch(globe, "turntable").isChecked()
+    stopped = view.eye.position
+    qtbot.wait(50)
+    np.testing.assert_array_equal(view.eye.position, stopped)
+    switch(globe, "turntable").trigger()
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert not table.on
+
+
+# All of them
+
+
+def test_what_is_shown_is_remembered_and_kept_from_the_tools(qtbot, globe, settings):
+    for name in ("ghost", "ground"):
+        switch(globe, name).trigger()
+    other = Window(settings)
+    other.start()
+    show(qtbot, other, other.canvas.viewport)
+    try:
+        assert other.looks.ghost.on
+        assert other.looks.ground.on
+        assert not switch(other, "cut").isChecked()
+    finally:
+        other.close()
+        other.deleteLater()
+        qtbot.wait(10)
+
+
+def test_the_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
+    bottle.resize(1280, 720)
+    for name in ("compare", "cut"):
+        switch(bottle, name).trigger()
+    bottle.actions_.looks.measures[Measure.AREA].trigger()
+    bottle.actions_.tools[next(t for t in bottle.actions_.tools if t.name == "BASE")].trigger()
+    qtbot.wait(20)
+    cards = bottle.looks.cards.geometry()
+    assert bottle.way_bar.isVisible()
+    assert bottle.invitation.isVisible()
+    for other in (bottle.way_bar, bottle.invitation):
+        assert not cards.intersects(other.geometry())
+    assert bottle.canvas.viewport.rect().contains(cards)
+    tops = [card.geometry() for card in (bottle.looks.compare, bottle.looks.cut, bottle.looks.legend)]
+    for above, below in pairwise(tops):
+        assert above.bottom() < below.top()
