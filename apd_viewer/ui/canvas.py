@@ -16,14 +16,14 @@ from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.session.part import Part
 from apd_viewer.session.view import Standpoint, View
-from apd_viewer.ui.coloring import colors_of, differing
+from apd_viewer.ui.coloring import Coloring
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_drag import nice_step, translated
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.marks import Marks
 from apd_viewer.ui.outline import Kind, Outline
 from apd_viewer.ui.painter import Painter
-from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors, tinted
+from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.ui.pivots import Pivot, Pivots
 from apd_viewer.ui.point_picker import PointPicker
 from apd_viewer.ui.selector import Act, Selector
@@ -62,6 +62,7 @@ class Canvas(QObject):
         The (4, 4) pose of the active handle while the gizmo is dragged.
     handle_chosen : Signal(int)
         Another handle was pressed.
+    coloring : Coloring
     line : (2, 3) float array or None
         Two points on the line to bend about.
     """
@@ -86,12 +87,12 @@ class Canvas(QObject):
         self.gizmo.grabs = self._grabs
         self.pivots = Pivots(self.viewport, self._handle_at)
         self.marks = Marks(self.viewport, self.surface)
+        self.coloring = Coloring(self.surface, self.marks)
         self.picker = PointPicker(self.viewport, self.surface)
         self.viewport.tools[:] = [self.picker, self.gizmo, self.pivots, *self.ways.values(), self.marks]
         self.tool, self.way = Tool.ORBIT, Way.BRUSH
         self._handle = self._region = 0
         self._act = Act.ADD
-        self._previewed: np.ndarray | None = None
         self._document: Document | None = None
         self._sketched: np.ndarray | None = None
         self.line: np.ndarray | None = None
@@ -237,19 +238,15 @@ class Canvas(QObject):
         else:
             if old.frame.U is not new.frame.U:
                 self.surface.set_points(new.frame.U)
-            if not old.document.painted_like(document) or old.document.soft is not document.soft:
-                self._paint_over(document, differing(old.document, document))
+            self.coloring.follow(document)
         if old is not None and old.document.grip is not document.grip:
             self.gizmo.cancel()  # what it held is no longer what is there
         if old is None or old.document is not document:
             self._show_tool()
 
     def _show_mesh(self, state: State) -> None:
-        self._previewed = None
         self.viewport.cancel()
-        self.marks.show(None)
-        document = state.document
-        self.surface.set_mesh(state.skin, state.frame.U, colors_of(document))
+        self.surface.set_mesh(state.skin, state.frame.U, self.coloring.begin(state.document))
 
     def _show_whole(self, document: Document) -> None:
         self.painter.length = self.line = None  # they were of another mesh
@@ -259,40 +256,11 @@ class Canvas(QObject):
             self.viewport.look_home()  # otherwise it has, and may have been turned since
             self.frame_mesh()
 
-    def _paint_over(self, document: Document, ids: np.ndarray) -> None:
-        """Show the vertices in the colours of what they are."""
-        self.surface.set_colors(colors_of(document, ids), ids)
-        if self.marks.ids is not None:
-            self.surface.set_colors(self.marks.colors(), self.marks.ids)
-
     def preview(self, ids: np.ndarray | None) -> None:
         """Tint what a press or a release would choose."""
-        document, before = self._document, self._previewed
-        if document is None or (ids is None and before is None):
-            return
-        self._previewed = None if ids is None else document.mesh.weld.everywhere(ids)
-        if before is not None:
-            self._paint_over(document, before)
-        if self._previewed is not None:
-            erases = self.ways[self.way].act is Act.REMOVE
-            paint = self.painter.color
-            color = FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue())
-            colors = colors_of(document, self._previewed)
-            self.surface.set_colors(tinted(colors, color), self._previewed)
-
-    def mark(self, vertices: np.ndarray | None) -> None:
-        """Mark vertices on the mesh, all where none are named; None takes the marks away."""
-        document, before = self._document, self.marks.ids
-        if document is None:
-            return
-        if before is not None:
-            self.marks.show(None)
-            self._paint_over(document, before)
-        if vertices is None:
-            return
-        every = np.arange(len(document.mesh.V))
-        self.marks.show(document.mesh.weld.everywhere(vertices) if len(vertices) else every, vertices)
-        self.surface.set_colors(self.marks.colors(), self.marks.ids)
+        erases = self.ways[self.way].act is Act.REMOVE
+        paint = self.painter.color
+        self.coloring.preview(ids, FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue()))
 
     def bring_into_view(self, vertices: np.ndarray, covered: QRectF) -> None:
         """Move the camera, no more than it takes, so that vertices are seen, all where none are named.

@@ -91,7 +91,7 @@ class Health(QObject):
         else:
             application.focusChanged.disconnect(self._follow_keys)
             self.list.hide()
-            self._canvas.mark(None)
+            self._canvas.coloring.mark(None)
 
     def _dismiss(self) -> None:
         self.close()
@@ -100,7 +100,7 @@ class Health(QObject):
     def _show(self, number: int) -> None:
         self.list.show_marked(number)
         vertices = self._findings[number].vertices
-        self._canvas.mark(vertices)
+        self._canvas.coloring.mark(vertices)
         self._canvas.bring_into_view(vertices, QRectF(self.list.geometry()))
 
     def _clicked(self, _: QPointF) -> None:

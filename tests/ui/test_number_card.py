@@ -28,7 +28,7 @@ def test_what_is_typed_is_previewed_and_return_adds_it(qtbot, bottle, card):
     y = bottle.session.state.document.mesh.V[:, 1]
     QTest.keyClicks(card.text, "y < 5")
     assert f"{(y < 5).sum():,} vertices" in card._said.text()
-    np.testing.assert_array_equal(bottle.canvas._previewed, np.flatnonzero(y < 5))
+    np.testing.assert_array_equal(bottle.canvas.coloring.previewed, np.flatnonzero(y < 5))
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
     assert bottle.session.history.next_undo == "Paint base"
@@ -54,7 +54,7 @@ def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, c
     colors = np.array(bottle.canvas.surface._mesh.point_data["rgba"])
     QTest.keyClicks(card.text, "y > 5 furlong")
     assert "furlong" in card._said.text()
-    assert bottle.canvas._previewed is None
+    assert bottle.canvas.coloring.previewed is None
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     assert bottle.session.state is state
     card.text.setText("0-500")

@@ -185,7 +185,7 @@ def test_a_press_beside_the_mesh_moves_the_camera(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = off_the_mesh(scene), Mouse(scene.view)
     mouse.move(at)
-    assert scene.canvas._previewed is None
+    assert scene.canvas.coloring.previewed is None
     mouse.drag(at, at + (15, 25))
     assert scene.view.eye.key != scene.eye.key
     assert scene.document is scene.state.document
@@ -449,14 +449,14 @@ def test_undo_under_a_preview_leaves_no_trace(scene):
 def test_a_preview_gives_marks_their_colour_back(scene):
     gesture = Gesture(scene.window, Way.FILL)
     marked = np.flatnonzero(gesture.chosen)[::2]
-    scene.canvas.mark(marked)
+    scene.canvas.coloring.mark(marked)
     before = scene.colors
     scene.take(Tool.HANDLE, Way.FILL)
     Mouse(scene.view).move(gesture.press)
     assert (scene.colors != before).any()
     scene.leave()
     np.testing.assert_array_equal(scene.colors, before)
-    scene.canvas.mark(None)
+    scene.canvas.coloring.mark(None)
     scene.assert_nothing_is_previewed()
 
 

@@ -367,8 +367,8 @@ class Scene:
         if hasattr(selector, "_preview"):
             self.qtbot.waitUntil(lambda: not selector._preview.isActive(), timeout=2_000)
         found = np.zeros(len(self.document.labels), dtype=bool)
-        if self.canvas._previewed is not None:
-            found[self.canvas._previewed] = True
+        if self.canvas.coloring.previewed is not None:
+            found[self.canvas.coloring.previewed] = True
         return found
 
     def leave(self):
@@ -376,7 +376,7 @@ class Scene:
         QApplication.sendEvent(self.view, QEvent(QEvent.Type.Leave))
 
     def assert_nothing_is_previewed(self):
-        assert self.canvas._previewed is None
+        assert self.canvas.coloring.previewed is None
         np.testing.assert_array_equal(self.colors, self.own_colors)
 
     def assert_nothing_has_changed(self):
