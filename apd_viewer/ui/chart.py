@@ -20,7 +20,6 @@ _PAD = 8.0
 _GAP = 6.0
 _ROW = 1.25  # heights of a line of text
 _BETWEEN_X, _BETWEEN_Y = 64.0, 26.0
-_MOST_POINTS = 512  # of a curve: more than it has pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,8 +224,10 @@ class _Plot:
         x, y = self._at_x(curve.x), self._at_y(np.where(known, curve.y, self._y.low))
         ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]))).reshape(-1, 2)
         for first, last in ends.tolist():
-            every = max(1, (last - first) // _MOST_POINTS)
-            # The latest one is always there.
-            places = np.append(np.arange(first, last - 1, every), last - 1)
+            # Points in the same half of a pixel would make the line uneven. The latest is always there.
+            cells = np.round(2.0 * np.column_stack([x[first:last], y[first:last]]))
+            leaves = np.append((cells[1:] != cells[:-1]).any(axis=1), True)
+            leaves[0] = True
+            places = first + np.flatnonzero(leaves)
             points = [QPointF(a, b) for a, b in zip(x[places].tolist(), y[places].tolist(), strict=True)]
             self._painter.drawPolyline(QPolygonF(points))

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QRect, QRectF, QSize, Qt, QTimer
@@ -24,20 +23,17 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.session.trace import COLUMNS, Trace
 from apd_viewer.session.units import Unit
-from apd_viewer.ui import readings
-from apd_viewer.ui.chart import Chart, draw_chart
 from apd_viewer.ui.icons import SIZE, icon
-from apd_viewer.ui.plot_files import ask_where, write_picture
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.local_change import LocalChange
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
+    from apd_viewer.session.trace import Trace
+    from apd_viewer.ui.chart import Chart
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.notice import Notice
 
@@ -49,8 +45,7 @@ _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
 _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
 
 
-@dataclass(frozen=True)
-class _Words:
+class _Words(NamedTuple):
     """What is said of a chart that can be chosen."""
 
     title: str
@@ -75,7 +70,8 @@ _AT_FIRST = ("error", "area", "local")
 class Plots(QWidget):
     """Charts beside each other, or below each other where there is more room, and what chooses among them.
 
-    They read the session when they are drawn, so they cost nothing while they cannot be seen.
+    They read the session when they are drawn, so they cost nothing while they cannot be seen; and what draws
+    them is imported when they are first shown.
 
     Parameters
     ----------
@@ -94,12 +90,10 @@ class Plots(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._memory, self._notice = memory, notice
         self._session: Session | None = None
-        self._trace = Trace()
         self._theme = LIGHT
         self._measured: tuple[np.ndarray, LocalChange] | None = None
         self._loading = threading.Thread(target=_load, name="plots", daemon=True)
-        makers = {"error": self._error, "energy": self._energy, "area": self._area, "local": self._local}
-        self.views = {name: ChartView(_CHARTS[name], make) for name, make in makers.items()}
+        self.views = {name: ChartView(words, partial(self._chart, name)) for name, words in _CHARTS.items()}
         self.choices = {name: self._choice(name) for name in _CHARTS}
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 4)
@@ -165,7 +159,7 @@ class Plots(QWidget):
 
     def start(self, session: Session) -> None:
         """Plot what happens in a session."""
-        self._session, self._trace = session, session.trace
+        self._session = session
         self.follow()
 
     def end(self) -> None:
@@ -236,29 +230,41 @@ class Plots(QWidget):
     # What is plotted
 
     @property
+    def _trace(self) -> Trace:
+        from apd_viewer.session.trace import Trace
+
+        return Trace() if self._session is None else self._session.trace
+
+    @property
     def _state(self) -> State | None:
         return None if self._session is None else self._session.state
 
-    def _error(self) -> Chart:
-        return readings.area_error(self._state, self._trace)
+    def _chart(self, name: str) -> Chart:
+        """What a view shows, as things are now."""
+        from apd_viewer.ui import readings
 
-    def _energy(self) -> Chart:
-        return readings.energy(self._trace, self._session.unit if self._session else Unit.NONE)
-
-    def _area(self) -> Chart:
-        return readings.area_and_volume(self._state, self._trace)
-
-    def _local(self) -> Chart:
-        state = self._state
+        session, state = self._session, self._state
+        if name == "error":
+            return readings.area_error(state, self._trace)
+        if name == "energy":
+            return readings.energy(self._trace, Unit.NONE if session is None else session.unit)
+        if name == "area":
+            return readings.area_and_volume(state, self._trace)
         if state is None:
             return readings.local_change(None, tr("Open a mesh to see here how its triangles change."))
-        if self._loading.ident is None:
-            self._loading.start()
-        if self._loading.is_alive():  # the very first time it is compiled, which takes seconds
-            view = self.views["local"]
-            QTimer.singleShot(_AGAIN, view, view.update)
+        if not self._ready():
             return readings.local_change(None, tr("Preparing…"))
         return readings.local_change(self._local_change(state))
+
+    def _ready(self) -> bool:
+        """Whether the histogram can be found; the very first time it is compiled, which takes seconds."""
+        if self._loading.ident is None:
+            self._loading.start()
+        if self._loading.is_alive():
+            view = self.views["local"]
+            QTimer.singleShot(_AGAIN, view, view.update)
+            return False
+        return True
 
     def _local_change(self, state: State) -> LocalChange:
         """How the triangles differ from rest; found once for a shape."""
@@ -273,6 +279,8 @@ class Plots(QWidget):
     # Saving
 
     def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
+        from apd_viewer.ui.plot_files import ask_where
+
         state = self._state
         own = state.document.mesh.path if state else None
         path = ask_where(self, self._memory.folder, f"{own.stem if own else 'mesh'}-{name}", suffix)
@@ -287,6 +295,9 @@ class Plots(QWidget):
 
     def write_picture(self, path: Path) -> None:
         """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
+        from apd_viewer.ui.chart import draw_chart
+        from apd_viewer.ui.plot_files import write_picture
+
         views = [view for view in self.views.values() if not view.isHidden()]
         around = QRect()
         for view in views:
@@ -301,10 +312,15 @@ class Plots(QWidget):
 
     def write_trace(self, path: Path) -> None:
         """Write the readings of the gesture as CSV; raises InputError."""
+        from apd_viewer.files.tables import write_table
+        from apd_viewer.session.trace import COLUMNS
+
         write_table(path, COLUMNS, self._trace.rows)
 
     def write_histogram(self, path: Path) -> None:
         """Write the histogram of the local change as CSV, finer than it is drawn; raises InputError."""
+        from apd_viewer.files.tables import write_table
+
         state = self._state
         assert state is not None
         octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
@@ -330,6 +346,8 @@ class ChartView(QWidget):
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the chart."""
+        from apd_viewer.ui.chart import draw_chart
+
         painter = QPainter(self)
         draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()

@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.session.trace import COLUMNS
-from apd_viewer.ui import plots as module
+from apd_viewer.ui import plot_files
 from apd_viewer.ui.plots import Plots
 from apd_viewer.ui.theme import DARK
 
@@ -219,7 +219,7 @@ def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(module, "ask_where", lambda *_: path)
+    monkeypatch.setattr(plot_files, "ask_where", lambda *_: path)
 
 
 def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
