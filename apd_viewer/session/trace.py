@@ -25,8 +25,8 @@ COLUMNS = (
     "energy",
     "local_change",
 )
-# Of samples; a plot has fewer pixels. Even, so that every other one can go.
-MOST = 1024
+# Of samples; a plot is hardly wider in pixels. Even, so that every other one can go.
+MOST = 512
 
 
 @dataclass(eq=False)
