@@ -17,6 +17,7 @@ from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_region, read_transform
 from apd_viewer.geometry.constraints import constraints
+from apd_viewer.geometry.crossings import crossings
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
 from apd_viewer.geometry.examination import examined
 from apd_viewer.geometry.frame import Frame
@@ -192,7 +193,7 @@ def _deform(options: argparse.Namespace) -> None:
         if options.picture:
             draw(mesh, labels, result, beside.enter_context(replacing(options.picture)))
         written = _written(beside, mesh, result, options.report, output)
-    print(_summary(result, output, written))
+    print(_summary(mesh, result, output, written))
 
 
 def _written(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
@@ -207,7 +208,7 @@ def _replay(options: argparse.Namespace) -> None:
     mesh, result = replay(options.session, options.from_rest, progress)
     with ExitStack() as beside:
         written = _written(beside, mesh, result, options.report, output)
-    print(_summary(result, output, written))
+    print(_summary(mesh, result, output, written))
 
 
 def _progress(iterations: int | None) -> Callable[[Frame], None]:
@@ -233,7 +234,7 @@ def _progress(iterations: int | None) -> Callable[[Frame], None]:
     return show
 
 
-def _summary(result: Result, output: Path, written: Written) -> str:
+def _summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
     effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
@@ -249,6 +250,7 @@ def _summary(result: Result, output: Path, written: Written) -> str:
         lines.append(
             tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
         )
+    lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("triangles change by up to {change:.3g} %").format(change=100 * result.local_change))
     lines.append(tr("handle  {drift:.4g} from where it was put").format(drift=result.handle_drift))

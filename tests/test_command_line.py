@@ -18,6 +18,7 @@ from apd_viewer import headless
 from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.crossings import crossings
 from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.inspection import inspect
 from apd_viewer.geometry.mesh import frozen
@@ -737,6 +738,17 @@ def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tm
     assert place["vertex_count"] >= found["self_intersections"] / 2 > 2
     assert f"{found['self_intersections']} triangles pass through others" in place["sentence"]
     assert place["sentence"] in command("info", tmp_path / "in.obj")[1]
+
+
+def test_a_shape_that_passes_through_itself_is_reported_with_its_volume(tmp_path, deformed):
+    """The bar's end is pushed in and past its base."""
+    M = np.eye(4)
+    M[:3, 3] = 0.3, 0.2, -6.5
+    report, mesh, out = deformed(Case(tmp_path, *box(2, 2, 5), M=M), "--iterations", 50)
+    assert report["self_intersections"] == len(crossings(mesh.V, mesh.F)) > 0
+    assert report["self_intersections_rest"] == 0
+    assert f"{report['self_intersections']} triangles pass through others" in out
+    assert report["volume"] == pytest.approx(trimesh.Trimesh(mesh.V, mesh.F, process=False).volume, rel=1e-6)
 
 
 def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_path, deformed):
