@@ -10,6 +10,7 @@ from apd_viewer.language import tr, trc
 from apd_viewer.ui.theme import LIGHT, Theme
 
 _WIDTH = 288
+_BETWEEN = 8  # the buttons
 _GAP = 12  # between the card and what it speaks of, where the tip is
 _MARGIN = 8  # to the edge of the window
 _HALF = 9  # of the width of the tip
@@ -116,7 +117,7 @@ class TourCard(QFrame):
         self.skip.clicked.connect(self.skipped)
         self.back.clicked.connect(lambda: self.stepped.emit(-1))
         self.next.clicked.connect(lambda: self.stepped.emit(1))
-        row = QHBoxLayout(spacing=8)
+        row = QHBoxLayout(spacing=_BETWEEN)
         row.addWidget(self._number)
         row.addStretch(1)
         for button in (self.skip, self.back, self.next):
@@ -125,7 +126,6 @@ class TourCard(QFrame):
         column.setContentsMargins(16, 12, 12, 12)
         column.addWidget(self.sentence)
         column.addLayout(row)
-        self.setFixedWidth(_WIDTH)
         self.hide()
 
     def show_step(self, number: int, count: int, sentence: str) -> None:
@@ -135,9 +135,19 @@ class TourCard(QFrame):
         self.back.setVisible(number > 0)
         self.skip.setVisible(number < count - 1)
         self.next.setText(tr("Next") if number < count - 1 else tr("Done"))
+        self.setFixedWidth(self._room_for_all())
         self.say(sentence)
         self.show()
         self.raise_()
+
+    def _room_for_all(self) -> int:
+        """A width at which all buttons could stand side by side, whatever their words."""
+        edges = self._column.contentsMargins()
+        width = edges.left() + edges.right()
+        for part in (self._number, self.skip, self.back, self.next):
+            part.ensurePolished()
+            width += part.sizeHint().width() + _BETWEEN
+        return max(_WIDTH, width)
 
     def say(self, sentence: str) -> None:
         """Show another sentence."""
@@ -145,7 +155,7 @@ class TourCard(QFrame):
             self.sentence.setText(sentence)
             # The height for a width is never less than the smallest height, which the last one has set.
             self.sentence.setMinimumHeight(0)
-            self.sentence.setFixedHeight(self.sentence.heightForWidth(_WIDTH - 30))
+            self.sentence.setFixedHeight(self.sentence.heightForWidth(self.width() - 30))
             self._column.activate()
             self.setFixedHeight(self._column.sizeHint().height())
 

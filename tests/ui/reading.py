@@ -7,6 +7,7 @@ Run as ``python reading.py FOLDER`` in a process of its own: the language is fix
 import json
 import os
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -139,10 +140,9 @@ class Driver:
             end = time.monotonic() + 0.5
             self.wait(lambda: time.monotonic() > end)
             window = self.window
-            os.system(  # the root window alone has the viewport's pixels
-                f"import -window root -crop {window.width()}x{window.height()}+{window.x()}+{window.y()} "
-                f"+repage {shots}/{name.replace(' ', '-')}.png"
-            )
+            part = f"{window.width()}x{window.height()}+{window.x()}+{window.y()}"
+            target = Path(shots) / f"{name}.png"  # the root window alone has the pixels of the viewport
+            subprocess.run(["import", "-window", "root", "-crop", part, "+repage", str(target)], check=True)
 
     def press(self, widget, key, modifiers=Qt.KeyboardModifier.NoModifier):
         for kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease):
@@ -202,6 +202,7 @@ def parts(driver):
     window.docks["history"].show()
     window.parts.add_handle()
     window.take(Tool.HANDLE)
+    window.panel.show_motion()
     driver.scene("a second handle")
     for tool in Tool:
         window.take(tool)
@@ -223,6 +224,9 @@ def parts(driver):
     session.settings.set_region_area(0, 100.0)
     driver.idle()
     driver.scene("a region that is kept")
+    bar = window.panel.verticalScrollBar()
+    bar.setValue(bar.maximum())
+    driver.scene("the end of the panel")
     for change in ("GROW", "SHRINK", "SMOOTH", "INVERT", "MIRROR_X"):
         window.deeds.verbs["reshape"](change)
     driver.idle()
