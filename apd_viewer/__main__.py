@@ -14,13 +14,14 @@ from apd_viewer.parser import Parser
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = "deform", "info", "paper", "replay"
+_COMMANDS = "deform", "info", "paper", "replay", "sweep"
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
 apd-viewer deform MESH ... -o OUT    deform without a window
 apd-viewer info MESH                 say what is in a mesh file
 apd-viewer replay SESSION -o OUT     go on with a saved session without a window
+apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
 apd-viewer paper [-o DIR]            re-run the paper's tables on the sample bottle and duck
 """
 )

@@ -9,10 +9,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer import papertables
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
-from apd_viewer.files.replacing import make_folder, replacing
+from apd_viewer.files.replacing import replacing
 from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_region, read_transform
@@ -31,9 +30,11 @@ from apd_viewer.geometry.methods import (
     METHODS,
 )
 from apd_viewer.language import tr
+from apd_viewer.paperpage import paper_parser
 from apd_viewer.parser import Parser
 from apd_viewer.session.replaying import replay
 from apd_viewer.session.sentences import about_caps, of_crossings
+from apd_viewer.sweeping import sweep_parser
 
 if TYPE_CHECKING:
     import argparse
@@ -139,13 +140,6 @@ def _info_parser() -> Parser:
     parser.add_argument("mesh", metavar="MESH")
     parser.add_argument("--json", action="store_true", help=tr("for scripts"))
     parser.set_defaults(run=_info)
-    return parser
-
-
-def _paper_parser() -> Parser:
-    parser = Parser(prog="apd-viewer paper", description=tr("Re-run the paper's tables on the samples."))
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help=tr("folder for a CSV and pictures"))
-    parser.set_defaults(run=_paper)
     return parser
 
 
@@ -313,18 +307,10 @@ def _info(options: argparse.Namespace) -> None:
         print(sentence)
 
 
-def _paper(options: argparse.Namespace) -> None:
-    if options.output:
-        make_folder(options.output)
-    table = list(papertables.rows(options.output))
-    print(papertables.markdown(table))
-    if options.output:
-        papertables.write_csv(table, options.output / "tables.csv")
-
-
 PARSERS: dict[str, Callable[[], Parser]] = {
     "deform": _deform_parser,
     "info": _info_parser,
-    "paper": _paper_parser,
+    "paper": paper_parser,
     "replay": _replay_parser,
+    "sweep": sweep_parser,
 }

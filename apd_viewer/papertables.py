@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,20 +12,48 @@ from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import Result, deform
+from apd_viewer.geometry.frame import Frame
 from apd_viewer.language import tr
 
+TOLERANCE = 1e-3
+
+
+class Case(NamedTuple):
+    """A move of a table, and the areas that the paper says of it.
+
+    Attributes
+    ----------
+    sample : str
+    title : str
+        Of the move.
+    rest, arap, paper : float
+        The paper's areas: original, by ARAP, by its own method.
+    """
+
+    sample: str
+    title: str
+    rest: float
+    arap: float
+    paper: float
+
+
 CASES = {
-    "bottle-twist-60": ("bottle", tr("bottle twisted by 60°")),
-    "bottle-twist-120": ("bottle", tr("bottle twisted by 120°")),
-    "duck-bend-015": ("duck", tr("duck's tail moved by 0.15 L")),
-    "duck-bend-030": ("duck", tr("duck's tail moved by 0.3 L")),
+    "bottle-twist-60": Case("bottle", tr("bottle twisted by 60°"), 79.305, 77.781, 79.231),
+    "bottle-twist-120": Case("bottle", tr("bottle twisted by 120°"), 79.305, 78.957, 79.267),
+    "duck-bend-015": Case("duck", tr("duck's tail moved by 0.15 L"), 3725.0, 3699.5, 3721.6),
+    "duck-bend-030": Case("duck", tr("duck's tail moved by 0.3 L"), 3725.0, 3674.8, 3722.8),
+}
+TITLES = {
+    "bottle": tr("Table 1: twisting a bottle"),
+    "duck": tr("Table 2: bending a duck"),
 }
 _HEADINGS = (
     tr("move"),
+    "",
     tr("area at rest"),
     tr("ARAP"),
     tr("change"),
-    tr("paper"),
+    tr("APD"),
     tr("change"),
     tr("handle drift"),
     tr("within 0.1 %"),
@@ -36,44 +64,72 @@ class Row(NamedTuple):
     """One move, deformed by ARAP alone and by the paper's method."""
 
     name: str
-    title: str
+    case: Case
     arap: Result
     paper: Result
 
-    def cells(self) -> tuple[str, ...]:
-        """The row in words, under the headings of the table."""
-        arap, paper = self.arap, self.paper
-        return (
-            self.title,
-            f"{paper.area_rest:.3f}",
-            f"{arap.area:.3f}",
-            f"{100 * arap.area_error:+.2f} %",
-            f"{paper.area:.3f}",
-            f"{100 * paper.area_error:+.3f} %",
-            f"{paper.handle_drift:.3f}",
-            tr("yes") if abs(paper.area_error) <= 1e-3 else tr("no"),
-        )
+    @property
+    def passes(self) -> bool:
+        """Whether the area is within the tolerance."""
+        return abs(self.paper.area_error) <= TOLERANCE
+
+    def lines(self) -> list[tuple[str, ...]]:
+        """The row in words, under the headings of the table: ours, and below it the paper's."""
+        arap, paper, case = self.arap, self.paper, self.case
+        return [
+            (
+                case.title,
+                tr("here"),
+                f"{paper.area_rest:.3f}",
+                f"{arap.area:.3f}",
+                f"{100 * arap.area_error:+.2f} %",
+                f"{paper.area:.3f}",
+                f"{100 * paper.area_error:+.3f} %",
+                f"{paper.handle_drift:.3f}",
+                tr("pass") if self.passes else tr("fail"),
+            ),
+            (
+                "",
+                "Li & Hui",
+                f"{case.rest:g}",
+                f"{case.arap:g}",
+                f"{100 * (case.arap / case.rest - 1):+.2f} %",
+                f"{case.paper:g}",
+                f"{100 * (case.paper / case.rest - 1):+.3f} %",
+                tr("not said"),
+                tr("pass") if abs(case.paper / case.rest - 1) <= TOLERANCE else tr("fail"),
+            ),
+        ]
 
 
-def rows(folder: Path | None = None) -> Iterator[Row]:
-    """Run the moves one after another; with ``folder`` draw a picture of each there."""
-    for name, (sample, title) in CASES.items():
-        mesh, labels = open_sample(sample)
+def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row]:
+    """Run the moves one after another; ``tick`` hears after every iteration how much is done, and of what."""
+    for number, (name, case) in enumerate(CASES.items()):
+        mesh, labels = open_sample(case.sample)
         held = constraints(labels, mesh.V, [read_transform(resource(f"{name}.def"))])
+
+        def hear(frame: Frame, number: int = number, case: Case = case) -> None:
+            tick((number + frame.iteration / (frame.iteration + 100)) / len(CASES), case.title)
+
         results = [
-            deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles)
+            deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, progress=hear)
             for method in ("arap", "paper")
         ]
-        if folder is not None:
-            from apd_viewer.ui.picture import draw
-
-            draw(mesh, labels, results[1], folder / f"{name}.png")
-        yield Row(name, title, *results)
+        yield Row(name, case, *results)
 
 
-def markdown(table: list[Row]) -> str:
-    """The table as people read it, in columns of equal width."""
-    lines = [_HEADINGS, *(row.cells() for row in table)]
+def tables(rows: Sequence[Row]) -> str:
+    """Both tables as people read them, each below its title."""
+    samples = dict.fromkeys(row.case.sample for row in rows)
+    return "\n\n".join(
+        f"{TITLES[sample]}\n\n{markdown([row for row in rows if row.case.sample == sample])}"
+        for sample in samples
+    )
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """A table as people read it, in columns of equal width."""
+    lines = [_HEADINGS, *(line for row in rows for line in row.lines())]
     widths = [max(len(line[column]) for line in lines) for column in range(len(_HEADINGS))]
     text = [
         "| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) + " |"
@@ -83,13 +139,24 @@ def markdown(table: list[Row]) -> str:
     return "\n".join(text)
 
 
-def write_csv(table: list[Row], path: Path) -> None:
+def verdict(rows: Sequence[Row]) -> str:
+    """Whether all moves are within the tolerance, as a sentence."""
+    failed = [tr(row.case.title) for row in rows if not row.passes]
+    if not failed:
+        return tr("Pass: in all {count} moves APD keeps the area to within 0.1 %.").format(count=len(rows))
+    return tr("Fail: beyond 0.1 % are {moves}.").format(moves=", ".join(failed))
+
+
+def write_csv(rows: Iterable[Row], path: Path) -> None:
     """Write all digits; raises InputError if the file cannot be written."""
     with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow(("case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations"))
-        for row in table:
-            for result in (row.arap, row.paper):
+        writer.writerow(
+            ("case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations")
+            + ("move", "said_area_rest", "said_area", "said_area_error", "within_tolerance")
+        )
+        for row in rows:
+            for result, said in ((row.arap, row.case.arap), (row.paper, row.case.paper)):
                 writer.writerow(
                     (
                         row.name,
@@ -99,5 +166,10 @@ def write_csv(table: list[Row], path: Path) -> None:
                         result.area_error,
                         result.handle_drift,
                         result.iterations,
+                        row.case.title,
+                        row.case.rest,
+                        said,
+                        said / row.case.rest - 1,
+                        int(abs(result.area_error) <= TOLERANCE),
                     )
                 )

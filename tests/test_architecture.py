@@ -12,11 +12,12 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = "apd_viewer"
 
 # What lies on the right may be imported by what lies on the left, and not the other way around.
-ROOMS = ["top", "ui", "session", "files", "geometry", "errors", "language"]
-TOP = {"__main__", "api", "headless", "papertables", "parser"}
+ROOMS = ["top", "figures", "ui", "session", "files", "geometry", "errors", "language"]
+TOP = {"__main__", "api", "headless", "paperpage", "papertables", "parser", "progress", "sweeping"}
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 LIBRARIES = {
     "top": set(),
+    "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh"},
@@ -26,6 +27,7 @@ LIBRARIES = {
 }
 # Libraries that only the named files may touch.
 DRAWS = {
+    "figures/drawing.py",
     "ui/ghost.py",
     "ui/ground.py",
     "ui/picture.py",
@@ -35,6 +37,8 @@ DRAWS = {
 }
 CONFINED = {
     "cholespy": {"geometry/linear_solver.py"},
+    "PIL": {"figures/films.py"},
+    "imageio_ffmpeg": {"figures/films.py"},
     "fast_simplification": {"geometry/thinning.py"},
     "ipctk": {"geometry/crossings.py"},
     "pyvista": DRAWS,

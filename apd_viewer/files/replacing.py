@@ -82,15 +82,3 @@ def _usual_mode(path: Path) -> int:
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask
-
-
-def make_folder(path: Path) -> None:
-    """Make ``path`` and its parents unless they are there; raises InputError if that is refused."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            tr("The folder {path} cannot be made ({reason}); choose another place.").format(
-                path=path, reason=error.strerror or error
-            )
-        ) from error

@@ -1,0 +1,150 @@
+"""Shapes side by side, coloured by local area change: drawn in a process of its own.
+
+Where there is no OpenGL, VTK takes the process with it that asks for a picture.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from apd_viewer.geometry.operators import face_areas
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_LIMIT = 10.0  # percent; the colours end here
+_INK, _QUIET = "#1d2129", "#5a6270"
+_ABOVE, _BELOW = 0.10, 0.17  # of the height: what the words need
+_MARGIN = 1.04
+_LETTERS = 44  # titles, in points, go into the height of a picture in pixels
+
+
+def main(job: str) -> None:
+    """Draw the pictures of a job, and say a line for each: see :mod:`apd_viewer.figures.shapes`."""
+    if sys.platform.startswith("linux"):
+        # VTK would try the X server first, complain where there is none, and die where it is broken.
+        os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
+    folder = Path(job)
+    said = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    F, rest = np.load(folder / "faces.npy"), np.load(folder / "rest.npy")
+    shapes = [np.load(path) for picture in said["pictures"] for path in picture["shapes"]]
+    _draw(said, F, rest, shapes)
+
+
+def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
+    import pyvista as pv
+
+    count, size = len(said["pictures"][0]["shapes"]), said["size"]
+    plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size)
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+    look, up = np.array(said["look"]), np.array(said["up"])
+    fit = _fit(shapes, look, up, size[0] / count / size[1])
+    areas = face_areas(rest, F)
+    for number, picture in enumerate(said["pictures"]):
+        for column in range(count):
+            plotter.subplot(0, column)
+            plotter.renderer.clear_actors()
+            _panel(plotter, F, areas, shapes[number * count + column], picture["words"][column], size)
+            _aim(plotter, look, up, *fit)
+        plotter.subplot(0, 0)
+        _legend(plotter, said["legend"])
+        plotter.screenshot(picture["path"])
+        print(number, flush=True)  # noqa: T201
+    plotter.close()
+
+
+def _panel(
+    plotter: Any, F: np.ndarray, areas: np.ndarray, U: np.ndarray, words: Sequence[str], size: Sequence[int]
+) -> None:
+    import pyvista as pv
+
+    surface = pv.PolyData.from_regular_faces(U, F)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        surface.cell_data["change"] = np.nan_to_num(100 * np.log(face_areas(U, F) / areas))
+    plotter.add_mesh(
+        surface,
+        scalars="change",
+        cmap="PuOr_r",
+        clim=(-_LIMIT, _LIMIT),
+        show_scalar_bar=False,
+        smooth_shading=True,
+        ambient=0.25,
+        specular=0.1,
+    )
+    letters = size[1] / _LETTERS
+    left, top = 0.03 * size[1], size[1] * (1 - 0.8 * _ABOVE)
+    title, *lines = words
+    plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, font="arial")
+    if lines:
+        low = (left, 0.035 * size[1])
+        plotter.add_text("\n".join(lines), position=low, font_size=0.66 * letters, color=_QUIET, font="arial")
+
+
+def _legend(plotter: Any, title: str) -> None:
+    """Say what the colours mean, below the shape at rest, where there are no readings."""
+    if not title:
+        return
+    high = plotter.window_size[1]
+    letters = 0.66 * high / _LETTERS
+    plotter.add_text(
+        title,
+        position=(0.03 * high, 0.11 * high),
+        font_size=letters,
+        color=_QUIET,
+        font="arial",
+        name="legend",
+    )
+    plotter.add_scalar_bar(
+        "",
+        position_x=0.08,
+        position_y=0.03,
+        width=0.8,
+        height=0.075,
+        n_labels=3,
+        fmt="%.0f",
+        color=_QUIET,
+        font_family="arial",
+        label_font_size=round(2.0 * letters),
+        unconstrained_font_size=True,
+        render=False,
+    )
+
+
+def _fit(
+    shapes: list[np.ndarray], look: np.ndarray, up: np.ndarray, aspect: float
+) -> tuple[np.ndarray, float, float]:
+    """The middle of all shapes as they are looked at, half the height that shows them, and how deep they are.
+
+    ``aspect`` is the width of a panel by its height.
+    """
+    toward = look / np.linalg.norm(look)
+    right = np.cross(up, toward)
+    right /= np.linalg.norm(right)
+    axes = np.array([right, np.cross(toward, right), toward])
+    low = np.min([(U @ axes.T).min(axis=0) for U in shapes], axis=0)
+    high = np.max([(U @ axes.T).max(axis=0) for U in shapes], axis=0)
+    width, height, depth = high - low
+    half = _MARGIN * max(width / aspect, height / (1 - _ABOVE - _BELOW)) / 2
+    middle = (low + high) / 2
+    middle[1] += (_ABOVE - _BELOW) * half  # the shapes stand between the words
+    return middle @ axes, float(half), float(depth)
+
+
+def _aim(
+    plotter: Any, look: np.ndarray, up: np.ndarray, middle: np.ndarray, half: float, depth: float
+) -> None:
+    """Look at all shapes in the same way in every panel."""
+    camera = plotter.camera
+    camera.parallel_projection = True
+    camera.parallel_scale = half
+    camera.focal_point = middle
+    camera.position = middle + (depth + half) * 2 * look / np.linalg.norm(look)
+    camera.up = up
+    plotter.renderer.reset_camera_clipping_range()

@@ -1,0 +1,82 @@
+"""Films of pictures that are drawn already: GIF, and MP4 where there is an encoder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.replacing import replacing
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+KINDS = (".gif", ".mp4")
+_LENGTH = 3.0  # s, there; and as long back
+_SHORTEST, _LONGEST = 0.04, 0.25  # s, of a picture
+_REST = 0.7  # s, at either end
+_COLORS = 128
+
+
+def check_film(path: Path) -> None:
+    """Raise InputError unless ``path`` names a film that can be written here."""
+    if path.suffix.lower() not in KINDS:
+        raise InputError(
+            tr("{name} is no name for an animation; end it in {kinds}.").format(
+                name=path.name, kinds=tr(" or ").join(KINDS)
+            )
+        )
+    if path.suffix.lower() == ".mp4":
+        try:
+            import imageio_ffmpeg  # noqa: F401
+        except ImportError:
+            raise InputError(
+                tr("MP4 needs an encoder: install apd-viewer[video], or end the name in .gif.")
+            ) from None
+
+
+def write_film(pictures: Sequence[Path], path: Path) -> None:
+    """Write a film that goes through the pictures and back again.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    each = min(max(_LENGTH / len(pictures), _SHORTEST), _LONGEST)
+    seconds = [each] * len(pictures)
+    seconds[0] = seconds[-1] = _REST
+    order = [*range(len(pictures)), *range(len(pictures) - 2, 0, -1)]
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
+    with replacing(path) as scratch:
+        write([pictures[k] for k in order], [seconds[k] for k in order], scratch)
+
+
+def _write_gif(pictures: list[Path], seconds: list[float], path: Path) -> None:
+    frames = []
+    for picture in pictures:
+        with Image.open(picture) as image:
+            frames.append(image.convert("RGB").quantize(_COLORS, dither=Image.Dither.NONE))
+    # Hundredths of a second are what the format knows.
+    times = [10 * round(100 * second) for second in seconds]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=times, loop=0)
+
+
+def _write_mp4(pictures: list[Path], seconds: list[float], path: Path) -> None:
+    import imageio_ffmpeg
+
+    rate = 25
+    with Image.open(pictures[0]) as first:
+        size = first.size
+    writer = imageio_ffmpeg.write_frames(str(path), size, fps=rate, quality=7, macro_block_size=2)
+    writer.send(None)
+    for picture, second in zip(pictures, seconds, strict=True):
+        with Image.open(picture) as image:
+            frame = np.ascontiguousarray(image.convert("RGB"))
+        for _ in range(max(1, round(rate * second))):
+            writer.send(frame)
+    writer.close()

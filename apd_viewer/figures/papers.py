@@ -1,0 +1,118 @@
+"""The curves beside the paper's tables: ARAP's loss against the angle, and what Eq. 8 does to the handle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.ticker import MultipleLocator
+
+from apd_viewer.figures.style import BLUE, INK, ORANGE, QUIET, VERMILION, draw, zero_line
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from apd_viewer.session.papercurves import Held, Loss
+
+_LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
+# From few iterations to many: one hue, ever darker.
+_SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
+
+
+def draw_losses(losses: Sequence[Loss], said: Sequence[tuple[float, float]], folder: Path) -> None:
+    """Draw the change of the area by ARAP against the angle, and what the paper ``said`` of it.
+
+    Parameters
+    ----------
+    losses : sequence of Loss
+    said : sequence of (float, float)
+        Degrees, and change of the area as a share.
+    folder : Path
+    """
+
+    def fill(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.set_title(tr("Change of the area by ARAP, %"))
+        axes.set_xlabel(tr("twist of the bottle, degrees"))
+        axes.xaxis.set_major_locator(MultipleLocator(30))
+        axes.set_xlim(0, 180)
+        zero_line(axes)
+        stops = sorted({loss.iterations for loss in losses if loss.iterations})
+        for stop, shade in zip(stops, _SHADES, strict=False):
+            words = tr("stopped after 1 iteration") if stop == 1 else tr("after {n}").format(n=stop)
+            _loss(axes, losses, stop, words, shade, 1.4)
+        _loss(axes, losses, 0, tr("settled, step by step"), BLUE, 2.2)
+        axes.plot(
+            [degrees for degrees, _ in said],
+            [100 * error for _, error in said],
+            linestyle="none",
+            marker="D",
+            markersize=6.5,
+            color=INK,
+            label=tr("the paper's Table 1"),
+            zorder=5,
+        )
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
+
+    draw(fill, _LOSS_SIZE, folder, "loss-against-angle")
+
+
+def _loss(axes: Axes, losses: Sequence[Loss], stop: int, words: str, color: str, width: float) -> None:
+    own = [loss for loss in losses if loss.iterations == stop]
+    axes.plot(
+        [loss.degrees for loss in own],
+        [100 * loss.area_error for loss in own],
+        color=color,
+        linewidth=width,
+        marker="o" if not stop else "",
+        label=words,
+    )
+
+
+def draw_holds(holds: Sequence[Held], folder: Path) -> None:
+    """Draw where the paper's method leaves the handle, against where it was put."""
+
+    def fill(figure: Figure) -> None:
+        left, right = figure.subplots(1, 2)
+        twists = [held for held in holds if held.motion == "twist"]
+        left.set_title(tr("Twist: how far the handle drifts"))
+        left.set_xlabel(tr("twist, degrees"))
+        left.set_ylabel(tr("drift, % of the height"))
+        left.xaxis.set_major_locator(MultipleLocator(30))
+        left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
+        left.set_ylim(bottom=0.0)
+        pulls = [held for held in holds if held.motion == "pull"]
+        right.set_title(tr("Pull and push: where it ends"))
+        right.set_xlabel(tr("asked for, % of the height"))
+        right.set_ylabel(tr("got, % of the height"))
+        asked, _ = _curve(pulls, 100.0)
+        right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
+        right.annotate(
+            tr("where it was put"),
+            (asked[-1], asked[-1]),
+            (-6, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            color=QUIET,
+        )
+        right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
+        right.annotate(
+            tr("where Eq. 8 leaves it"),
+            (asked[-1], _curve(pulls, 100.0)[1][-1]),
+            (-6, 8),
+            textcoords="offset points",
+            ha="right",
+            va="bottom",
+            color=INK,
+        )
+
+    draw(fill, _HANDLE_SIZE, folder, "handle")
+
+
+def _curve(holds: Sequence[Held], unit: float) -> tuple[list[float], list[float]]:
+    return [unit * held.asked for held in holds], [100 * held.got for held in holds]

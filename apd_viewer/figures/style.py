@@ -1,0 +1,81 @@
+"""How curves look: calm, legible in print and for colour-blind people; written as SVG and PNG."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from apd_viewer.files.replacing import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+
+INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
+# Okabe and Ito's, of which those of neighbouring curves differ in lightness too.
+BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"
+# Colour, dashes and marker of a method: any one of them tells it.
+METHOD_LOOKS: dict[str, dict[str, Any]] = {
+    "arap": {"color": VERMILION, "linestyle": (0, (5, 1.5)), "marker": "s"},
+    "paper": {"color": ORANGE, "linestyle": (0, (1, 1)), "marker": "^"},
+    "exact": {"color": BLUE, "linestyle": "-", "marker": "o"},
+    "local": {"color": GREEN, "linestyle": (0, (6, 1.5, 1, 1.5)), "marker": "D"},
+    "sr-arap": {"color": PURPLE, "linestyle": (0, (3, 1)), "marker": "v"},
+}
+METHOD_NAMES = {"arap": "ARAP", "paper": "Paper", "exact": "Exact", "local": "Local", "sr-arap": "SR-ARAP"}
+_DPI = 160
+_LOOK: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: figures are the same everywhere
+    "font.size": 9.5,
+    "text.color": INK,
+    "axes.titlesize": 10.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.labelcolor": QUIET,
+    "axes.edgecolor": LINE,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": LINE,
+    "grid.linewidth": 0.6,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.major.size": 0,
+    "ytick.major.size": 0,
+    "lines.linewidth": 1.8,
+    "lines.markersize": 4.0,
+    "legend.frameon": False,
+    "axes.unicode_minus": True,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "apd-viewer",  # the same figure gives the same file
+}
+
+
+def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path, name: str) -> None:
+    """Draw a figure of so many inches, which ``fill`` fills, as ``name``.svg and ``name``.png.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    with mpl.rc_context(_LOOK):
+        figure = Figure(figsize=size, layout="constrained", facecolor="white")
+        FigureCanvasAgg(figure)
+        fill(figure)
+        for kind, about in (("svg", {"Date": None}), ("png", {"Software": None})):
+            with replacing(folder / f"{name}.{kind}") as scratch:
+                figure.savefig(scratch, dpi=_DPI, metadata=about)
+
+
+def zero_line(axes: Axes) -> None:
+    """Make zero the line that all is compared with."""
+    axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)

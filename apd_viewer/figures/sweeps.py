@@ -1,0 +1,100 @@
+"""The curves of a sweep: area, volume and energy against the motion of the handle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.ticker import MultipleLocator
+
+from apd_viewer.figures.style import METHOD_LOOKS, METHOD_NAMES, QUIET, draw, zero_line
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from apd_viewer.session.sweep import Step
+
+_SIZE = (11.0, 3.9)
+_DENSE = 40  # steps; with more, markers would hide the curve
+_TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
+_FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
+
+
+def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "sweep") -> None:
+    """Draw the curves of a sweep.
+
+    Parameters
+    ----------
+    steps : sequence of Step
+    abscissa : str
+        What tells the steps apart: see :attr:`apd_viewer.session.sweep.Sweep.abscissa`.
+    folder : Path
+    name : str
+        Of the files, without ending.
+    """
+
+    def fill(figure: Figure) -> None:
+        panels = figure.subplots(1, 3)
+        said = (
+            (tr("Change of the area, %"), [100 * step.frame.area_error for step in steps]),
+            (tr("Change of the volume, %"), [_percent(step.volume_error) for step in steps]),
+            (tr("ARAP energy"), [step.energy for step in steps]),
+        )
+        for axes, (title, values) in zip(panels, said, strict=True):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        zero_line(panels[0])
+        zero_line(panels[1])
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
+
+    draw(fill, _SIZE, folder, name)
+
+
+def _curves(axes: Axes, steps: Sequence[Step], abscissa: str, values: np.ndarray) -> None:
+    methods = np.array([step.method for step in steps])
+    x = _places(steps, abscissa)
+    axes.set_xlabel(_axis(abscissa))
+    axes.margins(x=0.02)
+    if np.isnan(values).all():
+        axes.set_axis_off()
+        axes.text(
+            0.5, 0.5, tr("The surface is open: there is no volume."), ha="center", color=QUIET, wrap=True
+        )
+        return
+    for method in dict.fromkeys(methods.tolist()):
+        own = methods == method
+        look = dict(METHOD_LOOKS[method])
+        if own.sum() > _DENSE:
+            look["marker"] = ""
+        axes.plot(x[own], values[own], label=METHOD_NAMES[method], **look)
+    if np.abs(values).max() < _FLAT:
+        axes.set_ylim(-0.1, 0.1)
+    if abscissa == "degrees":
+        span = float(np.ptp(x))
+        axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
+
+
+def _places(steps: Sequence[Step], abscissa: str) -> np.ndarray:
+    if abscissa == "degrees":
+        return np.array([step.degrees for step in steps])
+    if abscissa == "way":
+        return np.array([step.way for step in steps])
+    return np.array([100 * step.part for step in steps])
+
+
+def _axis(abscissa: str) -> str:
+    return {
+        "degrees": tr("turn of the handle, degrees"),
+        "way": tr("way of the handle, in the unit of the mesh"),
+        "part": tr("part of the motion, %"),
+    }[abscissa]
+
+
+def _percent(share: float | None) -> float:
+    return np.nan if share is None else 100 * share

@@ -1,0 +1,80 @@
+"""Write folders whose files are all there or none of them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_PREFIX, _PART = ".apd-viewer-", ".part"
+_LONG_AGO = 24 * 3600.0  # s
+
+
+@contextmanager
+def filling(folder: Path) -> Iterator[Path]:
+    """Give a scratch folder to write to; at the end its files take their places in ``folder``.
+
+    Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
+
+    Raises
+    ------
+    InputError
+        If the operating system refuses; the message says what to do.
+    """
+    folder = Path(os.path.realpath(folder))
+    scratch: Path | None = None
+    try:
+        beside = _nearest(folder)
+        _clear_away(beside)
+        scratch = Path(tempfile.mkdtemp(prefix=_PREFIX, suffix=_PART, dir=beside))
+        yield scratch
+        place(scratch, folder)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            tr("The folder {folder} cannot be written ({reason}); choose another place.").format(
+                folder=folder, reason=reason
+            )
+        ) from error
+    finally:
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
+
+
+def place(scratch: Path, folder: Path) -> None:
+    """Move all files below ``scratch`` to the same places below ``folder``; raises OSError."""
+    files = sorted(path for path in scratch.rglob("*") if path.is_file())
+    for path in files:
+        target = folder / path.relative_to(scratch)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.is_dir():
+            raise IsADirectoryError(None, f"{target.name} in it is a folder")
+        shutil.move(path, target)
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder itself, or the nearest one above it that is there."""
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    if not folder.is_dir():
+        raise NotADirectoryError(None, f"{folder.name} is not a folder")
+    return folder
+
+
+def _clear_away(folder: Path) -> None:
+    """Remove what was left by programs that were killed long ago."""
+    for scratch in folder.glob(f"{_PREFIX}*{_PART}"):
+        with contextlib.suppress(OSError):
+            if time.time() - scratch.stat().st_mtime > _LONG_AGO:
+                shutil.rmtree(scratch, ignore_errors=True)

@@ -1,0 +1,117 @@
+"""The command ``apd-viewer paper``: the tables re-run, and the figures and curves that go with them."""
+
+from __future__ import annotations
+
+import csv
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer import papertables
+from apd_viewer.files.filling import filling
+from apd_viewer.files.samples import open_sample
+from apd_viewer.language import tr
+from apd_viewer.parser import Parser
+from apd_viewer.progress import Progress
+from apd_viewer.session.document import opened
+from apd_viewer.session.papercurves import Held, Loss, holds, losses
+from apd_viewer.sweeping import NO_PICTURES
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
+
+    from apd_viewer.geometry.deform import Result
+    from apd_viewer.papertables import Row
+
+# Pixels, and from where to look.
+_PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
+_TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # shares of the work, at a guess; the rest draws
+
+
+def paper_parser() -> Parser:
+    """What the command takes."""
+    parser = Parser(prog="apd-viewer paper", description="Re-run the paper's tables on the samples.")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, help="folder for tables, curves and figures"
+    )
+    parser.add_argument("--progress-lines", action="store_true", help="say how far it is as lines of JSON")
+    parser.set_defaults(run=_paper)
+    return parser
+
+
+def _paper(options: argparse.Namespace) -> None:
+    progress = Progress(options.progress_lines)
+    drawn = True
+    with ExitStack() as stack:
+        folder = stack.enter_context(filling(options.output)) if options.output else None
+        share = _TABLES if folder else 1.0
+        table = list(papertables.rows(lambda done, doing: progress.show(share * done, doing)))
+        if folder is not None:
+            papertables.write_csv(table, folder / "tables.csv")
+            (folder / "tables.md").write_text(papertables.tables(table) + "\n", encoding="utf-8")
+            _write_curves(folder, progress)
+            drawn = _draw_shapes(table, folder, progress)
+        progress.end()
+    print(papertables.tables(table))
+    print()
+    print(papertables.verdict(table))
+    if not drawn:
+        print(tr(NO_PICTURES))
+
+
+def _write_curves(folder: Path, progress: Progress) -> None:
+    from apd_viewer.figures.papers import draw_holds, draw_losses
+
+    document = opened(*open_sample("bottle")).document
+    doing = tr("the loss against the angle")
+    lost = losses(document, tick=lambda done, _: progress.show(_TABLES + _LOSSES * done, doing))
+    said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
+    cases = [(degrees, papertables.CASES[name]) for degrees, name in said if name in papertables.CASES]
+    draw_losses(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
+    _write(folder / "loss-against-angle.csv", Loss, lost)
+    where = tr("what Eq. 8 does to the handle")
+    before = _TABLES + _LOSSES
+    held = holds(document, tick=lambda done, _: progress.show(before + _HOLDS * done, where))
+    draw_holds(held, folder)
+    _write(folder / "handle.csv", Held, held)
+
+
+def _write(path: Path, kind: type[NamedTuple], values: Sequence[tuple[object, ...]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(kind._fields)
+        writer.writerows(values)
+
+
+def _draw_shapes(table: Sequence[Row], folder: Path, progress: Progress) -> bool:
+    """Draw the shapes of each table side by side, like the paper's Figs. 3 and 5; False if nothing can."""
+    from apd_viewer.figures.shapes import Picture, draw_shapes
+
+    samples = list(dict.fromkeys(row.case.sample for row in table))
+    for number, sample in enumerate(samples):
+        progress.show(1 - 0.05 * (1 - number / len(samples)), tr("drawing"))
+        mesh, _ = open_sample(sample)
+        own = [row for row in table if row.case.sample == sample]
+        shapes, words = [mesh.V], [[tr("rest")]]
+        for row in own:
+            for name, result in ((tr("ARAP"), row.arap), (tr("APD"), row.paper)):
+                shapes.append(result.U)
+                words.append([f"{_amount(row)}, {name}", *_readings(result)])
+        size, look = _PICTURES[sample]
+        if not draw_shapes(mesh, [Picture(folder / f"{sample}.png", shapes, words)], size, look=look):
+            return False
+    return True
+
+
+def _amount(row: Row) -> str:
+    """The move, as short as it can be said."""
+    return row.case.title.rpartition(" by ")[2]
+
+
+def _readings(result: Result) -> list[str]:
+    change = f"{100 * result.area_error:+.2f}"
+    lines = [tr("area {change} %").format(change=change)]
+    if result.method == "paper":
+        lines.append(tr("handle drift {drift} cm").format(drift=f"{result.handle_drift:.2f}"))
+    return lines

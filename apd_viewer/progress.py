@@ -1,0 +1,50 @@
+"""How far long work is: a bar on a terminal, or a line each for a program that listens."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+
+_WIDTH = 24
+_INTERVAL = 0.1  # s
+
+
+class Progress:
+    """Says how far the work is, a few times a second, and nothing where nobody would read it.
+
+    Parameters
+    ----------
+    lines : bool
+        Say it on the standard output, as lines of JSON such as ``{"done": 0.5, "doing": "..."}``.
+    """
+
+    def __init__(self, lines: bool = False) -> None:
+        self._lines = lines
+        self._bar = not lines and sys.stderr.isatty()
+        self._last = -_INTERVAL
+        self._shown = ""
+
+    def show(self, done: float, doing: str) -> None:
+        """The share of the work that is done, 0 to 1, and what is being done now."""
+        now = time.monotonic()
+        if not (self._lines or self._bar) or now - self._last < _INTERVAL:
+            return
+        self._last = now
+        if self._lines:
+            print(json.dumps({"done": round(done, 4), "doing": doing}), flush=True)
+            return
+        full = round(_WIDTH * done)
+        said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"
+        # What is longer than a line would not be drawn over.
+        self._draw(said[:79])
+
+    def end(self) -> None:
+        """Take the bar away."""
+        if self._bar and self._shown:
+            self._draw("")
+            print("\r", end="", file=sys.stderr, flush=True)
+
+    def _draw(self, said: str) -> None:
+        print(f"\r{said.ljust(len(self._shown))}", end="", file=sys.stderr, flush=True)
+        self._shown = said

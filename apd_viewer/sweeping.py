@@ -1,0 +1,293 @@
+"""The command ``apd-viewer sweep``: the handles' motion in steps, as a table, curves, meshes, a film."""
+
+from __future__ import annotations
+
+import csv
+import tempfile
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.filling import filling
+from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.selection_files import read_selection_file
+from apd_viewer.files.selections import read_transform
+from apd_viewer.language import tr
+from apd_viewer.parser import Parser
+from apd_viewer.progress import Progress
+from apd_viewer.session.document import opened
+from apd_viewer.session.saved import open_session
+from apd_viewer.session.sweep import DEFAULT_ITERATIONS, SWEPT, sweep_of, twist_of
+from apd_viewer.session.view import SUFFIX, Standpoint
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
+
+    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.session.document import Document
+    from apd_viewer.session.sweep import Step, Sweep
+
+COLUMNS = (
+    "method",
+    "step",
+    "part",
+    "degrees",
+    "way",
+    "area",
+    "area_error",
+    "volume",
+    "volume_error",
+    "energy",
+    "local_change",
+    "handle_drift",
+    "iterations",
+    "settled",
+)
+NO_PICTURES = "Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1)."
+_FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
+_SWEPT_SHARE = 0.9  # of the work; the rest draws
+
+
+def sweep_parser() -> Parser:
+    """What the command takes."""
+    parser = Parser(
+        prog="apd-viewer sweep",
+        description="Go along the motion of the handles in steps: area, volume and energy by each method.",
+    )
+    parser.add_argument(
+        "file",
+        metavar="SESSION",
+        help="saved session (.apd) with its handles moved; or a mesh, painted and moved by:",
+    )
+    parser.add_argument("--selection", metavar="SEL", help="of a mesh: what is base and handle")
+    parser.add_argument(
+        "--transform",
+        metavar="DEF",
+        action="append",
+        default=[],
+        help="of a mesh: 4x4 matrix that moves the handle; once for each handle",
+    )
+    parser.add_argument(
+        "--twist",
+        metavar="ANGLE",
+        action="append",
+        default=[],
+        help="instead: angle, such as 180deg, to turn each handle about the line from the base to it",
+    )
+    parser.add_argument("--steps", metavar="N", type=int, default=20, help="default: %(default)s")
+    parser.add_argument(
+        "--to", metavar="PART", type=float, default=1.0, help="of the motion, where to end; 1.5 goes past it"
+    )
+    parser.add_argument("--methods", metavar="M,M,...", default=",".join(SWEPT), help="default: %(default)s")
+    parser.add_argument(
+        "--iterations",
+        metavar="N",
+        type=int,
+        default=DEFAULT_ITERATIONS,
+        help="at most so many a step; default: %(default)s",
+    )
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder to write to")
+    parser.add_argument("--meshes", action="store_true", help="write the mesh of every step, too")
+    parser.add_argument(
+        "--animation", metavar="A.gif", type=Path, help="GIF, or MP4 where there is an encoder"
+    )
+    parser.add_argument("--progress-lines", action="store_true", help="say how far it is as lines of JSON")
+    parser.set_defaults(run=_sweep)
+    return parser
+
+
+def _sweep(options: argparse.Namespace) -> None:
+    from apd_viewer.figures.films import check_film
+
+    if options.animation:
+        check_film(options.animation)
+    document, camera = _opened(options)
+    twists = [twist_of(text) for text in options.twist]
+    methods = [word.strip() for word in options.methods.split(",") if word.strip()]
+    sweep = sweep_of(document, options.steps, options.to, methods, twists, options.iterations)
+    progress = Progress(options.progress_lines)
+    with ExitStack() as stack:
+        folder = stack.enter_context(filling(options.output))
+        kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
+        steps = _run(sweep, progress, folder if options.meshes else None, kept if options.animation else None)
+        write_csv(steps, folder / "sweep.csv")
+
+        from apd_viewer.figures.sweeps import draw_sweep
+
+        draw_sweep(steps, sweep.abscissa, folder)
+        filmed = not options.animation or _film(sweep, steps, kept, camera, options.animation, progress)
+        progress.end()
+    print(_summary(steps, sweep, options.output))
+    if not filmed:
+        print(tr(NO_PICTURES))
+
+
+def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
+    """What is to be swept, and how the user looked at it."""
+    path = Path(options.file)
+    if path.suffix.lower() == SUFFIX:
+        if options.selection or options.transform:
+            raise InputError(
+                tr("A session has its own paint and motion; leave --selection and --transform away.")
+            )
+        state, view = open_session(path)
+        return state.document, view.camera
+    if not options.selection or not (options.transform or options.twist):
+        raise InputError(
+            tr("{name} is no session: give --selection, and --transform or --twist, or a .apd file.").format(
+                name=path.name
+            )
+        )
+    if options.transform and options.twist:
+        raise InputError(tr("Give --transform or --twist, and not both."))
+    mesh = open_mesh(path)
+    document = opened(mesh).document.with_selection(read_selection_file(options.selection, mesh))
+    if options.transform and len(options.transform) != len(document.handles):
+        raise InputError(
+            tr("There are {handles} handles but {motions} motions; give one for each handle.").format(
+                handles=len(document.handles), motions=len(options.transform)
+            )
+        )
+    for k, transform in enumerate(options.transform):
+        document = document.moved(k, read_transform(transform))
+    return document, None
+
+
+def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[Step]:
+    """The steps without their shapes, which go to files as far as they are wanted."""
+    from apd_viewer.figures.shapes import keep_shape
+    from apd_viewer.figures.style import METHOD_NAMES
+
+    mesh, steps = sweep.document.mesh, []
+    nothing = mesh.V[:0]
+
+    def tick(done: float, method: str) -> None:
+        progress.show(_SWEPT_SHARE * done, METHOD_NAMES[method])
+
+    for step in sweep.steps(tick):
+        if folder is not None:
+            save_mesh(mesh, step.frame.U, _mesh_path(folder, mesh, step))
+        if kept is not None:
+            keep_shape(step.frame.U, _kept(kept, step))
+        # A thousand shapes need not be kept in memory.
+        steps.append(step._replace(frame=replace(step.frame, U=nothing)))
+    return steps
+
+
+def _mesh_path(folder: Path, mesh: Mesh, step: Step) -> Path:
+    own = mesh.origin.suffix if mesh.origin else ""
+    (folder / "meshes").mkdir(exist_ok=True)
+    return folder / "meshes" / f"{step.method}-{step.number:03d}{own if own in WRITTEN else '.obj'}"
+
+
+def _kept(folder: Path, step: Step) -> Path:
+    return folder / f"{step.method}-{step.number}.npy"
+
+
+def write_csv(steps: Sequence[Step], path: Path) -> None:
+    """Write all digits, a line a step."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(COLUMNS)
+        for step in steps:
+            frame = step.frame
+            writer.writerow(
+                (
+                    step.method,
+                    step.number,
+                    step.part,
+                    step.degrees,
+                    step.way,
+                    frame.area,
+                    frame.area_error,
+                    frame.volume,
+                    step.volume_error,
+                    step.energy,
+                    frame.local_change,
+                    frame.handle_drift,
+                    frame.iteration,
+                    int(frame.settled),
+                )
+            )
+
+
+def _film(
+    sweep: Sweep, steps: Sequence[Step], kept: Path, camera: Standpoint | None, path: Path, progress: Progress
+) -> bool:
+    """Draw the shapes of all methods side by side, step by step, as a film; False where nothing can draw."""
+    from apd_viewer.figures.films import write_film
+    from apd_viewer.figures.shapes import Picture, draw_shapes
+    from apd_viewer.figures.style import METHOD_NAMES
+
+    count, methods = len(sweep.parts), sweep.methods
+    pictures = []
+    for number in range(count):
+        own = [steps[m * count + number] for m in range(len(methods))]
+        words = [(METHOD_NAMES[step.method], *_readings(step, sweep.abscissa)) for step in own]
+        pictures.append(Picture(kept / f"{number:04d}.png", [_kept(kept, step) for step in own], words))
+    size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
+
+    def drawn(done: int) -> None:
+        progress.show(_SWEPT_SHARE + (1 - _SWEPT_SHARE) * done / count, tr("drawing"))
+
+    looks = {} if camera is None else _looks(camera)
+    if not draw_shapes(sweep.document.mesh, pictures, size, drawn=drawn, legend=False, **looks):
+        return False
+    write_film([picture.path for picture in pictures], path)
+    return True
+
+
+def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
+    x, y, z = (a - b for a, b in zip(camera.position, camera.focal, strict=True))
+    return {"look": (x, y, z), "up": camera.up}
+
+
+def _readings(step: Step, abscissa: str) -> list[str]:
+    where = {
+        "degrees": f"{step.degrees:.0f}°",
+        "way": f"{step.way:.3g}",
+        "part": f"{100 * step.part:.0f} %",
+    }[abscissa]
+    lines = [where, tr("area {change} %").format(change=_signed(100 * step.frame.area_error))]
+    if step.volume_error is not None:
+        lines.append(tr("volume {change} %").format(change=_signed(100 * step.volume_error)))
+    return lines
+
+
+def _signed(value: float) -> str:
+    text = f"{value:+.2f}"
+    return "0.00" if float(text) == 0 else text
+
+
+def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
+    from apd_viewer.figures.style import METHOD_NAMES
+
+    lines = [
+        tr("{folder}: {steps} steps by {methods}").format(
+            folder=folder,
+            steps=len(sweep.parts) - 1,
+            methods=", ".join(METHOD_NAMES[method] for method in sweep.methods),
+        )
+    ]
+    for method in sweep.methods:
+        own = [step for step in steps if step.method == method]
+        worst = max(own, key=lambda step: abs(step.frame.area_error))
+        said = tr("{method}: area {last} % at the end, {worst} % at most").format(
+            method=METHOD_NAMES[method],
+            last=_signed(100 * own[-1].frame.area_error),
+            worst=_signed(100 * worst.frame.area_error),
+        )
+        if own[-1].volume_error is not None:
+            said += tr("; volume {change} %").format(change=_signed(100 * own[-1].volume_error))
+        lines.append(said)
+        unsettled = sum(not step.frame.settled for step in own)
+        if unsettled:
+            lines.append(
+                tr(
+                    "  {count} of {steps} shapes had not settled in {most} iterations; see --iterations"
+                ).format(count=unsettled, steps=len(own), most=sweep.iterations)
+            )
+    return "\n".join(lines)

@@ -1,0 +1,83 @@
+"""Parts of a motion: equal parts are equal motions, and all of them together are the whole."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import expm, logm
+from scipy.spatial.transform import Rotation
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.courses import Turn, course_of
+from apd_viewer.geometry.motions import composed, scaled_about, shifted, turned_about
+
+coordinates = st.floats(-10, 10)
+points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
+axes = points.filter(lambda v: np.linalg.norm(v) > 0.1)
+angles = st.floats(0, 3.1)
+parts = st.floats(-0.5, 1.6)
+rigid = st.builds(composed, points, axes, angles, points)
+
+
+def close(actual, expected, atol=1e-9):
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=atol)
+
+
+@given(rigid, points, st.floats(0.2, 5))
+def test_it_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
+    for whole in (pose, pose @ scaled_about(pivot, factor), pose @ scaled_about(pivot, [factor, 1, 0.5])):
+        course = course_of(whole, pivot)
+        close(course.at(0.0), np.eye(4), 1e-7)
+        close(course.at(1.0), whole, 1e-8)
+
+
+@given(rigid, points, parts, parts)
+def test_rigid_parts_that_follow_each_other_are_their_sum(pose, pivot, s, t):
+    course = course_of(pose, pivot)
+    close(course.at(s) @ course.at(t), course.at(s + t), 1e-6)
+
+
+@given(st.builds(composed, points, axes, st.floats(0.01, 3.0), points), points, parts)
+def test_a_rigid_part_is_the_exponential_of_that_part_of_the_logarithm(pose, pivot, part):
+    close(course_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
+
+
+@given(points, axes, angles.filter(lambda a: a > 1e-3), points, parts)
+def test_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
+    """Not along the chord, which would come nearer to the line that is turned about."""
+    close(
+        course_of(turned_about(point, axis, angle), pivot).at(part),
+        turned_about(point, axis, part * angle),
+        1e-6,
+    )
+
+
+@given(points, points, parts)
+def test_a_shift_goes_straight(way, pivot, part):
+    close(course_of(shifted(way), pivot).at(part), shifted(part * way))
+
+
+@given(points, st.floats(0.1, 8), st.floats(0, 1.5))
+def test_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
+    close(course_of(scaled_about(pivot, factor), pivot).at(part), scaled_about(pivot, factor**part), 1e-7)
+
+
+@given(points, axes, st.floats(-20, 20), parts)
+def test_a_turn_may_go_around_more_than_once(point, axis, angle, part):
+    R = Rotation.from_rotvec(part * angle * axis / np.linalg.norm(axis)).as_matrix()
+    close(Turn(point, axis, angle).at(part)[:3, :3], R)
+    close((Turn(point, axis, angle).at(part) @ [*point, 1.0])[:3], point)
+
+
+@pytest.mark.parametrize(
+    ("pose", "words"),
+    [
+        (turned_about([1, 2, 3], [0, 1, 1], np.pi), "half a turn.+twist of 180deg"),
+        (scaled_about([0, 0, 0], [1, 1, -1]), "mirrors or flattens"),
+        (np.diag([1.0, 1.0, 0.0, 1.0]), "mirrors or flattens"),
+        (np.diag([0.0, 0.0, 0.0, 1.0]), "mirrors or flattens"),
+    ],
+)
+def test_what_has_no_one_way_is_refused(pose, words):
+    with pytest.raises(InputError, match=words):
+        course_of(pose, np.ones(3))

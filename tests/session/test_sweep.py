@@ -1,0 +1,136 @@
+"""Sweeps: where the handles are at each step, what is read there, and what cannot be swept."""
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.motions import scaled_about, shifted, turned_about
+from apd_viewer.session.document import opened
+from apd_viewer.session.sweep import sweep_of, twist_of
+
+BENT = turned_about([1, 1, 0], [1, 0, 0], 0.8)
+
+
+@pytest.fixture(scope="module")
+def bar():
+    """The document of a bar, held at the bottom, with its handle at the top."""
+    V, F = box(2, 2, 6)
+    labels = np.ones(len(V), dtype=np.uint8)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    return opened(Mesh(V, F), labels).document
+
+
+def held_at(document, step):
+    return step.frame.U[document.labels == 2]
+
+
+def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
+    swept = list(sweep_of(bar.moved(0, BENT), 4, methods=["arap", "exact"]).steps())
+    assert [(step.method, step.part) for step in swept] == [
+        (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
+    ]
+    X = bar.mesh.V[bar.labels == 2]
+    for step in swept:
+        M = turned_about([1, 1, 0], [1, 0, 0], 0.8 * step.part)
+        np.testing.assert_allclose(held_at(bar, step), X @ M[:3, :3].T + M[:3, 3], atol=1e-12)
+        assert step.degrees == pytest.approx(np.degrees(0.8 * step.part))
+        # The chord of the pivot, which is 6 above the line that is turned about.
+        assert step.way == pytest.approx(12 * np.sin(0.4 * step.part), abs=1e-12)
+    np.testing.assert_allclose(swept[0].frame.U, bar.mesh.V, atol=1e-12)
+
+
+def test_the_readings_are_those_of_the_shapes(bar):
+    for step in sweep_of(bar.moved(0, BENT), 3, methods=["arap", "paper"]).steps():
+        shape = trimesh.Trimesh(step.frame.U, bar.mesh.F, process=False)
+        assert shape.area == pytest.approx(step.frame.area, rel=1e-12)
+        assert shape.volume == pytest.approx(step.frame.volume, rel=1e-12)
+        assert step.volume_error == pytest.approx(shape.volume / 24 - 1, abs=1e-12)
+
+
+def test_each_method_does_what_it_is_for(bar):
+    swept = list(sweep_of(bar.moved(0, BENT), 4).steps())
+    error = {
+        m: max(abs(s.frame.area_error) for s in swept if s.method == m) for m in ("arap", "paper", "exact")
+    }
+    assert error["exact"] < 1e-9
+    assert error["paper"] <= 1e-3
+    assert error["arap"] > 1e-4
+    energies = {m: [s.energy for s in swept if s.method == m] for m in ("arap", "exact")}
+    assert all(np.diff(energies["arap"]) > 0), "the farther the handle, the more energy"
+    assert all(np.array(energies["arap"]) <= np.array(energies["exact"]) * (1 + 1e-6) + 1e-12)
+
+
+def test_a_step_ends_where_it_would_end_from_rest(bar):
+    """In so mild a motion there is one shape of least energy, whichever way leads to it."""
+    held = bar.moved(0, BENT).constraints()
+    direct = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, "arap", handle=held.handles)
+    *_, last = sweep_of(bar.moved(0, BENT), 5, methods=["arap"], iterations=5000).steps()
+    assert last.energy == pytest.approx(direct.energy, rel=1e-4)
+
+
+def test_a_twist_goes_past_half_a_turn(bar):
+    sweep = sweep_of(bar, 4, 1.5, ["arap"], [twist_of("180deg")])
+    swept = list(sweep.steps())
+    assert sweep.abscissa == "degrees"
+    assert [step.degrees for step in swept] == pytest.approx([0, 67.5, 135, 202.5, 270])
+    X = bar.mesh.V[bar.labels == 2] - [1, 1, 0]
+    np.testing.assert_allclose(held_at(bar, swept[-1]) - [1, 1, 0], X[:, [1, 0, 2]] * [1, -1, 1], atol=1e-9)
+
+
+def test_what_tells_the_steps_apart(bar):
+    for pose, kind in (
+        (BENT, "degrees"),
+        (shifted([0, 0, 1]), "way"),
+        (shifted([1, 0, 0]) @ BENT, "part"),
+        (scaled_about([1, 1, 6], 1.2), "part"),
+    ):
+        assert sweep_of(bar.moved(0, pose), 2).abscissa == kind
+
+
+def test_no_step_takes_more_iterations_than_it_may(bar):
+    swept = list(sweep_of(bar.moved(0, BENT), 3, methods=["exact"], iterations=2).steps())
+    assert all(step.frame.iteration <= 2 for step in swept)
+    assert not swept[-1].frame.settled
+
+
+def test_ticks_never_go_back_and_can_end_it(bar):
+    ticks = []
+    list(sweep_of(bar.moved(0, BENT), 3, methods=["arap", "paper"]).steps(lambda done, _: ticks.append(done)))
+    assert ticks == sorted(ticks)
+    assert 0.5 < ticks[-1] <= 1
+
+    def stop(done, method):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        next(sweep_of(bar.moved(0, BENT), 3).steps(stop))
+
+
+WRONG = {
+    "no motion": (lambda bar: sweep_of(bar, 3), "No handle has moved"),
+    "no steps": (lambda bar: sweep_of(bar.moved(0, BENT), 0), "1 to 1000 steps"),
+    "no end": (lambda bar: sweep_of(bar.moved(0, BENT), 3, 0.0), "above 0"),
+    "an end without a number": (lambda bar: sweep_of(bar.moved(0, BENT), 3, float("nan")), "above 0"),
+    "no method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=[]), "at least one"),
+    "a method twice": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["arap"] * 2), "once"),
+    "an unknown method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["fast"]), "no method fast"),
+    "half a turn": (
+        lambda bar: sweep_of(bar.moved(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
+        "twist of 180deg",
+    ),
+    "two twists": (lambda bar: sweep_of(bar, 3, twists=[1.0, 1.0]), "1 handles? but 2 twists"),
+    "no iterations": (lambda bar: sweep_of(bar, 3, iterations=0), "at least one iteration"),
+    "a length for a twist": (lambda _: twist_of("3mm"), "has no place here"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_swept_is_said(case, bar):
+    run, words = WRONG[case]
+    with pytest.raises(InputError, match=words):
+        run(bar)

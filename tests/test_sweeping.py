@@ -1,0 +1,185 @@
+"""The command that sweeps: what it writes, and that it writes all of it or nothing."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import box, ends
+from PIL import Image
+
+from apd_viewer import sweeping
+from apd_viewer.__main__ import main
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.motions import turned_about
+from apd_viewer.session.document import opened
+from apd_viewer.session.saved import save_session
+from apd_viewer.session.view import Standpoint, View
+
+BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """The words for a bar: a mesh with its selection."""
+    V, F = box(2, 2, 5)
+    trimesh.Trimesh(V, F, process=False).export(tmp_path / "bar.off")
+    labels = np.ones(len(V), dtype=int)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    np.savetxt(tmp_path / "bar.sel", labels, fmt="%d")
+    np.savetxt(tmp_path / "bent.def", BENT)
+    return [tmp_path / "bar.off", "--selection", tmp_path / "bar.sel"]
+
+
+@pytest.fixture
+def session(bar, tmp_path):
+    """A session in which the bar is bent."""
+    state = opened(open_mesh(bar[0]), np.loadtxt(bar[2], dtype=np.uint8))
+    path = tmp_path / "bar.apd"
+    view = View(Standpoint((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5))
+    save_session(path, state.at(state.document.moved(0, BENT)), view)
+    return path
+
+
+@pytest.fixture
+def sweep(tmp_path, capsys):
+    """Run the command; return its status, what it said and the folder."""
+
+    def run(*words, folder=tmp_path / "out"):
+        status = main(["sweep", *map(str, words), "-o", str(folder)])
+        said = capsys.readouterr()
+        return status, said.out, said.err, folder
+
+    return run
+
+
+def read(folder):
+    with (folder / "sweep.csv").open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_session_and_its_mesh_give_the_same_curves(bar, session, sweep, tmp_path):
+    words = "--steps", 4, "--methods", "arap,exact"
+    assert sweep(session, *words, folder=tmp_path / "a")[0] == 0
+    assert sweep(*bar, "--transform", tmp_path / "bent.def", *words, folder=tmp_path / "b")[0] == 0
+    one, other = read(tmp_path / "a"), read(tmp_path / "b")
+    assert one == other
+    assert [(line["method"], float(line["part"])) for line in one] == [
+        (method, k / 4) for method in ("arap", "exact") for k in range(5)
+    ]
+
+
+def test_meshes_are_those_of_the_table(session, sweep):
+    status, said, err, folder = sweep(session, "--steps", 2, "--methods", "exact", "--meshes")
+    assert (status, err) == (0, "")
+    assert re.search(r"Exact: area 0.00 % at the end", said)
+    lines = read(folder)
+    paths = sorted((folder / "meshes").iterdir())
+    assert [path.name for path in paths] == ["exact-000.off", "exact-001.off", "exact-002.off"]
+    for line, path in zip(lines, paths, strict=True):
+        shape = trimesh.load(path, process=False)
+        assert shape.area == pytest.approx(float(line["area"]), rel=1e-9)
+        assert shape.volume == pytest.approx(float(line["volume"]), rel=1e-9)
+
+
+def test_a_figure_and_a_film_are_drawn(bar, sweep, tmp_path):
+    film = tmp_path / "film.gif"
+    status, _, err, folder = sweep(
+        *bar, "--twist", "200deg", "--steps", 2, "--methods", "arap,exact", "--animation", film
+    )
+    assert (status, err) == (0, "")
+    assert {path.name for path in folder.iterdir()} == {"sweep.csv", "sweep.svg", "sweep.png"}
+    assert float(read(folder)[-1]["degrees"]) == pytest.approx(200)
+    with Image.open(film) as image:
+        assert image.n_frames == 4, "there and back"
+        first = np.asarray(image.convert("L"), dtype=int)
+        image.seek(2)
+        last = np.asarray(image.convert("L"), dtype=int)
+    width = first.shape[1] // 2
+    for half in (slice(0, width), slice(width, None)):
+        assert (np.abs(first - last)[:, half] > 20).sum() > 300, "nothing moves"
+    with Image.open(folder / "sweep.png") as image:
+        colors = np.asarray(image.convert("RGB")).reshape(-1, 3)
+    for color in ((0, 114, 178), (213, 94, 0)):  # of Exact and of ARAP
+        assert (colors == color).all(axis=1).sum() > 100
+
+
+def test_the_same_sweep_writes_the_same_files(session, sweep, tmp_path):
+    for name in ("a", "b"):
+        assert sweep(session, "--steps", 2, "--methods", "exact", folder=tmp_path / name)[0] == 0
+    for name in ("sweep.csv", "sweep.svg", "sweep.png"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_shapes_that_do_not_settle_are_counted(session, sweep):
+    _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
+    unsettled = sum(line["settled"] == "0" for line in read(folder))
+    assert unsettled > 0
+    assert f"{unsettled} of 4 shapes had not settled in 1 iterations" in said
+
+
+def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path, monkeypatch):
+    from apd_viewer.figures import shapes
+
+    monkeypatch.setattr(shapes, "_START", "import os; os.abort()")
+    film = tmp_path / "film.gif"
+    status, said, _, folder = sweep(session, "--steps", 2, "--methods", "arap", "--animation", film)
+    assert status == 0
+    assert "Shapes were not drawn" in said
+    assert not film.exists()
+    assert (folder / "sweep.svg").exists()
+
+
+WRONG = {
+    "no selection": (lambda bar: bar[:1], "is no session: give --selection"),
+    "no motion": (lambda bar: bar, "is no session: give --selection"),
+    "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "and not both"),
+    "a film of another kind": (
+        lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
+        "end it in .gif or",
+    ),
+    "an angle that is none": (lambda bar: [*bar, "--twist", "9mm"], "unit of length"),
+    "a method that is none": (lambda bar: [*bar, "--twist", "9", "--methods", "arap,x"], "no method x"),
+    "too many motions": (
+        lambda bar: [*bar, *["--transform", bar[0].parent / "bent.def"] * 2],
+        "1 handles but 2 motions",
+    ),
+    "steps": (lambda bar: [*bar, "--twist", "9", "--steps", "0"], "1 to 1000 steps"),
+    "no mesh": (lambda bar: ["gone.obj", "--selection", bar[2], "--twist", "9"], "There is no file gone.obj"),
+    "a session with a selection": (lambda bar: ["a.apd", *bar[1:]], "its own paint and motion"),
+    "no such session": (lambda _: ["a.apd"], "There is no file a.apd"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, bar, sweep, tmp_path):
+    words, said = WRONG[case]
+    before = sorted(tmp_path.rglob("*"))
+    status, out, err, _ = sweep(*words(bar))
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: .+\n", err)
+    assert said in err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatch):
+    before = sorted(tmp_path.rglob("*"))
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweeping.Progress, "show", stop)
+    assert sweep(session, "--steps", 2)[0] == 130
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine")
+    (folder / "sweep.csv").write_text("old")
+    assert sweep(session, "--steps", 1, "--methods", "arap")[0] == 0
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert len(read(folder)) == 2
