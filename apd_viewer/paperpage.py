@@ -15,7 +15,7 @@ from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
 from apd_viewer.session.document import opened
 from apd_viewer.session.papercurves import Held, Loss, holds, losses
-from apd_viewer.sweeping import NO_PICTURES
+from apd_viewer.sweeping import no_pictures
 
 if TYPE_CHECKING:
     import argparse
@@ -57,7 +57,7 @@ def _paper(options: argparse.Namespace) -> None:
     print()
     print(papertables.verdict(table))
     if not drawn:
-        print(tr(NO_PICTURES))
+        print(no_pictures())
 
 
 def _write_curves(folder: Path, progress: Progress) -> None:

@@ -46,7 +46,6 @@ COLUMNS = (
     "iterations",
     "settled",
 )
-NO_PICTURES = "Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1)."
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 _SWEPT_SHARE = 0.9  # of the work; the rest draws
 
@@ -104,6 +103,12 @@ def _sweep(options: argparse.Namespace) -> None:
 
     if options.animation:
         check_film(options.animation)
+        if not (_is_in_output(options) or options.animation.parent.is_dir()):
+            raise InputError(
+                tr("There is no folder {folder}; make it first or choose another.").format(
+                    folder=options.animation.parent
+                )
+            )
     document, camera = _opened(options)
     twists = [twist_of(text) for text in options.twist]
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]
@@ -118,11 +123,23 @@ def _sweep(options: argparse.Namespace) -> None:
         from apd_viewer.figures.sweeps import draw_sweep
 
         draw_sweep(steps, sweep.abscissa, folder)
-        filmed = not options.animation or _film(sweep, steps, kept, camera, options.animation, progress)
+        filmed = not options.animation or _film(
+            sweep, steps, kept, camera, _film_path(options, folder), progress
+        )
         progress.end()
     print(_summary(steps, sweep, options.output))
     if not filmed:
-        print(tr(NO_PICTURES))
+        print(no_pictures())
+
+
+def _is_in_output(options: argparse.Namespace) -> bool:
+    """Whether the film goes where all else goes, which may be a folder that is not there yet."""
+    return bool(options.animation.resolve().parent == options.output.resolve())
+
+
+def _film_path(options: argparse.Namespace, folder: Path) -> Path:
+    path: Path = options.animation
+    return folder / path.name if _is_in_output(options) else path
 
 
 def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
@@ -257,6 +274,11 @@ def _readings(step: Step, abscissa: str) -> list[str]:
     return lines
 
 
+def no_pictures() -> str:
+    """Why there are no pictures of shapes, as a sentence."""
+    return tr("Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1).")
+
+
 def _signed(value: float) -> str:
     text = f"{value:+.2f}"
     return "0.00" if float(text) == 0 else text
@@ -286,8 +308,8 @@ def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
         unsettled = sum(not step.frame.settled for step in own)
         if unsettled:
             lines.append(
-                tr(
-                    "  {count} of {steps} shapes had not settled in {most} iterations; see --iterations"
-                ).format(count=unsettled, steps=len(own), most=sweep.iterations)
+                tr("    {count} of {steps} shapes had not settled after {most} iterations").format(
+                    count=unsettled, steps=len(own), most=sweep.iterations
+                )
             )
     return "\n".join(lines)

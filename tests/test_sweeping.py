@@ -117,7 +117,7 @@ def test_shapes_that_do_not_settle_are_counted(session, sweep):
     _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
     unsettled = sum(line["settled"] == "0" for line in read(folder))
     assert unsettled > 0
-    assert f"{unsettled} of 4 shapes had not settled in 1 iterations" in said
+    assert f"{unsettled} of 4 shapes had not settled after 1 iterations" in said
 
 
 def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path, monkeypatch):

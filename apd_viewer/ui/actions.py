@@ -70,6 +70,15 @@ class Actions:
                 tr("&Tour"), "tour", tr("Show the program in five steps, on a bottle"), None, "tour"
             ),
         ]
+        self.help.append(
+            self._maker.make(
+                tr("The &paper's tables…"),
+                "tables",
+                tr("Re-run the tables of Li and Hui, with figures"),
+                None,
+                "paper",
+            )
+        )
         self.about = self._maker.make(
             tr("&About APD Viewer"), "about", tr("Versions, licence and source of the method"), None, "about"
         )
@@ -188,7 +197,14 @@ class Actions:
     @property
     def of_a_mesh(self) -> list[QAction]:
         """What can only be done while a mesh is open."""
-        return [self.save, self.save_as, self.export, *self.select.files, *self.select.changes]
+        return [
+            self.save,
+            self.save_as,
+            self.export,
+            self.pose.sweep,
+            *self.select.files,
+            *self.select.changes,
+        ]
 
     def _make_bar(self) -> QToolBar:
         bar = QToolBar(tr("Tools"), self._window, objectName="tools", movable=False)

@@ -106,6 +106,9 @@ class PoseActions:
                 "centre_pivot",
             ),
         ]
+        self.sweep = make(
+            tr("&Sweep…"), "sweep", tr("Go along the motion in steps: area, volume and energy"), None, "sweep"
+        )
         self.nudges = [
             make(title, f"nudge-{name}", tip, key, "nudge", step) for title, tip, name, key, step in _NUDGES
         ]
@@ -127,3 +130,5 @@ class PoseActions:
         self.nudge.addActions(self.nudges)
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
+        menu.addSeparator()
+        menu.addAction(self.sweep)

@@ -32,6 +32,7 @@ from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.plots import Plots
 from apd_viewer.ui.room import Room
 from apd_viewer.ui.statusbar import StatusBar
+from apd_viewer.ui.studies import Studies
 from apd_viewer.ui.toolbox import Tool, Way
 from apd_viewer.ui.units import Units
 from apd_viewer.ui.way_bar import WayBar
@@ -93,6 +94,7 @@ class Window(QMainWindow):
         self.deeds = Deeds(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
+        self.studies = Studies(self, self._memory, self._studied, self.notice.fail)
         self.actions_ = Actions(self, self._verbs())
         self.looks.start(self.actions_.looks)
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
@@ -177,6 +179,7 @@ class Window(QMainWindow):
             **self.deeds.verbs,
             **self.canvas.verbs,
             **self.looks.verbs,
+            **self.studies.verbs,
             "quit": self.close,
             "take": self.take,
             "way": self.choose_way,
@@ -238,6 +241,11 @@ class Window(QMainWindow):
     def _type_motion(self) -> None:
         self.docks["readings"].show()
         self.panel.show_motion()
+
+    def _studied(self) -> tuple[State, int, View] | None:
+        if self._state is None:
+            return None
+        return self._state, self.parts.handle, self.canvas.view(self.session.unit.value)
 
     def _choose_unit(self, unit: Unit) -> None:
         state = self._state
@@ -379,6 +387,7 @@ class Window(QMainWindow):
         self.offer.close_all()
         self.plots.end()
         self.looks.close()
+        self.studies.close_all()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()

@@ -1,0 +1,98 @@
+"""A command of the command line, in a process of its own: nothing it does keeps the window waiting."""
+
+from __future__ import annotations
+
+import json
+import sys
+from functools import partial
+
+from PySide6.QtCore import QObject, QProcess, Signal
+
+from apd_viewer.language import tr
+
+# Not -m: neither the user's script nor what lies in the current folder is imported.
+_START = """
+import os, sys
+count = int(sys.argv[1])
+sys.path[:], words = sys.argv[2 : 2 + count], sys.argv[2 + count :]
+if hasattr(os, "nice"):
+    os.nice(10)  # what the user does in the window meanwhile comes first
+from apd_viewer.__main__ import main
+sys.exit(main(words))
+"""
+_ERROR = "error: "
+_PATIENCE = 5000  # ms
+
+
+class FarCommand(QObject):
+    """Runs one command at a time.
+
+    Attributes
+    ----------
+    progressed : Signal(float, str)
+        The share that is done, and what is being done.
+    ended : Signal(str)
+        What it said, when it has ended well.
+    failed : Signal(str)
+        Why it has not, as a sentence.
+    """
+
+    progressed = Signal(float, str)
+    ended = Signal(str)
+    failed = Signal(str)
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._process: QProcess | None = None
+        self._said: list[str] = []
+
+    @property
+    def running(self) -> bool:
+        """Whether a command is under way."""
+        return self._process is not None
+
+    def start(self, words: list[str]) -> None:
+        """Run the command of these words, and no other before it has ended."""
+        assert self._process is None
+        self._said = []
+        self._process = process = QProcess(self)
+        process.readyReadStandardOutput.connect(partial(self._read, process))
+        process.finished.connect(partial(self._finish, process))
+        process.errorOccurred.connect(partial(self._stumble, process))
+        process.start(sys.executable, ["-c", _START, str(len(sys.path)), *sys.path, *words])
+
+    def cancel(self) -> None:
+        """End the command at once; neither ``ended`` nor ``failed`` comes any more."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.waitForFinished(_PATIENCE)
+            process.deleteLater()
+
+    def _read(self, process: QProcess) -> None:
+        while process is self._process and process.canReadLine():
+            line = process.readLine().toStdString().rstrip()
+            if line.startswith('{"done"'):
+                said = json.loads(line)
+                self.progressed.emit(said["done"], said["doing"])
+            else:
+                self._said.append(line)
+
+    def _finish(self, process: QProcess, status: int, way: QProcess.ExitStatus) -> None:
+        self._read(process)
+        if process is not self._process:  # cancelled
+            return
+        self._process = None
+        process.deleteLater()
+        if status == 0 and way is QProcess.ExitStatus.NormalExit:
+            self.ended.emit("\n".join(self._said).strip())
+            return
+        errors = process.readAllStandardError().toStdString().splitlines()
+        sentences = [line.removeprefix(_ERROR) for line in errors if line.startswith(_ERROR)]
+        self.failed.emit(sentences[-1] if sentences else tr("The work has ended too early; try it again."))
+
+    def _stumble(self, process: QProcess, error: QProcess.ProcessError) -> None:
+        if error is QProcess.ProcessError.FailedToStart and process is self._process:
+            self._process = None
+            process.deleteLater()
+            self.failed.emit(tr("No process can be started; close other programs."))

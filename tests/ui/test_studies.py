@@ -1,0 +1,219 @@
+"""The dialogs that sweep and re-run the paper's tables: in a real window, with a real process."""
+
+import csv
+
+import numpy as np
+import pytest
+import shiboken6
+from driving import Mouse, centre, document, idle
+from meshes import box, ends
+from PySide6.QtCore import QPointF, QProcess, Qt
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import QFileDialog
+
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.saved import open_session
+from apd_viewer.sweeping import sweep_parser
+from apd_viewer.ui.figure_view import FigureView
+
+
+@pytest.fixture
+def bar(qtbot, window):
+    """A window on a bar, painted."""
+    V, F = box(2, 2, 5)
+    window.session.show(Mesh(V, F))
+    idle(qtbot, window)
+    base, handle = ends(V)
+    window.session.begin_gesture()
+    window.session.paint(base, 0)
+    window.session.paint(handle, 2)
+    window.session.end_stroke("Paint")
+    idle(qtbot, window)
+    return window
+
+
+@pytest.fixture
+def dialog(bar):
+    """The sweep of the bar, quick."""
+    bar.actions_.pose.sweep.trigger()
+    dialog = bar.studies.dialogs["sweep"]
+    dialog.steps.setValue(2)
+    for name, check in dialog.methods.items():
+        check.setChecked(name == "exact")
+    return dialog
+
+
+def press(button):
+    """A click of the mouse, as a user makes it."""
+    assert button.isVisible()
+    assert button.isEnabled()
+    mouse = Mouse(button)
+    mouse.move(centre(button))
+    mouse.press(centre(button))
+    mouse.release(centre(button))
+
+
+def finish(qtbot, dialog):
+    qtbot.waitUntil(lambda: not dialog.run.running, timeout=60_000)
+
+
+def rows(path):
+    with path.open(encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_path, monkeypatch):
+    dialog.twist.setText("200deg")
+    press(dialog.run.start)
+    assert not dialog.steps.isEnabled()
+    assert dialog.run.cancel.isVisible()
+    finish(qtbot, dialog)
+    assert dialog.figure.drawn
+    assert "Exact: area 0.00 % at the end" in dialog.summary.text()
+    assert dialog.steps.isEnabled()
+    (tmp_path / "mesh-sweep").mkdir()
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path))
+    press(dialog.run.save)
+    finish(qtbot, dialog)
+    folder = tmp_path / "mesh-sweep-2"
+    assert {path.name for path in folder.iterdir()} == {"sweep.csv", "sweep.png", "sweep.svg"}
+    assert [float(line["degrees"]) for line in rows(folder / "sweep.csv")] == pytest.approx([0, 100, 200])
+    opened = []
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()))
+    press(dialog.run.open)
+    assert opened == [str(folder)]
+
+
+def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
+    bar.session.type_motion("MOVE_X", "0.5", 0)
+    idle(qtbot, bar)
+    bar.actions_.pose.sweep.trigger()
+    dialog = bar.studies.dialogs["sweep"]
+    assert dialog.twist.isHidden()
+    dialog.steps.setValue(3)
+    dialog.to.setValue(150)
+    dialog.animation.setChecked(True)
+    dialog.meshes.setChecked(True)
+    monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
+    begun = []
+    press(dialog.run.start)
+    options = sweep_parser().parse_args([*begun[0][1:], "-o", str(tmp_path)])
+    assert (options.steps, options.to, options.iterations) == (3, 1.5, 500)
+    assert options.methods == "arap,paper,exact"
+    assert options.meshes
+    assert options.animation == tmp_path / "out" / "sweep.gif"
+    assert options.twist == []
+    state, view = open_session(options.file)
+    np.testing.assert_array_equal(state.document.handles[0].pose, document(bar).handles[0].pose)
+    assert view.camera == bar.canvas.view("").camera
+
+
+def test_cancel_leaves_nothing(qtbot, dialog):
+    press(dialog.run.start)
+    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
+    scratch = dialog.run._scratch
+    assert scratch.exists()
+    press(dialog.run.cancel)
+    assert not scratch.exists()
+    assert not dialog.run.running
+    assert "nothing was written" in dialog.run.words.text()
+    assert dialog.run.save.isHidden()
+    assert dialog.run.start.isVisible()
+    assert dialog.steps.isEnabled()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda dialog: dialog.twist.setText("9 mm"), "unit of length"),
+        (lambda dialog: dialog.twist.setText("0"), "No handle has moved"),
+        (lambda dialog: dialog.methods["exact"].setChecked(False), "at least one"),
+    ],
+)
+def test_what_cannot_be_swept_is_said_at_once(change, words, bar, dialog):
+    change(dialog)
+    press(dialog.run.start)
+    assert words in dialog.run.words.text()
+    assert not dialog.run.running
+
+
+def test_what_is_not_painted_is_not_swept(qtbot, window):
+    window.actions_.pose.sweep.trigger()
+    assert window.studies.dialogs == {}
+    V, F = box(1, 1, 1)
+    window.session.show(Mesh(V, F))
+    idle(qtbot, window)
+    window.actions_.pose.sweep.trigger()
+    assert window.studies.dialogs == {}
+    assert "There is no base" in window.notice.text
+
+
+def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
+    press(dialog.run.start)
+    qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
+    process, scratch = dialog.run._command._process, dialog.run._scratch
+    qtbot.keyClick(dialog, Qt.Key.Key_Escape)
+    assert bar.studies.dialogs == {}
+    assert not scratch.exists()
+    assert not shiboken6.isValid(process) or process.state() is QProcess.ProcessState.NotRunning
+    bar.actions_.pose.sweep.trigger()
+    assert bar.studies.dialogs["sweep"].isVisible()
+    bar.close()
+    assert bar.studies.dialogs == {}
+
+
+def test_a_dialog_is_there_once(bar, dialog):
+    bar.actions_.pose.sweep.trigger()
+    assert bar.studies.dialogs["sweep"] is dialog
+
+
+def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
+    """With what the command would have written: it takes a minute."""
+    action = next(action for action in window.actions_.help if "tables" in action.text())
+    action.trigger()
+    dialog = window.studies.dialogs["paper"]
+    scratch = tmp_path / "scratch"
+    results = scratch / "results"
+    results.mkdir(parents=True)
+    head = "case,method,area_rest,area,area_error,handle_drift,iterations,move,said_area_rest,said_area,"
+    lines = [
+        head + "said_area_error,within_tolerance",
+        "a,arap,1,1.01,0.0085,0,9,bottle twisted by 60°,79.305,77.781,-0.0192,0",
+        "a,paper,1,1.0001,0.00099,0.386,9,bottle twisted by 60°,79.305,79.231,-0.00093,1",
+    ]
+    (results / "tables.csv").write_text("\n".join(lines), encoding="utf-8")
+    bar_picture = np.zeros((20, 40, 3), np.uint8)
+    from PIL import Image
+
+    Image.fromarray(bar_picture).save(results / "handle.png")
+    dialog.run._scratch = scratch
+    dialog.run._end("Table 1: twisting\n\n| move |\n\nPass: in all 1 moves APD keeps the area.")
+    cells = [
+        dialog.table.itemAtPosition(2, column).widget().text() for column in range(dialog.table.columnCount())
+    ]
+    assert cells == [
+        "bottle twisted by 60°", "+0.85 %", "−1.92 %", "+0.099 %", "−0.093 %", "0.39 cm", "pass",
+    ]  # fmt: skip
+    assert [figure.drawn for figure in dialog.figures] == [True]
+    assert dialog.run.save.isVisible()
+    said = [label.text() for label in dialog.findChildren(type(dialog.run.words), "verdict")]
+    assert said == ["Pass: in all 1 moves APD keeps the area."]
+
+
+def test_a_figure_keeps_its_shape_and_stands_on_white(qtbot, tmp_path):
+    from PIL import Image
+
+    Image.new("RGB", (200, 100), (0, 114, 178)).save(tmp_path / "a.png")
+    view = FigureView(tmp_path / "a.png", "words")
+    qtbot.addWidget(view)
+    view.resize(424, view.heightForWidth(424))
+    assert view.height() == 12 + 200 + 12
+    view.show()
+    image = view.grab().toImage()
+    scale = image.width() / view.width()
+
+    def color(x, y):
+        return image.pixelColor((QPointF(x, y) * scale).toPoint()).getRgb()[:3]
+
+    assert color(212, 112) == pytest.approx((0, 114, 178), abs=8)  # scaled
+    assert color(212, 5) == (255, 255, 255)
