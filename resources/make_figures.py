@@ -7,11 +7,14 @@ script. It needs no display.
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from apd_viewer.__main__ import main
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
@@ -98,5 +101,23 @@ def aim(plotter: object, points: np.ndarray) -> None:
     plotter.renderer.reset_camera_clipping_range()
 
 
+def sweep(folder: Path) -> None:
+    """Area, volume and energy of the bottle twisted by 0 to 180 degrees, by every method."""
+    words = [str(resource("bottle.obj")), "--selection", str(resource("bottle.sel")), "--twist", "180deg"]
+    with tempfile.TemporaryDirectory() as out:
+        assert main(["sweep", *words, "--steps", "18", "-o", out]) == 0
+        shutil.copy(Path(out) / "sweep.png", folder / "sweep.png")
+
+
+def paper(folder: Path) -> None:
+    """The shapes of the paper's tables, and the curves beside them."""
+    with tempfile.TemporaryDirectory() as out:
+        assert main(["paper", "-o", out]) == 0
+        for name in ("bottle", "duck", "loss-against-angle", "handle"):
+            shutil.copy(Path(out) / f"{name}.png", folder / f"paper-{name}.png")
+
+
 if __name__ == "__main__":
-    methods(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    for draw in (methods, sweep, paper):
+        draw(target)

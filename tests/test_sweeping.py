@@ -1,16 +1,20 @@
 """The command that sweeps: what it writes, and that it writes all of it or nothing."""
 
 import csv
+import gc
 import re
+import sys
 
 import numpy as np
 import pytest
 import trimesh
-from meshes import box, ends
+from meshes import box, ends, tube
 from PIL import Image
 
 from apd_viewer import sweeping
 from apd_viewer.__main__ import main
+from apd_viewer.errors import InputError
+from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.motions import turned_about
 from apd_viewer.session.document import opened
@@ -113,6 +117,21 @@ def test_the_same_sweep_writes_the_same_files(session, sweep, tmp_path):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
+def test_an_open_surface_has_no_volume(bar, sweep, tmp_path):
+    V, F = tube()
+    trimesh.Trimesh(V, F, process=False).export(bar[0])
+    labels = np.ones(len(V), dtype=int)
+    base, handle = ends(V)
+    labels[base], labels[handle] = 0, 2
+    np.savetxt(bar[2], labels, fmt="%d")
+    status, said, err, folder = sweep(*bar, "--twist", "40", "--steps", 2, "--methods", "arap,exact")
+    assert (status, err) == (0, "")
+    assert {line["volume"] for line in read(folder)} == {""}
+    assert "volume" not in said
+    with Image.open(folder / "sweep.png") as image:
+        assert image.width > image.height
+
+
 def test_shapes_that_do_not_settle_are_counted(session, sweep):
     _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
     unsettled = sum(line["settled"] == "0" for line in read(folder))
@@ -183,3 +202,26 @@ def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
     assert sweep(session, "--steps", 1, "--methods", "arap")[0] == 0
     assert (folder / "notes.txt").read_text() == "mine"
     assert len(read(folder)) == 2
+
+
+@pytest.mark.filterwarnings("ignore:unclosed file", "ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_film_as_mp4_where_there_is_an_encoder(tmp_path):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="an optional extra")
+    pictures = []
+    for shade in (0, 120, 240):
+        pictures.append(tmp_path / f"{shade}.png")
+        Image.new("RGB", (64, 48), (shade, shade, shade)).save(pictures[-1])
+    write_film(pictures, tmp_path / "film.mp4")
+    frames = ffmpeg.read_frames(str(tmp_path / "film.mp4"))
+    assert next(frames)["source_size"] == (64, 48)
+    shades = [np.frombuffer(frame, np.uint8).mean() for frame in frames]
+    assert shades[0] == pytest.approx(0, abs=8)
+    assert max(shades) == pytest.approx(240, abs=8)
+    assert shades[-1] == pytest.approx(120, abs=8), "there and back"
+    gc.collect()  # the library leaves its pipes open until then
+
+
+def test_mp4_without_an_encoder_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match=r"install apd-viewer\[video\]"):
+        check_film(tmp_path / "film.mp4")

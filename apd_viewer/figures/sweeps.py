@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MultipleLocator
 
-from apd_viewer.figures.style import METHOD_LOOKS, METHOD_NAMES, QUIET, draw, zero_line
+from apd_viewer.figures.style import METHOD_LOOKS, METHOD_NAMES, draw, zero_line
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rou
 
 
 def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "sweep") -> None:
-    """Draw the curves of a sweep.
+    """Draw the curves of a sweep; where the surface is open there is none of a volume.
 
     Parameters
     ----------
@@ -37,19 +37,21 @@ def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "
     name : str
         Of the files, without ending.
     """
+    said = [
+        (tr("Change of the area, %"), [100 * step.frame.area_error for step in steps]),
+        (tr("Change of the volume, %"), [100 * (step.volume_error or 0.0) for step in steps]),
+        (tr("ARAP energy"), [step.energy for step in steps]),
+    ]
+    if steps[0].volume_error is None:
+        del said[1]
 
     def fill(figure: Figure) -> None:
-        panels = figure.subplots(1, 3)
-        said = (
-            (tr("Change of the area, %"), [100 * step.frame.area_error for step in steps]),
-            (tr("Change of the volume, %"), [_percent(step.volume_error) for step in steps]),
-            (tr("ARAP energy"), [step.energy for step in steps]),
-        )
+        panels = figure.subplots(1, len(said))
         for axes, (title, values) in zip(panels, said, strict=True):
             axes.set_title(title)
             _curves(axes, steps, abscissa, np.array(values))
-        zero_line(panels[0])
-        zero_line(panels[1])
+        for axes in panels[:-1]:
+            zero_line(axes)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
 
@@ -61,12 +63,6 @@ def _curves(axes: Axes, steps: Sequence[Step], abscissa: str, values: np.ndarray
     x = _places(steps, abscissa)
     axes.set_xlabel(_axis(abscissa))
     axes.margins(x=0.02)
-    if np.isnan(values).all():
-        axes.set_axis_off()
-        axes.text(
-            0.5, 0.5, tr("The surface is open: there is no volume."), ha="center", color=QUIET, wrap=True
-        )
-        return
     for method in dict.fromkeys(methods.tolist()):
         own = methods == method
         look = dict(METHOD_LOOKS[method])
@@ -94,7 +90,3 @@ def _axis(abscissa: str) -> str:
         "way": tr("way of the handle, in the unit of the mesh"),
         "part": tr("part of the motion, %"),
     }[abscissa]
-
-
-def _percent(share: float | None) -> float:
-    return np.nan if share is None else 100 * share
