@@ -783,6 +783,11 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
         ),
         (["info", "--help"], ["MESH", "--json"]),
         (["replay", "--help"], ["SESSION", "--output", "--report", "--from-rest"]),
+        (
+            ["sweep", "--help"],
+            ["SESSION", "--steps", "--to", "--methods", "--twist", "--meshes", "--animation"],
+        ),
+        (["paper", "--help"], ["--output"]),
         (["--version"], [f"apd-viewer {apd_viewer.__version__}"]),
     ],
 )
