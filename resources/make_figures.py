@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.__main__ import main
+from apd_viewer.figures.drawing import color_map
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
@@ -59,7 +60,7 @@ def methods(folder: Path) -> None:
         plotter.add_mesh(
             surface,
             scalars="change",
-            cmap="PuOr_r",
+            cmap=color_map(),
             clim=(-LIMIT, LIMIT),
             show_scalar_bar=False,
             smooth_shading=True,

@@ -14,9 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from apd_viewer.geometry.operators import face_areas
+from apd_viewer.ui.color_maps import DIVERGING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from matplotlib.colors import Colormap
 
 _LIMIT = 10.0  # percent; the colours end here
 _INK, _QUIET = "#1d2129", "#5a6270"
@@ -35,6 +38,13 @@ def main(job: str) -> None:
     F, rest = np.load(folder / "faces.npy"), np.load(folder / "rest.npy")
     shapes = [np.load(path) for picture in said["pictures"] for path in picture["shapes"]]
     _draw(said, F, rest, shapes)
+
+
+def color_map() -> Colormap:
+    """The colours that the window has for local area change."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
 
 
 def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
@@ -71,7 +81,7 @@ def _panel(
     plotter.add_mesh(
         surface,
         scalars="change",
-        cmap="PuOr_r",
+        cmap=color_map(),
         clim=(-_LIMIT, _LIMIT),
         show_scalar_bar=False,
         smooth_shading=True,
