@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaintEvent, QPalette, QPen
-from PySide6.QtWidgets import QAbstractButton
+from PySide6.QtWidgets import QAbstractButton, QSizePolicy
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.shortcuts import Entry, native, split
@@ -46,6 +46,7 @@ class KeyField(QAbstractButton):
     def __init__(self, entry: Entry) -> None:
         super().__init__(focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_Hover)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         self._entry = entry
         self._waits = False
         self.clicked.connect(lambda: self.wait_for_keys(True))
@@ -76,6 +77,11 @@ class KeyField(QAbstractButton):
         caps = sum(width for _, width, _ in self._pieces())
         prompt = self.fontMetrics().horizontalAdvance(_PROMPT)
         return QSize(int(max(caps, prompt)) + 2 * _PADDING, _HEIGHT)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for all caps, but not for the question."""
+        caps = sum(width for _, width, _ in self._pieces())
+        return QSize(int(caps) + 2 * _PADDING, _HEIGHT)
 
     def event(self, event: QEvent) -> bool:
         """While it waits all keys come here, those of other actions too."""
@@ -132,7 +138,8 @@ class KeyField(QAbstractButton):
             painter.setPen(palette.highlight().color() if lively else palette.mid().color())
             painter.drawRoundedRect(room, 6, 6)
         if self._waits:
-            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, _PROMPT)
+            prompt = self.fontMetrics().elidedText(_PROMPT, Qt.TextElideMode.ElideRight, int(room.width()))
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, prompt)
             return
         pieces = self._pieces()
         x = room.right() - _PADDING + _GAP - sum(width for _, width, _ in pieces)

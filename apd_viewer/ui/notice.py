@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolBut
 
 from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.rows import arrange
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
@@ -136,11 +137,11 @@ class Empty(QWidget):
         column.setSpacing(12)
         title = QLabel(tr("Drop a mesh here, or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
-        row = QHBoxLayout()
+        self._row = QHBoxLayout()
         for button in buttons:
             button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-            row.addWidget(button)
-        column.addLayout(row)
+            self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addLayout(self._row)
         self.hide()
         canvas.resized.connect(self._place)
 
@@ -150,6 +151,7 @@ class Empty(QWidget):
         self._place()
 
     def _place(self) -> None:
-        self.adjustSize()
         canvas = self._canvas
+        arrange(self._row, canvas.width() - 2 * _MARGIN)
+        self.adjustSize()
         self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolBut
 
 from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE, icon
+from apd_viewer.ui.rows import arrange
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 _MARGIN = 12
 _ABOVE = 68  # px from the bottom of the canvas: there is room for the invitation below
 _LONGEST_NAME = 240  # px
+_NARROWEST = 120  # px, of the words
+_BESIDE_WORDS = 80  # px, for the symbol and the edges, where the buttons stand below
 
 
 class Offer(QFrame):
@@ -55,11 +58,16 @@ class Offer(QFrame):
         )
         self.later.clicked.connect(self._put_off)
         self._buttons = self.restore, self.discard, self.later
+        words, answers = QHBoxLayout(spacing=8), QHBoxLayout(spacing=8)
+        for part in (self._symbol, self._text):
+            words.addWidget(part)
+        for button in self._buttons:
+            answers.addWidget(button)
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(12, 8, 8, 8)
         self._row.setSpacing(8)
-        for part in (self._symbol, self._text, *self._buttons):
-            self._row.addWidget(part)
+        self._row.addLayout(words)
+        self._row.addLayout(answers)
         for button in self._buttons:
             # One that goes with the keys in it leaves them to the next field, which takes in letters.
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -132,9 +140,11 @@ class Offer(QFrame):
         if self.isHidden():
             return
         canvas, text = self._canvas, self._text
-        text.setFixedWidth(0)
-        room = max(120, canvas.width() - 2 * _MARGIN - self.sizeHint().width())
-        text.setFixedWidth(min(room, text.fontMetrics().horizontalAdvance(text.text()) + 4))
+        text.setFixedWidth(_NARROWEST)
+        room = canvas.width() - 2 * _MARGIN
+        beside = arrange(self._row, room - 2)
+        words = max(_NARROWEST, room - (self.sizeHint().width() - _NARROWEST if beside else _BESIDE_WORDS))
+        text.setFixedWidth(min(words, text.fontMetrics().horizontalAdvance(text.text()) + 4))
         self._row.activate()
         self.adjustSize()
         self.move((canvas.width() - self.width()) // 2, canvas.height() - self.height() - _ABOVE)

@@ -54,7 +54,7 @@ class ActionRow(QFrame):
         row = QHBoxLayout(self, spacing=8)
         row.setContentsMargins(*_EDGES)
         row.addWidget(self._symbol)
-        row.addWidget(QLabel(title), 1)
+        row.addWidget(QLabel(title, wordWrap=True), 1)
         row.addWidget(self.back)
         row.addWidget(self.keys)
         self.back.setVisible(entry.is_changed)

@@ -21,13 +21,14 @@ from PySide6.QtWidgets import (
 from apd_viewer.language import tr
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
+from apd_viewer.ui.rows import arrange
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.shortcut_rows import ActionRow, Group
 from apd_viewer.ui.shortcuts import Shortcuts, native, split
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import Viewport
 
-_MARGIN, _WIDEST = 12, 560
+_MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
 _HINT = tr("Click keys to change them.")
 _WAITING = tr("Press new keys; Delete takes the old ones away, Esc leaves them.")
 
@@ -100,7 +101,7 @@ class ShortcutSheet(QFrame):
         self.back = QPushButton(tr("All back to the standard"))
         self.back.setToolTip(tr("Give all actions their standard keys"))
         self.back.clicked.connect(self._reset_all)
-        row = QHBoxLayout(spacing=8)
+        row = self._foot = QHBoxLayout(spacing=8)
         row.setContentsMargins(8, 0, 4, 0)
         row.addWidget(self.line, 1)
         row.addWidget(self.swap)
@@ -239,6 +240,8 @@ class ShortcutSheet(QFrame):
         if not self.isHidden():
             width = min(_WIDEST, self._canvas.width() - 2 * _MARGIN)
             left = (self._canvas.width() - width) // 2
+            self.line.setMinimumWidth(_NARROWEST)
+            arrange(self._foot, width - 24)
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

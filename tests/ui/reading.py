@@ -15,7 +15,15 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QEvent, QSettings, Qt
 from PySide6.QtGui import QKeyEvent, QPainter
-from PySide6.QtWidgets import QApplication, QComboBox, QFileDialog, QListWidget, QMessageBox
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QApplication,
+    QComboBox,
+    QFileDialog,
+    QLabel,
+    QListWidget,
+    QMessageBox,
+)
 
 from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import open_sample
@@ -34,11 +42,23 @@ PROPERTIES = (
 )  # fmt: skip
 
 
+def is_cut(widget):
+    """Whether a button, a box or a label of one line has no room for its words, or leaves the window."""
+    if not widget.isVisible() or not widget.text() or getattr(widget, "wordWrap", lambda: False)():
+        return False
+    if type(widget).__name__ == "Hint":  # which ends in dots, and has a tip
+        return False
+    shown = widget.visibleRegion().boundingRect()
+    aside = shown.width() < widget.width() and not shown.isEmpty()
+    return widget.width() < widget.sizeHint().width() or aside
+
+
 class Reader:
     """Notes what is said, and where it was said first."""
 
     def __init__(self):
         self.said = {}
+        self.cut = {}
         self.scene = ""
         draw = QPainter.drawText
 
@@ -65,6 +85,8 @@ class Reader:
     def _everything(self):
         widgets = QApplication.allWidgets()
         for widget in widgets:
+            if isinstance(widget, QLabel | QAbstractButton) and is_cut(widget):
+                self.cut[widget.text()] = self.scene
             if isinstance(widget, QComboBox):
                 for k in range(widget.count()):
                     self.note(widget.itemText(k), "a choice")
@@ -331,10 +353,11 @@ def main():
         for key in entry.action.shortcuts()
         for form in type(key).SequenceFormat
     }
-    sys.stdout.write(json.dumps({"said": driver.reader.said, "keys": sorted(keys)}))
+    sys.stdout.write(json.dumps({"said": driver.reader.said, "cut": driver.reader.cut, "keys": sorted(keys)}))
     sys.stdout.flush()
     driver.window.session.close()
     os._exit(0)  # what a window leaves behind is looked at elsewhere
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -27,7 +27,7 @@ EXCEPTIONS = {
 
 @pytest.fixture(scope="module")
 def said(tmp_path_factory):
-    """What a window says from its start on, in many scenes: texts, and where they were first said."""
+    """What a window says from its start on, in many scenes, when it is as small as it can be."""
     folder = tmp_path_factory.mktemp("language")
     write_catalogue(folder / "languages")
     (folder / "work").mkdir()
@@ -35,7 +35,7 @@ def said(tmp_path_factory):
     done = subprocess.run(
         [sys.executable, str(Path(__file__).parent / "reading.py"), str(folder / "work")],
         cwd=ROOT,
-        env=os.environ | spoken | {"PYTHONIOENCODING": "utf-8"},
+        env=os.environ | spoken | {"PYTHONIOENCODING": "utf-8", "SIZE": "800x640"},
         capture_output=True,
         encoding="utf-8",
         check=False,
@@ -59,6 +59,10 @@ def foreign(text, keys):
 def test_all_that_the_window_says_is_in_the_language_of_its_user(said):
     wrong = {text: where for text, where in said["said"].items() if foreign(text, said["keys"])}
     assert wrong == {}
+
+
+def test_words_that_are_much_longer_are_not_cut_off(said):
+    assert said["cut"] == {}
 
 
 def test_the_window_was_listened_to(said):
