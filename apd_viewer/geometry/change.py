@@ -41,7 +41,8 @@ class Change:
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))
         self._faces = np.empty(len(F))
-        self._rest_areas = self._star_areas(self._V)
+        with cores_for(len(V)):
+            self._rest_areas = self._star_areas(self._V)
 
     def area(self, U: np.ndarray) -> np.ndarray:
         """Logarithm of the area of the triangles around each vertex against rest, (n,) float array."""
@@ -215,13 +216,18 @@ def _mean_curvature(
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
 def write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
     """Write ``values`` (n,) as small numbers into ``shades`` (n,) uint8; ``reach`` is the end of the scale.
 
     With a sign -reach, 0 and reach are 1, 128 and 255, without one 0 and reach are 1 and 255; what is beyond
     is as the end, and 0 is no value.
     """
+    with cores_for(len(values)):
+        _write_shades(values, signed, reach, shades)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
     scale = (127.0 if signed else 254.0) / reach
     zero = 128.5 if signed else 1.5  # truncated, it is rounded
     for v in prange(len(values)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 
 from PySide6.QtCore import QObject, Qt, Signal
 
@@ -56,10 +57,9 @@ class Chore(QObject):
         self._thread.start()
 
     def _run(self, work: Work) -> None:
-        try:
+        result = None
+        with suppress(MemoryError):
             result = work(lambda: self._wanted is not work)
-        except MemoryError:
-            result = None
         self._ended.emit(work, result)
 
     def _end(self, work: Work, result: object) -> None:

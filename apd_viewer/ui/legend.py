@@ -59,6 +59,7 @@ class Legend(QFrame):
         tip = tr("Changes up to this one are shown as none")
         self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=9)
         for field in (self.reach, self.neutral):
+            field.setFixedWidth(100)
             field.valueChanged.connect(self._enter)
         self.fit = QPushButton(tr("Fit"), toolTip=tr("Let the scale end at the largest change there is now"))
         self.fit.clicked.connect(self.fit_asked)

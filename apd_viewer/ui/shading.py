@@ -50,7 +50,7 @@ GLASS = """
 
 # What is seen of the inside where the surface is cut.
 _INSIDE = """
-  if (!gl_FrontFacing) { diffuseColor *= vec3(0.60, 0.62, 0.68); }
+  if (!gl_FrontFacing) { diffuseColor *= 0.62; }
 """
 
 

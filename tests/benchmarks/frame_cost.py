@@ -1,6 +1,6 @@
 """What a frame of a drag and a move of a brush cost in the window, against redraws of the same mesh there.
 
-    python tests/benchmarks/frame_cost.py [vertices] [--profile]
+    python tests/benchmarks/frame_cost.py [vertices] [--profile] [--overlays]
 
 Needs a display. The worker is silent: the frames are made beforehand and handed in where the worker's
 come in, so what is measured is all that the window does for a frame, and nothing of what makes one. The
@@ -28,6 +28,7 @@ from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session.document import opened
 from apd_viewer.session.worker import Reply
 from apd_viewer.ui.application import make_application
+from apd_viewer.ui.scales import Measure
 from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.window import Window
 
@@ -204,6 +205,37 @@ def dragging(bench, title, profile):
     bench.window.session.end_gesture("Move handle")
 
 
+def overlays(bench):
+    """Frames with each overlay against frames without, by the seconds that all cores have worked for them.
+
+    Where others use the machine too, these say more than the time until the picture is there.
+    """
+    heat, turns = bench.window.looks.heat, [None, *Measure]
+    bench.window.session.begin_gesture()
+    bench.move()
+    heat.choose(Measure.AREA)
+    bench.until(lambda: heat.values is not None)
+    times = {measure: [] for measure in turns}
+    for _ in range(ROUNDS):
+        for measure in turns:
+            heat.choose(measure)
+            for k in range(4):
+                bench.painted()
+                started = time.process_time()
+                bench.frame()
+                bench.painted()
+                if k:  # the first one makes the shader too
+                    times[measure].append(time.process_time() - started)
+    heat.choose(None)
+    bench.window.session.end_gesture("Move handle")
+    without = np.median(times[None][WARM_UP:])
+    print(f"\n{'frame of a drag':34} {'CPU ms':>9} {'x without':>10}")
+    for measure, taken in times.items():
+        name = "without an overlay" if measure is None else measure.words.title
+        median = np.median(taken[WARM_UP:])
+        print(f"{name:34} {1e3 * median:9.1f} {median / without:10.2f}", flush=True)
+
+
 def stroking(bench, profile):
     """A stroke to and fro over the front, with paint where there was none and where there was."""
     bench.window.take(Tool.BASE)
@@ -240,6 +272,8 @@ def main() -> None:
     V, F, labels = sample_bottle(edge)
     print(f"{len(V):,} vertices, {len(F):,} triangles")
     bench = Bench(make_application([""]), V, F, labels)
+    if "--overlays" in sys.argv:
+        overlays(bench)
     dragging(bench, "drag", profile)
     session = bench.window.session
     for low, high in ((2.0, 6.0), (8.0, 12.0)):

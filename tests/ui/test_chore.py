@@ -1,0 +1,109 @@
+"""Work on a thread of its own: what was asked for last counts, and nothing outlives the window."""
+
+import threading
+
+import numpy as np
+import pytest
+from driving import idle
+from meshes import sphere
+from PySide6.QtCore import QObject
+
+from apd_viewer.geometry.change import Change
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui.chore import Chore
+from apd_viewer.ui.scales import Measure
+
+
+@pytest.fixture
+def chore(qapp):
+    parent = QObject()
+    chore = Chore(parent)
+    yield chore
+    chore.close()
+
+
+@pytest.fixture
+def told(chore):
+    results = []
+    chore.done.connect(results.append)
+    return results
+
+
+def patient(started, result):
+    """Work that ends when nobody wants it any more."""
+
+    def work(enough):
+        started.set()
+        while not enough():
+            threading.Event().wait(0.001)
+        return result
+
+    return work
+
+
+def test_a_result_is_told_on_the_thread_of_the_window(qtbot, chore):
+    threads = []
+    chore.done.connect(lambda result: threads.append((result, threading.get_ident())))
+    chore.begin(lambda _: threading.get_ident())
+    assert chore.busy
+    qtbot.waitUntil(lambda: not chore.busy)
+    ((worked, told),) = threads
+    assert told == threading.get_ident() != worked
+
+
+def test_what_is_asked_for_last_counts(qtbot, chore, told):
+    started = threading.Event()
+    chore.begin(patient(started, "old"))
+    assert started.wait(5)
+    chore.begin(lambda _: "older than the next")
+    chore.begin(lambda _: "new")
+    qtbot.waitUntil(lambda: not chore.busy)
+    assert told == ["new"]
+
+
+def test_what_is_given_up_is_not_told(qtbot, chore, told):
+    started = threading.Event()
+    chore.begin(patient(started, "old"))
+    assert started.wait(5)
+    chore.give_up()
+    assert not chore.busy
+    qtbot.waitUntil(lambda: chore._thread is None)
+    chore.begin(lambda _: "new")
+    qtbot.waitUntil(lambda: not chore.busy)
+    assert told == ["new"]
+
+
+def test_a_lack_of_memory_is_told_as_one(qtbot, chore, told):
+    def work(_):
+        raise MemoryError
+
+    chore.begin(work)
+    qtbot.waitUntil(lambda: not chore.busy)
+    assert told == [None]
+
+
+def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeypatch):
+    window.filing.show_mesh(Mesh(*sphere(3)))
+    idle(qtbot, window)
+    started = threading.Event()
+
+    def slow(_change, U, enough=None):
+        return np.zeros(len(U)) if enough is None else patient(started, None)(enough)
+
+    monkeypatch.setattr(Change, "distance", slow)
+    window.actions_.looks.measures[Measure.DISTANCE].trigger()
+    qtbot.waitUntil(started.is_set, timeout=60_000)
+    window.close()
+    assert window.looks.heat._chore._thread is None
+
+
+def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):
+    def no_memory(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(Change, "__init__", no_memory)
+    window.filing.show_mesh(Mesh(*sphere(2)))
+    idle(qtbot, window)
+    window.actions_.looks.measures[Measure.AREA].trigger()
+    qtbot.waitUntil(lambda: "memory" in window.looks.legend._note.text(), timeout=60_000)
+    assert window.canvas.surface.worn is None
