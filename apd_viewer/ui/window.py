@@ -273,6 +273,7 @@ class Window(QMainWindow):
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
         if old is None or old.document.mesh is not document.mesh:
             self.health.show(new.inspection.findings)
+            self.looks.follow(new)
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._welcome(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
@@ -301,7 +302,6 @@ class Window(QMainWindow):
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.unit = self.panel.unit = self._units.of(mesh)
         self.room.welcome(mesh)
-        self.looks.follow(state)
         self.looks.measure_in(self.session.unit)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)

@@ -266,3 +266,22 @@ def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
     at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     mouse(view).drag(QPointF(*at), QPointF(*at))
     assert bottle.session.state is before
+
+
+def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
+    session, view = bottle.session, bottle.canvas.viewport
+    bottle.take(Tool.BASE)
+    session.type_motion("BEND_Z", "20deg", 0)
+    assert session.wait_idle(20.0)
+    before, eye, title = session.state, view.eye.key, bottle.windowTitle()
+    bottle.actions_.bake.trigger()
+    qtbot.waitUntil(lambda: session.state.document.mesh is not before.document.mesh, timeout=5000)
+    assert (view.eye.key, bottle.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
+    assert bottle.panel.area.percent.text() == "100.000 %"
+    assert not bottle.actions_.bake.isEnabled()
+    np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)
+    assert np.abs(bottle.looks.heat._mesh.V - before.frame.U).max() == 0.0
+    bottle.actions_.undo.trigger()
+    assert session.state is before
+    assert view.eye.key == eye
+    assert bottle.looks.heat._mesh is before.document.mesh
