@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN, _GAP = 12, 8
-WIDTH = 272
+WIDTH = 288
 _MOVES = (
     QEvent.Type.Move,
     QEvent.Type.Resize,

@@ -27,17 +27,19 @@ _SHADING = """
 
 # Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
 # are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
-# painted lies over them in stripes, between which the colours are those of the legend.
+# painted lies over them in stripes, between which the colours are those of the legend; edges of triangles,
+# by which VTK has darkened the paint, darken them too.
 _HEAT = """
   float heat = opacity * 255.0;
   float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
   if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
-  vec3 paint = diffuseColor;
+  vec3 paint = vertexColorVSOutput.rgb;
+  float line = clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0);
   float painted = smoothstep(0.05, 0.15, distance(paint, FREE));
   float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (9.0 * heatPixel)) - 0.5);
   painted *= smoothstep(0.33, 0.39, stripe);
   diffuseColor = heat < 0.5 ? FREE : COLORS;
-  diffuseColor = mix(diffuseColor, paint, painted);
+  diffuseColor = line * mix(diffuseColor, paint, painted);
 """
 
 
