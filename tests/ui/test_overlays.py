@@ -133,10 +133,13 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
 def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     choose(qtbot, globe, Measure.DISTANCE)
     heat = globe.looks.heat
+    heat._resting.setInterval(10**6)
     answer(qtbot, globe, 1.2 * document(globe).mesh.V)
     assert heat.values is None
     assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
     assert "rest" in globe.looks.legend._note.text()
+    assert heat._resting.isActive()
+    heat._resting.start(0)
     qtbot.waitUntil(lambda: heat.values is not None)
     assert globe.canvas.surface.worn is SEQUENTIAL
     assert not globe.looks.legend._note.isVisible()
