@@ -164,8 +164,19 @@ class Document:
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
 
     def painted_like(self, other: Document) -> bool:
-        """Whether both have the very same paint: labels and regions."""
+        """Whether both have the very same arrays of paint: labels and regions."""
         return self.labels is other.labels and self.member is other.member
+
+    def painted_as(self, other: Document) -> bool:
+        """Whether the same vertices of the same mesh are in the same parts."""
+        same_parts = self.mesh is other.mesh and len(self.regions) == len(other.regions)
+        same_labels = same_parts and np.array_equal(self.labels, other.labels)
+        return same_labels and np.array_equal(self.member, other.member)
+
+    @property
+    def asks_of_regions(self) -> bool:
+        """Whether the area of any region is asked for."""
+        return any(region.area is not None for region in self.regions)
 
     # The same document, but for one thing
 

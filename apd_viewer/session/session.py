@@ -123,12 +123,15 @@ class Session(Files):
             if number > len(document.regions):
                 document = document.with_next_region()
             document = document.painted_region(ids, number)
-            asks = any(region.area is not None for region in document.regions)
-            (self._stage.say if asks else self._stage.note)(document)
+            (self._stage.say if document.asks_of_regions else self._stage.note)(document)
 
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; under new labels, base and handles are gripped where they are now."""
         before, document = self._gestures.before, self._stage.required().document
+        if before is not None and document.painted_as(before.document):
+            # What replaces a part by itself clears it first; there is nothing to take back.
+            document = before.document
+            self._stage.unsay(document)
         self.end_gesture(gesture)
         if before is not None and not np.array_equal(before.document.labels, document.labels):
             self._stage.regrip(before.document, document)
@@ -137,7 +140,7 @@ class Session(Files):
         """Have the ``wanted`` vertices, (n,) bool, and no others, in a part: a step of undo."""
         document = part.become(self._gestures.alone().document, wanted)
         self.begin_gesture()
-        asks = part.is_region and any(region.area is not None for region in document.regions)
+        asks = part.is_region and document.asks_of_regions
         (self._stage.say if asks else self._stage.note)(document)
         self.end_stroke(gesture)
 

@@ -129,6 +129,10 @@ class Stage:
         self.show(state.unsettled() if iterate else state)
         self._ask(iterate)
 
+    def unsay(self, document: Document) -> None:
+        """Go back to a document of which the worker may have heard nothing but that."""
+        (self.note if document is self._asked else self.say)(document)
+
     def begin_trace(self) -> None:
         """Whatever else is asked from now on begins another trace, which leads from here."""
         self.trace.expect(self._asked, self.required())

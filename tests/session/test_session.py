@@ -268,6 +268,37 @@ def test_a_stroke_that_changes_nothing_leaves_the_document(session):
     assert session.state.document is document
 
 
+def test_a_part_that_is_replaced_by_itself_is_no_step(session):
+    before, undo = session.state.document, session.history.next_undo
+    ids = np.flatnonzero(before.labels == BASE)
+    session.begin_gesture()
+    session.paint(ids, FREE)
+    session.paint(ids, BASE)
+    session.end_stroke("Paint base")
+    assert session.state.document is before
+    assert session.history.next_undo == undo
+
+
+def test_a_region_that_is_replaced_by_itself_is_no_step_and_is_still_kept(session):
+    ids = np.flatnonzero(session.state.document.labels == FREE)
+    session.begin_gesture()
+    session.paint_region(ids, 1)
+    session.end_stroke("Paint region")
+    session.settings.set_region_area(0, 103.0)
+    session.drag(BENT)
+    session.settle()
+    before, steps = session.state.document, len(session.history.done)
+    session.begin_gesture()
+    session.paint_region(ids, 0)
+    session.settle()  # as it is without what was asked
+    session.paint_region(ids, 1)
+    session.end_stroke("Paint region")
+    assert session.state.document is before
+    assert len(session.history.done) == steps
+    session.settle()
+    assert session.state.frame.regions[0] == pytest.approx(1.03 * before.rest_areas[0], rel=1e-6)
+
+
 def test_a_drag_settles_that_ends_while_a_stroke_without_effect_is_painted(session):
     ready(session)
     session.drag(BENT)

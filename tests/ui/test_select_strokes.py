@@ -180,6 +180,19 @@ def test_what_is_replaced_by_nothing_is_gone(scene):
     assert scene.document is scene.state.document
 
 
+@pytest.mark.parametrize("tool", [Tool.HANDLE, Tool.REGION])
+@pytest.mark.parametrize("way", [Way.BRUSH, Way.BOX, Way.POLYGON, Way.FILL])
+def test_what_is_replaced_by_itself_is_no_step(scene, way, tool):
+    scene.take(tool, way)
+    gesture = Gesture(scene.window, way)
+    gesture.end(gesture.begin(scene.view, CONTROL))
+    steps, document = scene.steps, scene.document
+    assert document is not scene.state.document
+    gesture.end(gesture.begin(scene.view, CONTROL))
+    assert scene.document is document
+    assert scene.steps == steps
+
+
 @pytest.mark.parametrize("way", [Way.BRUSH, *TOUCHES, Way.SLAB])
 def test_a_press_beside_the_mesh_moves_the_camera(scene, way):
     scene.take(Tool.HANDLE, way)
