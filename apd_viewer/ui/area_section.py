@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, 
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
+from apd_viewer.ui import readout
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
-from apd_viewer.ui.figures import figures, short, signed
 from apd_viewer.ui.section import quiet
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.units import UnitButton
@@ -28,7 +28,6 @@ _WORDS = {
     "settled": tr("settled"),
     "not reached": tr("not settled"),
 }
-_MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _TIP = tr("What the total area should be, in percent of the area at rest")
 
 
@@ -147,16 +146,10 @@ class AreaSection(QWidget):
     def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
         """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
         frame, missed = state.frame, state.lacks
-        self.percent.setText(f"{100 * (1 + frame.area_error):.3f} %")
-        self.verdict.setText(verdict(state))
-        self.area.setText(
-            unit.area(
-                tr("{now} of {rest}").format(now=figures(frame.area), rest=figures(state.inspection.area))
-            )
-        )
-        self.local_change.setText(
-            f"{short(100 * frame.local_change)} %" if frame.local_change > _MET else "0 %"
-        )
+        self.percent.setText(readout.area_percent(state))
+        self.verdict.setText(readout.verdict(state))
+        self.area.setText(readout.area(state, unit))
+        self.local_change.setText(readout.local_change(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip(
             tr("Something asked for is not met") if missed else tr("All that is asked for is met")
@@ -183,31 +176,3 @@ class AreaSection(QWidget):
         self._theme = theme
         self.target.set_theme(theme)
         self.unit.set_theme(theme)
-
-
-def verdict(state: State) -> str:
-    """The change of the total area, and how it stands to what is asked."""
-    document, change = state.document, signed(100 * state.frame.area_error, 3)
-    asked = document.kept[0]
-    if asked is None:
-        return f"{change} %"
-    wanted = asked / 100.0
-    miss = abs(1.0 + state.frame.area_error - wanted)
-    if document.method == "paper":
-        near, tolerance = miss <= document.tolerance * wanted, short(100 * document.tolerance)
-        if asked == 100.0:
-            said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
-        elif near:
-            said = tr("{change} %, within {tolerance} % of {asked} %")
-        else:
-            said = tr("{change} %, outside {tolerance} % of {asked} %")
-        return said.format(change=change, tolerance=tolerance, asked=short(asked))
-    if miss > _MET * wanted:
-        return tr("{change} %, asked for {asked} %").format(
-            change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
-        )
-    return (
-        tr("{change} %, exact").format(change=change)
-        if asked == 100.0
-        else tr("{change} %, exactly as asked").format(change=change)
-    )

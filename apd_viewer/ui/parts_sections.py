@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +10,9 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWi
 
 from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.language import tr, trc
+from apd_viewer.ui import readout
 from apd_viewer.ui.dial import SHARE, Dial
 from apd_viewer.ui.fields import Check, Number, percent_field
-from apd_viewer.ui.figures import figures, length
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.motion_field import MotionField
 from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS
@@ -22,14 +21,10 @@ from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document, State
+    from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 
 _DRIFT = tr("How far a handle is from where it was put; the farthest of several")
-
-
-# How far a region may be from its target, in percent of its area at rest, to be called kept.
-_KEPT = 1e-6
 
 
 class HandleSection(Section):
@@ -107,14 +102,12 @@ class HandleSection(Section):
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
-            details.setText(_motion(document, active, unit, max(state.inspection.size)))
+            details.setText(readout.motion(document, active, unit, max(state.inspection.size)))
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show how far the handles are from where they were put."""
-        held = state.document.counts[HANDLE:].any()
-        drift = length(state.frame.handle_drift, max(state.inspection.size))
-        self.drift.setText(unit.length(drift) if held else "–")
+        self.drift.setText(readout.drift(state, unit))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -174,17 +167,8 @@ class RegionSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
-        rest = state.document.rest_areas
-        targets = [region.area for region in state.document.regions]
-        for row, at_rest, now, target in zip(
-            self.list.rows, rest, state.frame.regions, targets, strict=False
-        ):
-            area = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangle yet")
-            kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
-            row.reading.setText(
-                tr("{area}, kept").format(area=area) if kept and state.document.method != "paper" else area
-            )
-            sizes = unit.area(tr("{now} of {rest}").format(now=figures(now), rest=figures(at_rest)))
+        for row, (area, sizes) in zip(self.list.rows, readout.regions(state, unit), strict=False):
+            row.reading.setText(area)
             row.reading.setToolTip(tr("Area in percent of its area at rest: {sizes}").format(sizes=sizes))
 
     def set_theme(self, theme: Theme) -> None:
@@ -228,16 +212,3 @@ class Keep(QWidget):
         self.box.blockSignals(False)
         self.field.setEnabled(percent is not None and possible)
         self.field.show_value(100.0 if percent is None else percent)
-
-
-def _motion(document: Document, k: int, unit: Unit, size: float) -> str:
-    """How far a handle was moved and turned since it was gripped."""
-    centre = document.centre(k)
-    if centre is None:
-        return tr("Paint it with the tool Paint handle (H)")
-    pose = document.handles[k].pose
-    moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
-    cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
-    turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
-    way = length(float(np.linalg.norm(moved)), size)
-    return tr("moved {length}, turned {angle:.1f}°").format(length=unit.length(way), angle=turned)

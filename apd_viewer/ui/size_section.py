@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
@@ -10,11 +9,10 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.room import compactness
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.session.wall import NO_WALL, Wall, mass
-from apd_viewer.ui.figures import figures, short, signed
+from apd_viewer.ui import readout
 from apd_viewer.ui.section import Section, quiet
 
 if TYPE_CHECKING:
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
 
 _MOST_CHARACTERS = 200
-_NOTHING, _LATER = "–", "…"
 
 
 class SizeSection(Section):
@@ -73,7 +70,9 @@ class SizeSection(Section):
 
     def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
         row = self._grid.rowCount()
-        reading = QLabel(_NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
+        reading = QLabel(
+            readout.NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
+        )
         self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
         self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
         return reading
@@ -129,15 +128,9 @@ class SizeSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show what every frame has: the compactness and the mass."""
-        rest, now = state.inspection, state.frame
-        self._area = now.area
-        if rest.volume and now.volume is not None and now.area > 0.0:
-            value = compactness(now.volume, now.area)
-            self.compact.setText(f"{value:.3f}")
-            self._compact_change.setText(_change(value, compactness(rest.volume, rest.area)))
-        else:
-            self.compact.setText(_NOTHING)
-            self._compact_change.setText("")
+        self._area = state.frame.area
+        for label, text in zip((self.compact, self._compact_change), readout.compact(state), strict=True):
+            label.setText(text)
         if unit is not self._unit:
             self._unit = unit
             self._show_boxes()
@@ -152,25 +145,19 @@ class SizeSection(Section):
         found, rest = self._found, self._at_rest
         rows = (self.box, self._box_change, "box"), (self.packed, self._packed_change, "packed")
         for reading, changed, what in rows:
-            value = None if found is None else getattr(found, what)
-            reading.setText(_LATER if value is None else self._written(value))
-            changed.setText("" if value is None or rest is None else _change(value, getattr(rest, what)))
-        if found is None or math.isnan(found.packed):
-            self.extent.setText(_LATER if found is None else _NOTHING)
-        else:
-            self.extent.setText(self._unit.length(" × ".join(short(side) for side in found.size)))
+            said = readout.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
+            reading.setText(said[0])
+            changed.setText(said[1])
+        self.extent.setText(readout.extent(found, self._unit))
         change = self._packed_change.text()
         self.heading.say(tr("packed {change}").format(change=change) if change else "", only_folded=True)
-
-    def _written(self, volume: float) -> str:
-        return _NOTHING if math.isnan(volume) else self._unit.volume(figures(volume, 4))
 
     def _show_mass(self) -> None:
         try:
             grams, problem = mass(self._typed, self._area, self._unit), ""
         except InputError as error:
             grams, problem = None, str(error)
-        self.mass.setText(_NOTHING if grams is None else _weight(grams))
+        self.mass.setText(readout.weight(grams))
         if problem != self._problem.text():
             self._problem.setText(problem)
             self._problem.setVisible(bool(problem))
@@ -182,16 +169,3 @@ class _Field(QLineEdit):
         super().keyPressEvent(event)
         if event.key() in (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self.clearFocus()
-
-
-def _change(now: float, rest: float) -> str:
-    """By how much a reading has changed since the rest, in percent; nothing where there is no telling."""
-    if not rest > 0.0 or math.isnan(now):
-        return ""
-    return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
-
-
-def _weight(grams: float) -> str:
-    """A mass with the unit that suits it."""
-    size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
-    return f"{figures(grams * size, 4)}\u00a0{symbol}"

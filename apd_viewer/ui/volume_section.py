@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
 
-from apd_viewer.language import tr, trc
-from apd_viewer.session.sentences import about_caps
+from apd_viewer.language import tr
+from apd_viewer.ui import readout
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
-from apd_viewer.ui.figures import figures, signed
 from apd_viewer.ui.flag import Flag
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 
-_LITRE = 0.1  # of which on people say litres
 _TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
 
 
@@ -85,28 +83,11 @@ class VolumeSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume; that of an open surface with its openings capped, and saying so."""
-        inspection, frame = state.inspection, state.frame
-        capped = inspection.volume_capped is not None
-        rest = inspection.volume_capped if capped else inspection.volume
-        now = frame.volume_capped if capped else frame.volume
-        if not rest or now is None:
-            self.heading.say(trc("volume", "none"))
-            why = inspection.why_no_volume or tr("the surface encloses nothing")
-            self.volume.setText(tr("{reason}.").format(reason=why[0].upper() + why[1:]))
-            self.litres.hide()
-            return
-        change = signed(100 * (now / rest - 1), 2)
-        said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
-        self.heading.say(tr("{change}, capped").format(change=said) if capped else said)
-        self.volume.setText(unit.volume(tr("{now} of {rest}").format(now=figures(now), rest=figures(rest))))
-        lines = [about_caps(inspection.openings)] if capped else []  # never without a word
-        litres, at_rest = unit.litres(now), unit.litres(rest)
-        if litres is not None and at_rest is not None:
-            factor, symbol = (1.0, "l") if abs(at_rest) >= _LITRE else (1e3, "ml")
-            now_, rest_ = figures(factor * litres, 4), figures(factor * at_rest, 4)
-            lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
-        self.litres.setText("\n".join(lines))
-        self.litres.setVisible(bool(lines))
+        said = readout.volume(state, unit)
+        self.heading.say(said.change)
+        self.volume.setText(said.sizes)
+        self.litres.setText("\n".join(said.more))
+        self.litres.setVisible(bool(said.more))
 
     def show_examination(self, found: Examination | None, under_way: bool) -> None:
         """Say whether the surface passes through itself, as far as that is known."""

@@ -9,8 +9,8 @@ from PySide6.QtCore import QPointF, Qt
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.session import Activity
-from apd_viewer.ui.area_section import verdict
 from apd_viewer.ui.dial import DECADES, PERCENT
+from apd_viewer.ui.readout import verdict
 
 
 def choose(window, method):
