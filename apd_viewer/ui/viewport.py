@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from apd_viewer.ui.overlay import Overlay
 from apd_viewer.ui.tools import Dispatcher
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from PySide6.QtCore import QEvent
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
@@ -175,6 +176,24 @@ class Viewport(QtInteractor):
 
     # ---- drawing
 
+    @contextmanager
+    def aside(self) -> Iterator[Any]:
+        """Give the render window to draw something else with; None where OpenGL cannot be had."""
+        self._ensure_initialized()
+        window = self.ren_win
+        if self._ctx is None or not window.GetReadyForRendering():
+            yield None
+            return
+        size = window.GetSize()
+        self.makeCurrent()
+        self._in_paint = True  # or each draw would be brought to the screen
+        try:
+            yield window
+        finally:
+            self._in_paint = False
+            window.GetInteractor().UpdateSize(*size)
+            self.update()
+
     def update(self, *_: Any) -> None:
         """Draw the scene and the overlay again, soon; several calls make one draw."""
         if getattr(self, "_closed", False):
@@ -221,7 +240,8 @@ class Viewport(QtInteractor):
         finally:
             self._in_paint = False
 
-    def _draw(self) -> None:
+    def prepare(self) -> None:
+        """Bring the scene up to date, as before each VTK draw."""
         for prepare in self.pre_draw:
             prepare()
         boxes = [box for find in (self.box, *self.more_boxes) if find is not None and (box := find())]
@@ -229,6 +249,9 @@ class Viewport(QtInteractor):
             ends = np.array(boxes).reshape(-1, 3, 2)
             low, high = ends[:, :, 0].min(axis=0), ends[:, :, 1].max(axis=0)
             self.renderer.ResetCameraClippingRange(np.column_stack([low, high]).ravel().tolist())
+
+    def _draw(self) -> None:
+        self.prepare()
         self.renderer.SetUseFXAA(self._refine)
         self._in_paint = True
         try:
