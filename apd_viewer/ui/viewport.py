@@ -63,6 +63,8 @@ class Viewport(QtInteractor):
     resized = Signal()
     clicked = Signal(QPointF)
 
+    _in_paint: bool  # the stock widget's
+
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[Any] = []
         self.pre_draw: list[Callable[[], None]] = []
