@@ -141,7 +141,7 @@ def markdown(rows: Sequence[Row]) -> str:
 
 def verdict(rows: Sequence[Row]) -> str:
     """Whether all moves are within the tolerance, as a sentence."""
-    failed = [tr(row.case.title) for row in rows if not row.passes]
+    failed = [row.case.title for row in rows if not row.passes]
     if not failed:
         return tr("Pass: in all {count} moves APD keeps the area to within 0.1 %.").format(count=len(rows))
     return tr("Fail: beyond 0.1 % are {moves}.").format(moves=", ".join(failed))

@@ -25,7 +25,8 @@ def main(replies: int) -> None:
     leave_interrupts_to_the_owner()
     if hasattr(os, "nice"):
         os.nice(_NICENESS)
-    with os.fdopen(replies, "wb") as sink, contextlib.suppress(OSError, ValueError):
+    # What is left to be written when nobody listens any more is lost as the sink is closed.
+    with contextlib.suppress(OSError, ValueError), os.fdopen(replies, "wb") as sink:
         serve(sys.stdin.buffer, sink)
 
 

@@ -140,7 +140,7 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
         arap, paper = case["arap"], case["paper"]
         passes = paper["within_tolerance"] == "1"
         cells = (
-            tr(paper["move"]),
+            paper["move"],
             _percent(arap["area_error"], 2),
             _percent(arap["said_area_error"], 2),
             _percent(paper["area_error"], 3),

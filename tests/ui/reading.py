@@ -236,7 +236,7 @@ def parts(driver):
     window.deeds.verbs["add_region"]()
     driver.scene("an empty region")
     window.deeds.verbs["choose_by_numbers"]()
-    card = window.deeds._card
+    card = window.deeds.typed.vertices
     for text in ("y > 0.9Y", "y > ", "9-2", "3-", "999999", "q", "z"):
         card.text.setText(text)
         driver.scene("chosen by numbers", card, card._said)
