@@ -62,7 +62,7 @@ class Cut(QFrame):
         self.slider.setAccessibleName(tr("Place of the section"))
         self.slider.valueChanged.connect(self._cut)
         self._place = QLabel()
-        self.close_button = small_button(tr("Close the section"), tr("Show the whole shape (S)"))
+        self.close_button = small_button(tr("Close the section"), tr("Show the whole shape"))
         self.close_button.clicked.connect(self.dismissed)
         for button in (self.close_button, self.flip, *self.axes):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)

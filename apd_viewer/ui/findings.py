@@ -6,12 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr, trn
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
+from apd_viewer.ui.named_keys import with_keys
 from apd_viewer.ui.palette import MARK_COLOR
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
@@ -39,10 +40,13 @@ class Badge(QToolButton):
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._theme = LIGHT
+        self._action: QAction | None = None
+        self._number: int | None = None
         self.count(None)
 
     def count(self, number: int | None) -> None:
         """Show the number of findings; None where no mesh is open."""
+        self._number = number
         self.setVisible(number is not None)
         self.setEnabled(bool(number))
         if not number:
@@ -50,9 +54,15 @@ class Badge(QToolButton):
             self.setToolTip(tr("Nothing unusual was found in the mesh when it was opened"))
         else:
             self.setText(_counted(number))
-            self.setToolTip(tr("What is unusual about the mesh, and where (Ctrl+I)"))
+            tip = tr("What is unusual about the mesh, and where")
+            self.setToolTip(with_keys(tip, self._action) if self._action else tip)
         self.setAccessibleName(self.text())
         self._draw_symbol()
+
+    def name_keys(self, action: QAction) -> None:
+        """Name the keys of the action that does the same in the tip."""
+        self._action = action
+        action.changed.connect(lambda: self.count(self._number))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the symbol."""

@@ -6,10 +6,15 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.language import tr
+from apd_viewer.ui.named_keys import with_keys
 from apd_viewer.ui.notice import Invitation
 from apd_viewer.ui.toolbox import Tool
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from PySide6.QtGui import QAction
+
     from apd_viewer.session.document import Document
 
 _TWIST = tr("Drag a ring around the handle to twist, an arrow to bend")
@@ -21,11 +26,17 @@ class Guide:
     Parameters
     ----------
     invitation : Invitation
+    tools : mapping of Tool to QAction
+        Whose keys are named.
     """
 
-    def __init__(self, invitation: Invitation) -> None:
+    def __init__(self, invitation: Invitation, tools: Mapping[Tool, QAction]) -> None:
         self._invitation = invitation
+        self._tools = tools
         self._moved = False
+        self._asked: tuple[Document, Tool, int] | None = None
+        for action in tools.values():
+            action.changed.connect(self._say_again)
 
     def moved(self) -> None:
         """A handle was dragged: whoever can do that needs no more telling."""
@@ -34,19 +45,28 @@ class Guide:
 
     def say_next(self, document: Document, tool: Tool, handle: int) -> None:
         """Say what to do next with ``tool`` in the hand and ``handle`` active, by its number."""
+        self._asked = document, tool, handle
         self._invitation.say(self._next_step(document, tool, handle))
+
+    def _say_again(self) -> None:
+        """Name the keys that a tool has now."""
+        if self._asked is not None and not self._invitation.isHidden():
+            self._invitation.say(self._next_step(*self._asked))
 
     def _next_step(self, document: Document, tool: Tool, handle: int) -> str:
         if not document.counts[BASE]:
-            return tr("Paint the part that stays in place: the base (B)")
+            return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.counts[HANDLE:].any():
-            return tr("Now paint the part to be moved: the handle (H)")
+            return with_keys(tr("Now paint the part to be moved: the handle"), self._tools[Tool.HANDLE])
         if document.problem:
             return document.problem
         if not document.counts[HANDLE + handle]:
-            return tr("Paint the part that “{name}” moves (H)").format(name=document.handles[handle].name)
+            name = document.handles[handle].name
+            return with_keys(
+                tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
+            )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part whose area you want to see, or to keep")
         if self._moved:
             return ""
-        return _TWIST if tool is Tool.MOVE else tr("Now move the handle (M)")
+        return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])

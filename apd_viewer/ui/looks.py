@@ -13,6 +13,7 @@ from apd_viewer.ui.ghost import Ghost
 from apd_viewer.ui.ground import Ground
 from apd_viewer.ui.heat_map import HeatMap
 from apd_viewer.ui.legend import Legend
+from apd_viewer.ui.named_keys import name_keys
 from apd_viewer.ui.scales import Measure, Scale
 from apd_viewer.ui.turntable import Turntable
 
@@ -84,6 +85,9 @@ class Looks:
         for name in _REMEMBERED:
             actions.switches[name].setChecked(looks.get(name) == "on")
         self._actions: LookActions = actions
+        name_keys(self.legend.close_button, actions.off)
+        name_keys(self.legend.worst, actions.worst[0])
+        name_keys(self.cut.close_button, actions.switches["cut"])
         self.heat.changed.connect(self._keep)
         self.compare.dismissed.connect(partial(actions.switches["compare"].setChecked, False))
         self.cut.dismissed.connect(partial(actions.switches["cut"].setChecked, False))

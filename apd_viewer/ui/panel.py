@@ -13,6 +13,7 @@ from apd_viewer.session.units import Unit
 from apd_viewer.ui.area_section import AreaSection
 from apd_viewer.ui.dial import Dial
 from apd_viewer.ui.method_section import MethodSection
+from apd_viewer.ui.named_keys import name_keys
 from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.ui.part_list import Swatch
 from apd_viewer.ui.parts_sections import HandleSection, RegionSection
@@ -23,6 +24,7 @@ from apd_viewer.ui.volume_section import VolumeSection
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document, State
+    from apd_viewer.ui.pose_actions import PoseActions
 
 _WIDTH = 296
 
@@ -164,6 +166,16 @@ class Panel(QScrollArea):
     def give_up_sweep(self) -> bool:
         """Let go of a slider that is being swept; True if there was one."""
         return any(dial.slider.give_up() for dial in self.dials)
+
+    def name_keys(self, actions: PoseActions) -> None:
+        """Name the keys of the actions in the tips of the buttons that do the same."""
+        add_handle, _, add_region = actions.parts
+        for button, action in (
+            (self.handles.add, add_handle),
+            (self.handles.back, actions.put_back),
+            (self.regions.add, add_region),
+        ):
+            name_keys(button, action)
 
     def show_motion(self) -> None:
         """Unfold the handles, and put the cursor where a motion is typed."""

@@ -65,11 +65,9 @@ class HandleSection(Section):
         self.add = QPushButton(
             tr("Add"),
             accessibleName=tr("Add handle"),
-            toolTip=tr("One more part to be moved by itself (Shift+H)"),
+            toolTip=tr("One more part to be moved by itself"),
         )
-        self.back = QPushButton(
-            tr("Put back"), toolTip=tr("Put the active handle back where it was gripped (Shift+M)")
-        )
+        self.back = QPushButton(tr("Put back"), toolTip=tr("Put the active handle back where it was gripped"))
         self.back.setAccessibleName(tr("Put the active handle back"))
         self.reset = QPushButton(
             tr("Reset all"), toolTip=tr("Put all handles back, and the mesh in its rest shape")
@@ -139,7 +137,7 @@ class RegionSection(Section):
         self.note = quiet(tr("Why regions are not kept"))
         self.note.setText(tr("The method Paper only measures regions."))
         self.note.hide()
-        self.add = QPushButton(tr("Add region"), toolTip=tr("One more part whose area is measured (Shift+R)"))
+        self.add = QPushButton(tr("Add region"), toolTip=tr("One more part whose area is measured"))
         self.add.clicked.connect(self.added)
         for part in (self.empty, self.list, self.note):
             self.column.addWidget(part)

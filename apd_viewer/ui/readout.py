@@ -151,7 +151,7 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
     """How far a handle was moved and turned since it was gripped."""
     centre = document.centre(k)
     if centre is None:
-        return tr("Paint it with the tool Paint handle (H)")
+        return tr("Paint it with the tool Paint handle")
     pose = document.handles[k].pose
     moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
     cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0

@@ -56,14 +56,14 @@ class Entry:
     @classmethod
     def of(cls, action: QAction, name: str, title: str, image: str, tip: str) -> Entry:
         """An entry whose standard keys are those that the action has now."""
-        entry = cls(name, action, title, image, tip, _keys_of(action))
+        entry = cls(name, action, title, image, tip, keys_of(action))
         entry.keys = entry.standard
         return entry
 
     @property
     def keys(self) -> str:
         """The keys that it has; empty where it has none."""
-        return _keys_of(self.action)
+        return keys_of(self.action)
 
     @keys.setter
     def keys(self, keys: str) -> None:
@@ -77,7 +77,8 @@ class Entry:
         return self.keys != self.standard
 
 
-def _keys_of(action: QAction) -> str:
+def keys_of(action: QAction) -> str:
+    """The keys of an action; empty where it has none."""
     return _SEVERAL.join(key.toString(_PORTABLE) for key in action.shortcuts())
 
 

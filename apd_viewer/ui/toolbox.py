@@ -81,7 +81,7 @@ class Way(Enum):
         "D",
         "way-brush",
         tr("Paint what lies under a round brush, along the surface"),
-        tr("drag on the mesh, wheel or [ ] for the size, Ctrl+wheel zooms"),
+        tr("drag on the mesh, wheel for the size, Ctrl+wheel zooms"),
     )
     BOX = _Words(tr("Box"), "X", "way-box", tr("Take what lies within a box on the screen"), tr("drag a box"))
     LASSO = _Words(

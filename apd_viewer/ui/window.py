@@ -97,6 +97,9 @@ class Window(QMainWindow):
         self.studies = Studies(self, self._memory, self._studied, self.notice.fail)
         self.actions_ = Actions(self, self._verbs())
         self.looks.start(self.actions_.looks)
+        self._guide = Guide(self.invitation, self.actions_.tools)
+        self.panel.name_keys(self.actions_.pose)
+        self.health.badge.name_keys(self.actions_.findings)
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
         self.looks.cards.stand_beside(self.way_bar)
         self.actions_.add_panels(self.docks.toggles)
@@ -152,7 +155,6 @@ class Window(QMainWindow):
         self.notice = Notice(view)
         self.invitation = Invitation(view)
         self.offer = Offer(view, self.filing)
-        self._guide = Guide(self.invitation)
         self.health = Health(self.canvas)
         buttons = [QPushButton(tr("Open a mesh…"), objectName="primary", clicked=self.filing.ask_for_file)]
         for name, title in SAMPLES.items():

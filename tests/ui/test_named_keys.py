@@ -1,0 +1,82 @@
+"""Whatever names the keys of an action names those that it has now."""
+
+import meshes
+import numpy as np
+import pytest
+from driving import document, idle
+from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
+
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui.named_keys import with_keys
+from apd_viewer.ui.shortcuts import native
+from apd_viewer.ui.toolbox import Tool
+
+MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"
+
+
+def words(window):
+    """All that the window says, but for the rows of the sheet, which are made when it is opened."""
+    said = []
+    for widget in window.findChildren(QWidget):
+        said += [widget.toolTip(), widget.text() if isinstance(widget, QLabel | QAbstractButton) else ""]
+    return [text for text in said if text]
+
+
+def change_all(window):
+    """Give every action keys that no other word has; the old ones by their entries."""
+    entries = [entry for entry in window.help.shortcuts.entries if entry.keys]
+    old = {entry: native(entry.keys) for entry in entries}
+    for number, entry in enumerate(entries):
+        entry.keys = f"{MODIFIERS[number // 35]}F{number % 35 + 1}"
+    assert len({entry.keys for entry in entries}) == len(entries)
+    return old
+
+
+def paint(window, label, ids):
+    window.session.begin_gesture()
+    window.session.paint(np.asarray(ids), label)
+    window.session.end_stroke("Paint")
+    window._invite()
+
+
+@pytest.fixture
+def ball(qtbot, window):
+    """A ball with nothing painted, and with a finding."""
+    V, F = meshes.sphere(2)
+    window.session.show(Mesh(np.vstack([V, 3 * np.ones(3)]), F))
+    idle(qtbot, window)
+    return window
+
+
+def test_no_words_name_keys_that_an_action_had(ball):
+    before = words(ball)
+    old = change_all(ball)
+    after = words(ball)
+    for entry, keys in old.items():
+        named = [text for text in before if f"({keys})" in text]
+        assert not [text for text in after if f"({keys})" in text], entry.title
+        assert len([text for text in after if f"({native(entry.keys)})" in text]) == len(named)
+    named = [text for text in after if "(Alt+" in text and "<b>" not in text]
+    assert len(named) >= 8, "panel, badge, legend, section and invitation name some"
+    assert ball.health.badge.toolTip() == with_keys(
+        "What is unusual about the mesh, and where", ball.actions_.findings
+    )
+
+
+@pytest.mark.parametrize(
+    ("painted", "tool"),
+    [((), Tool.BASE), ((BASE,), Tool.HANDLE), ((BASE, HANDLE), Tool.MOVE)],
+    ids=["base", "handle", "move"],
+)
+def test_the_invitation_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
+    for label in painted:
+        paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
+    ball.take(Tool.ORBIT)
+    action = ball.actions_.tools[tool]
+    assert ball.invitation.text().endswith(f" ({tool.words.key})")
+    entry = next(entry for entry in ball.help.shortcuts.entries if entry.action is action)
+    ball.help.shortcuts.give(entry, "Ctrl+J")
+    assert ball.invitation.text().endswith(" (Ctrl+J)")
+    ball.help.shortcuts.give(entry, "")
+    assert not ball.invitation.text().endswith(")")
