@@ -11,7 +11,9 @@ import numpy as np
 from apd_viewer.files.replacing import replacing
 
 
-def write_table(path: Path, columns: Sequence[str], rows: np.ndarray) -> None:
+def write_table(
+    path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[float | str]]
+) -> None:
     """Write a table, whole or not at all; what is not a number is left empty.
 
     Parameters
@@ -19,7 +21,7 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray) -> None:
     path : Path
     columns : sequence of str
         Names, for the first line.
-    rows : (r, c) float array
+    rows : (r, c) float array, or sequence of rows that have words too
         Read back, they are the same to the last digit; whole numbers are written as such.
 
     Raises
@@ -30,10 +32,13 @@ def write_table(path: Path, columns: Sequence[str], rows: np.ndarray) -> None:
     with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(columns)
-        writer.writerows([_written(x) for x in row] for row in rows.tolist())
+        lines = rows.tolist() if isinstance(rows, np.ndarray) else rows
+        writer.writerows([_written(x) for x in row] for row in lines)
 
 
-def _written(x: float) -> str:
+def _written(x: float | str) -> str:
+    if isinstance(x, str):
+        return x
     if x != x:
         return ""
     return str(int(x)) if x.is_integer() and abs(x) < 2**53 else repr(x)

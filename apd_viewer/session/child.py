@@ -189,6 +189,7 @@ class Child:
             answer.seconds,
             answer.failure,
             answer.warning,
+            account=answer.account,
         )
         self._publish(Published(reply, tray, answer.put) if answer.put else Published(reply))
 

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from apd_viewer.geometry.frame import Frame
 from apd_viewer.geometry.thinning import Thinning
-from apd_viewer.session.requests import Request
+from apd_viewer.session.requests import Account, Request
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class Answer:
         Without its shape, if that lies in the tray.
     put : int or None
         The number under which it lies there.
-    finished, seconds, failure, warning
+    finished, seconds, failure, warning, account
         See :class:`apd_viewer.session.requests.Reply`.
     """
 
@@ -75,6 +75,7 @@ class Answer:
     seconds: float = 0.0
     failure: str | None = None
     warning: str | None = None
+    account: Account | None = None
 
 
 Message: TypeAlias = Progress | Found | Answer

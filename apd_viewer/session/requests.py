@@ -24,12 +24,31 @@ class Request:
         The shape to start from.
     iterate : bool
         Otherwise only make ready: factor, so that the first drag need not wait.
+    accounts : bool
+        Whether the last reply should say what it took.
     """
 
     document: Document
     generation: int
     U: np.ndarray
     iterate: bool
+    accounts: bool = False
+
+
+@dataclass(frozen=True)
+class Account:
+    """What an answer cost, by the same measure for every method.
+
+    Attributes
+    ----------
+    energy : float
+        Eq. 1 of the shape, each undirected edge counted twice, squared lengths.
+    seconds : float
+        Time from the mesh at rest to the last iteration: factoring and iterating.
+    """
+
+    energy: float
+    seconds: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +65,8 @@ class Reply:
         What the user should know about what is held.
     news : str or None
         What has happened to the solver meanwhile.
+    account : Account or None
+        With the last reply, where it was asked for.
     """
 
     document: Document
@@ -56,6 +77,7 @@ class Reply:
     failure: str | None = None
     warning: str | None = None
     news: str | None = None
+    account: Account | None = None
 
 
 def factored_for(document: Document) -> tuple[object, ...]:

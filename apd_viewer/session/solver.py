@@ -23,11 +23,12 @@ from apd_viewer.geometry.guided import make_ready
 from apd_viewer.geometry.linear_solver import Factor
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.deforming import deformation_of
 from apd_viewer.session.factoring import FarFactor
 from apd_viewer.session.messages import Answer, Found, Message, Order, Progress, Step
-from apd_viewer.session.requests import alike, factored_for
+from apd_viewer.session.requests import Account, alike, factored_for
 from apd_viewer.session.sharing import Tray
 from apd_viewer.session.slot import Slot
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
+_NO_ROOM = tr("There is not enough memory for this mesh; close other programs and try again.")
 # Matrices with so many rows take more than half a second to factor.
 _LARGE = 100_000
 
@@ -64,6 +66,7 @@ class Solver:
         self._goals: tuple[object, ...] = ()
         self._poses: tuple[object, ...] = ()
         self._generation: int | None = None
+        self._warm = False
 
     def run(self, at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
         """Answer orders until there are no more.
@@ -82,7 +85,8 @@ class Solver:
                 # A defect or a lack of memory must reach the screen, and the next request a solver.
                 traceback.print_exc()
                 said = str(error) or type(error).__name__
-                self._fail(order, tr("The solver stopped ({said}); undo the last step.").format(said=said))
+                stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
+                self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)
             if not done and not self._orders.waiting:
                 done = self._rested(at_leisure)
         self._drop()
@@ -113,14 +117,19 @@ class Solver:
             with contextlib.suppress(InputError):
                 make_ready(self._rest_of(order))
             return
+        if request.accounts and not self._warm:
+            warm_up()  # or the first method that is asked for would pay for all
+            self._warm = True
+        self._rest_of(order)
+        started = time.perf_counter()
         solver = self._prepared(order)
         if request.iterate:
-            self._iterate(order, solver)
+            self._iterate(order, solver, started)
         else:
             self._have_factored()
 
-    def _iterate(self, order: Order, solver: Deformation) -> None:
-        tray = self._tray_of(order)
+    def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
+        tray, account = self._tray_of(order), None
         iterations, since, last = 0, time.perf_counter(), 0
         while True:  # once at least, or poses that come faster than they are prepared show nothing
             while not solver.ready:
@@ -131,15 +140,18 @@ class Solver:
             iterations += 1
             finished = solver.settled or iterations >= MOST_ITERATIONS
             if finished:
+                took = time.perf_counter() - started
                 while tray is not None and not tray.free and not self._orders.waiting:
                     time.sleep(_MOMENT)
             if tray is None or (tray.free and (finished or tray.seen)):
                 seconds = (time.perf_counter() - since) / (iterations - last)
                 frame = solver.frame()
                 put = None
+                if finished and order.request.accounts:
+                    account = Account(solver.rest.energy(frame.U), took)
                 if tray is not None:
                     put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
-                self._tell(Answer(order.number, frame, put, finished, seconds, warning=self._warning))
+                self._tell(Answer(order.number, frame, put, finished, seconds, None, self._warning, account))
                 since, last = time.perf_counter(), iterations
                 self._have_factored()
             if finished or self._orders.waiting:

@@ -201,6 +201,7 @@ class Actions:
             self.save,
             self.save_as,
             self.export,
+            self.pose.compare,
             self.pose.sweep,
             *self.select.files,
             *self.select.changes,

@@ -254,11 +254,7 @@ class HeatMap(QObject):
         hit = None if self.values is None else surface.hit(position)
         if hit is None or self.values is None or surface.skin is None:
             return None
-        corners = surface.skin.F[hit.face]
-        a, b, c = surface.U[corners]
-        weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
-        shares = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
-        return float(shares @ self.values[corners] / shares.sum())
+        return float(surface.shares(hit) @ self.values[surface.skin.F[hit.face]])
 
     def _read(self) -> None:
         """Tell the legend what is largest and what is under the cursor."""

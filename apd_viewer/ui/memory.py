@@ -67,6 +67,15 @@ class Memory:
         self._settings.setValue("plots", " ".join(names))
 
     @property
+    def compared(self) -> list[str]:
+        """The methods that were compared last, by their names; empty before any were."""
+        return str(self._settings.value("compared", "")).split()
+
+    @compared.setter
+    def compared(self, names: list[str]) -> None:
+        self._settings.setValue("compared", " ".join(names))
+
+    @property
     def folder(self) -> Path:
         """Where the last file was."""
         return Path(str(self._settings.value("folder", str(Path.home()))))

@@ -41,7 +41,7 @@ class PoseActions:
     ----------
     parts, nudges : list of QAction
     along : dict of Along to QAction
-    put_back : QAction
+    put_back, compare : QAction
     """
 
     def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
@@ -82,6 +82,13 @@ class PoseActions:
             tr("Put the active handle back where it was gripped"),
             "Shift+M",
             "put_back",
+        )
+        self.compare = make(
+            tr("&Compare methods…"),
+            "methods",
+            tr("See side by side what the methods make of this pose, with a table of the readings"),
+            "Ctrl+Shift+C",
+            "compare_methods",
         )
         self.pivots = [
             make(
@@ -131,4 +138,4 @@ class PoseActions:
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()
-        menu.addAction(self.sweep)
+        menu.addActions([self.compare, self.sweep])

@@ -156,10 +156,11 @@ class Surface:
         self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
         self._viewport.update()
 
-    def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
+    def wear(self, heat: ColorMap | None, neutral: float = 0.0, sharpness: float = 1.0) -> None:
         """Show values on a scale instead of the paint, which is seen in stripes; None shows the paint.
 
-        ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
+        ``neutral`` is how much of the scale, around its middle, is shown as no change; a picture has
+        ``sharpness`` pixels for each on the screen. What the values are
         is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
         ask: it may be called while one is made ready.
         """
@@ -167,7 +168,7 @@ class Surface:
             self.worn = heat
             shade(self._actor, heat, inside=self._cut is not None)
         if heat is not None:
-            scale_heat(self._actor, neutral, self._viewport.devicePixelRatioF())
+            scale_heat(self._actor, neutral, sharpness * self._viewport.devicePixelRatioF())
         elif self.skin is not None:
             self.shades[:] = 255
             self.shades_changed()
@@ -226,6 +227,14 @@ class Surface:
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
+
+    def shares(self, hit: Hit) -> np.ndarray:
+        """The weights, (3,), with which the corners of the face that was hit make the point."""
+        assert self.skin is not None
+        a, b, c = self.U[self.skin.F[hit.face]]
+        weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
+        shares: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
+        return shares / shares.sum()
 
     def _uncut(self, origin: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
         """From where to where a ray is in front of the plane that cuts the surface."""

@@ -17,7 +17,7 @@ from apd_viewer.ui.overlay import Overlay
 from apd_viewer.ui.tools import Dispatcher
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from PySide6.QtCore import QEvent
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
@@ -53,6 +53,8 @@ class Viewport(QtInteractor):
         The box around all that is drawn: least and largest x, then y, then z.
     more_boxes : list of callables
         The same of what else is drawn; empty where nothing is.
+    linked : sequence of Viewport
+        Others that look through the same camera; see :func:`link`.
     dark : bool
         Whether the background is dark.
     resized : Signal()
@@ -72,6 +74,7 @@ class Viewport(QtInteractor):
         self.pick: Callable[[QPointF], np.ndarray | None] | None = None
         self.box: Callable[[], tuple[float, ...]] | None = None
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
+        self.linked: Sequence[Viewport] = ()
         self.dark = False
         self._stale = True  # the scene has changed since the last VTK draw
         self._software = False
@@ -113,7 +116,9 @@ class Viewport(QtInteractor):
         camera.SetFocalPoint(*eye.focal)
         camera.SetViewUp(*eye.up)
         camera.SetViewAngle(np.rad2deg(eye.angle))
-        self.update()
+        # All at once: the window is put together once for all that is drawn, and not for each.
+        for view in (self, *self.linked):
+            view.update()
 
     def ray(self, position: QPointF) -> tuple[np.ndarray, np.ndarray]:
         """Origin and unit direction of the ray through a position in the widget."""
@@ -350,8 +355,17 @@ class Viewport(QtInteractor):
             self.pre_draw.clear()
             self.tools.clear()
             self.more_boxes.clear()
+            self.linked = ()
             self.pick = self.box = self._framed = None
         super().close()
         # Qt frees context and surface itself and may put others at their addresses, where Python
         # would still find these wrappers: of the wrong class, or of an object that is gone.
         self._ctx = self._surface = None
+
+
+def link(viewports: Sequence[Viewport]) -> None:
+    """Have viewports, which should be of one size, look through the camera of the first from now on."""
+    camera = viewports[0].renderer.GetActiveCamera()
+    for view in viewports:
+        view.renderer.SetActiveCamera(camera)
+        view.linked = [other for other in viewports if other is not view]

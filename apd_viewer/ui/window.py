@@ -15,6 +15,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
 from apd_viewer.ui.canvas import Canvas
+from apd_viewer.ui.comparing import Comparing
 from apd_viewer.ui.deeds import Deeds
 from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.filing import Filing
@@ -90,6 +91,7 @@ class Window(QMainWindow):
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
         self.looks = Looks(self.canvas, self._memory, (self.invitation, self.offer, self.health.list))
+        self.comparing = Comparing(self.canvas, self.looks, self._memory, self.notice)
         self._make_panel()
         self.deeds = Deeds(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
@@ -143,6 +145,7 @@ class Window(QMainWindow):
         self._connect_canvas()
         self._connect_panel()
         self.plots.start(self.session)
+        self.comparing.start(self.session, self.actions_)
         self._started = True
         self.filing.start(self.session)
         self.offer.start()
@@ -182,6 +185,7 @@ class Window(QMainWindow):
             **self.canvas.verbs,
             **self.looks.verbs,
             **self.studies.verbs,
+            **self.comparing.verbs,
             "quit": self.close,
             "take": self.take,
             "way": self.choose_way,
@@ -349,7 +353,7 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        over = self.notice, self.offer, self.health, self.help, self.looks
+        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing
         for part in (self.actions_, self.panel, self.plots, self.canvas, *over):
             part.set_theme(colors)
 
@@ -390,6 +394,7 @@ class Window(QMainWindow):
         self.plots.end()
         self.looks.close()
         self.studies.close_all()
+        self.comparing.close()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()

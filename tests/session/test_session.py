@@ -744,8 +744,11 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
 # Failures
 
 
-@pytest.mark.parametrize("error", [ValueError("not positive definite"), MemoryError()])
-def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, capfd, error):
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(ValueError("not positive definite"), "not positive definite"), (MemoryError(), "not enough memory")],
+)
+def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, capfd, error, said):
     session.drag(BENT)
     session.settle()
     before = session.state
@@ -761,7 +764,7 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
     session.settings.set_method("arap")
     session.until(lambda: session.failed)
     assert len(session.failed) == 1
-    assert str(error) in session.failed[0]
+    assert said in session.failed[0]
     assert session.failed[0].endswith(".")
     assert session.activity is Activity.UNREACHED
     assert type(error).__name__ in capfd.readouterr().err
@@ -777,12 +780,12 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
 
 def test_an_error_that_says_nothing_is_named(session, monkeypatch, capfd):
     def failing(_):
-        raise MemoryError
+        raise RuntimeError
 
     monkeypatch.setattr(Deformation, "iterate", failing)
     session.drag(BENT)
     session.until(lambda: session.failed)
-    assert "MemoryError" in session.failed[0]
+    assert "RuntimeError" in session.failed[0]
 
 
 def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):

@@ -1,0 +1,410 @@
+"""The window in which methods are compared: a shape each, and a table of what they come to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QSize, Qt, Signal, Slot
+from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.comparison import COMPARED, Comparison, Outcome
+from apd_viewer.ui.chore import Chore
+from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
+from apd_viewer.ui.fields import Check
+from apd_viewer.ui.icons import application_icon
+from apd_viewer.ui.method_section import METHOD_NAMES, METHOD_WORDS
+from apd_viewer.ui.method_view import HEAD, MethodView
+from apd_viewer.ui.outcome_table import OutcomeTable
+from apd_viewer.ui.outcomes import columns, readings, write_outcomes
+from apd_viewer.ui.shared_scale import SharedScale
+from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.viewport import link
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.change import Change
+    from apd_viewer.session.document import State
+    from apd_viewer.session.units import Unit
+    from apd_viewer.ui.camera import Camera
+    from apd_viewer.ui.memory import Memory
+    from apd_viewer.ui.pointer import Place
+    from apd_viewer.ui.scales import Scale
+
+_FEWEST = 2
+_SIZE = QSize(1280, 800)
+_NO_ROOM = tr("There is not enough memory to compare methods on this mesh; close other programs.")
+
+
+class _Ready(NamedTuple):
+    """What measures the shapes of a mesh."""
+
+    change: Change
+    write: Callable[..., None]
+
+
+class SideBySide(QWidget):
+    """Views beside each other, a legend and a table below them.
+
+    Parameters
+    ----------
+    memory : Memory
+    scale : Scale
+        Of the local area change, to begin with.
+    eye : Camera
+        From where to look, to begin with.
+
+    Attributes
+    ----------
+    again_asked, closed : Signal()
+    views : dict of str to MethodView
+    checks : dict of str to Check
+    table : OutcomeTable
+    legend : SharedScale
+    comparison : Comparison or None
+    """
+
+    again_asked = Signal()
+    closed = Signal()
+    _woken = Signal()
+
+    def __init__(self, memory: Memory, scale: Scale, eye: Camera) -> None:
+        super().__init__(None, Qt.WindowType.Window, objectName="comparison")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setWindowIcon(application_icon())
+        self.setMinimumSize(800, 560)
+        self.resize(_SIZE)
+        self._memory, self._eye, self._theme = memory, eye, LIGHT
+        self.comparison: Comparison | None = None
+        self._state: State | None = None
+        self._unit: Unit | None = None
+        self._place: Place | None = None
+        self._chore = Chore(self)
+        self._chore.done.connect(self._take)
+        self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self.views = {method: MethodView(METHOD_NAMES[method]) for method in COMPARED}
+        link([view.viewport for view in self.views.values()])
+        for view in self.views.values():
+            view.pointer.hovered.connect(self._point_at)
+        chosen = [method for method in COMPARED if method in memory.compared]
+        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
+        self.legend = SharedScale(scale)
+        self.legend.changed.connect(self._rescale)
+        self.table = OutcomeTable()
+        self._lay_out()
+
+    # Building
+
+    def _make_checks(self, chosen: list[str]) -> dict[str, Check]:
+        checks = {}
+        for method in COMPARED:
+            check = Check(METHOD_NAMES[method], toolTip=" ".join(METHOD_WORDS[method]))
+            check.setChecked(method in chosen)
+            check.toggled.connect(self._choose)
+            checks[method] = check
+        return checks
+
+    def _lay_out(self) -> None:
+        self.status = QLabel(objectName="quiet")
+        self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.stop = QPushButton(tr("Stop"), toolTip=tr("End the solver; what has come stays (Esc)"))
+        self.stop.clicked.connect(self._stop)
+        self.again = QPushButton(
+            tr("Compare again"), toolTip=tr("Begin anew, with what the main window shows now")
+        )
+        self.again.clicked.connect(self.again_asked)
+        self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Write the readings as CSV"))
+        self.save_table.clicked.connect(partial(self._ask, ".csv"))
+        self.save_picture = QPushButton(
+            tr("Save picture…"), toolTip=tr("Write the shapes, with their names and the legend, as PNG")
+        )
+        self.save_picture.clicked.connect(partial(self._ask, ".png"))
+        head = QHBoxLayout(spacing=16)
+        head.setContentsMargins(12, 8, 12, 8)
+        for check in self.checks.values():
+            head.addWidget(check)
+        head.addWidget(self.status, 1)
+        buttons = QHBoxLayout(spacing=8)
+        for button in (self.stop, self.again, self.save_table, self.save_picture):
+            buttons.addWidget(button)
+        head.addLayout(buttons)
+        self._room = QWidget(objectName="room")
+        self._grid = QGridLayout(self._room, spacing=1)
+        self._grid.setContentsMargins(0, 1, 0, 1)
+        foot = QHBoxLayout(spacing=32)
+        foot.setContentsMargins(12, 10, 12, 8)
+        foot.addWidget(self.legend, 0, Qt.AlignmentFlag.AlignTop)
+        foot.addWidget(self.table, 1, Qt.AlignmentFlag.AlignTop)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self._room, 1)
+        column.addLayout(foot)
+
+    def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[MethodView], object]]]) -> None:
+        """Have keys do something with all views, as they do in the main window."""
+        for sequences, do in keys:
+            for sequence in sequences:
+                QShortcut(sequence, self, partial(self._do, do))
+
+    def _do(self, do: Callable[[MethodView], object]) -> None:
+        do(next(iter(self.views.values())))  # all others look through the same camera
+
+    # Comparing
+
+    @property
+    def chosen(self) -> list[str]:
+        """The methods that are compared."""
+        return [method for method, check in self.checks.items() if check.isChecked()]
+
+    def compare(self, state: State, unit: Unit) -> None:
+        """Begin with a document, from its rest shape."""
+        if self.comparison is not None:
+            self.comparison.close()
+        name = state.document.mesh.name
+        self.setWindowTitle(tr("Compare methods – {name}").format(name=name))
+        first = self._state is None or self._state.document.mesh is not state.document.mesh
+        self._state, self._unit = state, unit
+        self.comparison = Comparison(state.document, self._woken.emit)
+        self.table.begin(columns(state, unit))
+        try:
+            for view in self.views.values():
+                view.begin(state)
+        except MemoryError:
+            self._say(_NO_ROOM, warn=True)
+            return
+        if first:
+            self._look(state)
+        self._prepare(state)
+        self._choose()
+        self.views[self.chosen[0]].viewport.setFocus()
+
+    def _look(self, state: State) -> None:
+        """Look as the main window does, at all that there will be to see, as far as that is known."""
+        view = self.views[COMPARED[0]].viewport
+        direction = self._eye.position - self._eye.focal
+        view.eye = replace(view.eye, position=direction, focal=np.zeros(3), up=self._eye.up)
+        right, up, _ = view.eye.axes
+        both = np.vstack([state.document.mesh.V, state.frame.U])
+        self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
+        self._frame(both)
+
+    def frame(self) -> None:
+        """Show all of every shape."""
+        self._frame(np.vstack([self.views[method].surface.U for method in self.chosen]))
+
+    def _frame(self, points: np.ndarray) -> None:
+        for view in self.views.values():
+            view.viewport.frame(points)
+
+    def _prepare(self, state: State) -> None:
+        """Get ready to measure: what is compiled for it takes a while at the first time."""
+        mesh, skin = state.document.mesh, state.skin
+
+        def work(_: Callable[[], bool]) -> object:
+            from apd_viewer.geometry.change import Change, warm_up, write_shades
+
+            warm_up()
+            return _Ready(Change(mesh.V, skin.joined, skin.source), write_shades)
+
+        self._chore.begin(work)
+
+    def _take(self, result: object) -> None:
+        if not isinstance(result, _Ready):
+            self._say(_NO_ROOM, warn=True)
+            return
+        for view in self.views.values():
+            view.show_scale(self.legend.scale)
+            view.measure_by(result.change, result.write)
+
+    def _choose(self) -> None:
+        """Compare the methods that are checked, two at least."""
+        chosen = self.chosen
+        self._memory.compared = chosen
+        for method, check in self.checks.items():
+            needed = len(chosen) <= _FEWEST and method in chosen
+            check.setEnabled(not needed)
+            about = tr("Two methods are compared at least.") if needed else " ".join(METHOD_WORDS[method])
+            check.setToolTip(about)
+        self._arrange()
+        self.table.show_methods([METHOD_NAMES[method] for method in chosen])
+        if self.comparison is not None:
+            self.comparison.want(chosen)
+        self._show()
+
+    def _stop(self) -> None:
+        if self.comparison is not None:
+            self.comparison.stop()
+        self._show()
+
+    @Slot()
+    def _receive(self) -> None:
+        # A call may still be on its way when the window is closed.
+        if self.comparison is not None and self.comparison.receive():
+            self._show()
+
+    # Showing
+
+    def _show(self) -> None:
+        comparison, state = self.comparison, self._state
+        if comparison is None or state is None:
+            return
+        for row, method in enumerate(self.chosen):
+            outcome = comparison.outcomes.get(method, Outcome())
+            if outcome.frame is not None:
+                self.views[method].show_shape(outcome.frame.U)
+            self.views[method].say(*_how_far(method, comparison))
+            self.table.show_readings(row, readings(state, outcome))
+        under_way = comparison.under_way
+        self.stop.setEnabled(under_way is not None)
+        there = any(comparison.outcomes[m].frame is not None for m in self.chosen if m in comparison.outcomes)
+        self.save_table.setEnabled(there)
+        self._say(comparison.news if under_way is None else _progress(comparison, self.chosen))
+
+    def _say(self, sentence: str, warn: bool = False) -> None:
+        self.status.setText(sentence)
+        self.status.setToolTip(sentence)
+        if self.status.property("warn") != warn:
+            self.status.setProperty("warn", warn)
+            self.status.style().unpolish(self.status)
+            self.status.style().polish(self.status)
+
+    def _rescale(self) -> None:
+        for view in self.views.values():
+            view.show_scale(self.legend.scale)
+        self._point_at(self._place)
+
+    def _point_at(self, place: Place | None) -> None:
+        """Mark a place on all shapes, and read all of them there."""
+        self._place = place
+        if self._unit is not None:
+            for view in self.views.values():
+                view.point_at(place, self._unit)
+
+    def _arrange(self) -> None:
+        """Lay the views out so that the shapes are as large as they can be."""
+        chosen = self.chosen
+        across = _across(len(chosen), self._room.width(), self._room.height(), self._aspect)
+        places = {method: divmod(k, across) for k, method in enumerate(chosen)}
+        for k in range(len(COMPARED)):
+            self._grid.setRowStretch(k, int(k <= max(row for row, _ in places.values())))
+            self._grid.setColumnStretch(k, int(k < across))
+        for method, view in self.views.items():
+            if method in places:
+                self._grid.addWidget(view, *places[method])
+            view.setVisible(method in places)
+        self._columns = across
+
+    _aspect, _columns = 1.0, 0
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour the backgrounds."""
+        self._theme = theme
+        for view in self.views.values():
+            view.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
+
+    # Saving
+
+    def _ask(self, suffix: str) -> None:
+        from apd_viewer.ui.plot_files import ask_where
+
+        assert self._state is not None
+        own = self._state.document.mesh.path
+        name = f"{own.stem if own else 'mesh'}-methods"
+        path = ask_where(self, self._memory.folder, name, suffix)
+        if path is None:
+            return
+        try:
+            (self.write_table if suffix == ".csv" else self.write_picture)(path)
+        except InputError as error:
+            self._say(str(error), warn=True)
+        else:
+            self._say(tr("Wrote {name}.").format(name=path.name))
+
+    def _outcomes(self) -> list[tuple[str, Outcome]]:
+        assert self.comparison is not None
+        return [(method, self.comparison.outcomes.get(method, Outcome())) for method in self.chosen]
+
+    def write_table(self, path: Path) -> None:
+        """Write the readings as CSV; raises InputError."""
+        assert self._state is not None
+        write_outcomes(path, self._state, self._outcomes())
+
+    def write_picture(self, path: Path) -> None:
+        """Write the shapes as they are seen, on white, as PNG; raises InputError."""
+        assert self._state is not None
+        shown = []
+        for method, outcome in self._outcomes():
+            view = self.views[method]
+            found = readings(self._state, outcome)
+            brief = [f"{self.table.columns[k].title} {self.table.columns[k].written(found)}" for k in (0, 2)]
+            shown.append(
+                Shown(METHOD_NAMES[method], ", ".join(brief) if found else "", view.picture(SHARPNESS))
+            )
+        self.set_theme(self._theme)
+        write_comparison(path, shown, self._columns, self.legend.scale, self.font())
+
+    # Events
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Lay the views out anew."""
+        super().resizeEvent(event)
+        self._arrange()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """End the process, and the views before their window."""
+        if self.comparison is not None:
+            self.comparison.close()
+            self.comparison = None
+        self._chore.close()
+        for view in self.views.values():
+            view.viewport.close()
+        self.closed.emit()
+        super().closeEvent(event)
+
+
+def _across(count: int, width: int, height: int, aspect: float) -> int:
+    """How many of ``count`` views stand beside each other so that shapes of an aspect are largest."""
+
+    def size(across: int) -> float:
+        return min(width / across / aspect, height * across / count - HEAD)
+
+    return max((across for across in range(1, count + 1) if count % across == 0), key=size)
+
+
+def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
+    """How far a method is, more about that, and what went wrong."""
+    outcome = comparison.outcomes.get(method)
+    if outcome is None:
+        return (tr("waits") if method in comparison.waiting else tr("not begun")), "", ""
+    frame = outcome.frame
+    if outcome.failure:
+        return tr("failed"), outcome.failure, outcome.failure
+    if outcome.finished and frame is not None:
+        said = tr("settled") if frame.converged else tr("not reached")
+        return said, frame.unreached or "", ""
+    number = 0 if frame is None else frame.iteration
+    if method == comparison.under_way:
+        return (tr("iteration {n:,}").format(n=number) if number else tr("preparing")), "", ""
+    return tr("stopped at iteration {n:,}").format(n=number), "", ""
+
+
+def _progress(comparison: Comparison, chosen: list[str]) -> str:
+    """What is being done, in a line."""
+    method = comparison.under_way or ""
+    name, count = METHOD_NAMES[method], len(chosen)
+    number = chosen.index(method) + 1
+    frame = comparison.outcomes[method].frame
+    if frame is None:
+        return tr("{method} ({number} of {count}): preparing…").format(
+            method=name, number=number, count=count
+        )
+    return tr("{method} ({number} of {count}): iteration {n:,}").format(
+        method=name, number=number, count=count, n=frame.iteration
+    )
