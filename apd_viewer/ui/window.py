@@ -389,12 +389,9 @@ class Window(QMainWindow):
         self._memory.folded = self.panel.folded
         self._closed = True
         self.help.tour.end()
-        self.health.close()
-        self.offer.close_all()
-        self.plots.end()
-        self.looks.close()
-        self.studies.close_all()
-        self.comparing.close()
+        closing = self.health.close, self.offer.close_all, self.plots.end, self.looks.close
+        for close in (*closing, self.studies.close_all, self.comparing.close):
+            close()
         if self._started:
             self.session.close()
         self.canvas.viewport.close()
