@@ -28,10 +28,12 @@ LIBRARIES = {
 # Libraries that only the named files may touch.
 DRAWS = {
     "figures/drawing.py",
+    "ui/exposure.py",
     "ui/ghost.py",
     "ui/ground.py",
     "ui/picture.py",
     "ui/shading.py",
+    "ui/studio.py",
     "ui/surface.py",
     "ui/viewport.py",
 }

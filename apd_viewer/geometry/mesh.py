@@ -91,6 +91,13 @@ class Mesh:
         origin = Baked(read, read.origin) if read.origin is not None else None
         return Mesh.trusted(U, self.F, self.path, origin, (self.weld.first, self.weld.inverse))
 
+    def homeless(self) -> Mesh:
+        """The same mesh, which does not say where it came from."""
+        origin = self.origin
+        if isinstance(origin, Baked):
+            origin = Baked(origin.mesh.homeless(), origin.origin)
+        return Mesh.trusted(self.V, self.F, None, origin, (self.weld.first, self.weld.inverse))
+
     @cached_property
     def weld(self) -> Weld:
         """The maps between the file's vertices and the vertices of the solve."""

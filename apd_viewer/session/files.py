@@ -77,9 +77,7 @@ class Files:
         self._open(mesh.name, lambda: opened(mesh))
 
     def _open(self, name: str, work: Callable[[], State | tuple[State, View]], kept: bool = True) -> None:
-        self._send(
-            tr("Opening {name}").format(name=name), work, lambda found: self._opened(found, name, kept)
-        )
+        self.send(tr("Opening {name}").format(name=name), work, lambda found: self._opened(found, name, kept))
 
     def _opened(self, found: State | tuple[State, View], name: str, kept: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
@@ -125,7 +123,7 @@ class Files:
                 self._stage.regrip(state.document, state.document.with_selection(selection))
                 self._listener.told(about_loaded_selection(path.name, selection))
 
-        self._send(
+        self.send(
             tr("Loading {name}").format(name=path.name), lambda: read_selection_file(path, mesh), loaded
         )
 
@@ -136,7 +134,7 @@ class Files:
         def work() -> str:
             return about_selection(path.name, write_selection(path, document.mesh, document.selection))
 
-        self._send(
+        self.send(
             tr("Saving {name}").format(name=path.name), work, self._listener.told, can_be_cancelled=False
         )
 
@@ -147,15 +145,16 @@ class Files:
             self._kept.append(state.frame.U)
             self._listener.told(said)
 
-        self._send(title, work, written, can_be_cancelled=False)
+        self.send(title, work, written, can_be_cancelled=False)
 
-    def _send(
+    def send(
         self,
         title: str,
         work: Callable[[], object],
         done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
+        """Do ``work`` in the background, and call ``done`` with its value; a failure is told."""
         self._errands.send(title, work, done, can_be_cancelled)
         self._listener.status_changed()
 
@@ -183,4 +182,4 @@ class Files:
             self._stage.jump(at_rest)
             self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self.unit))
 
-        self._send(tr("Measuring the new rest shape"), lambda: baked(shown), done)
+        self.send(tr("Measuring the new rest shape"), lambda: baked(shown), done)

@@ -97,6 +97,23 @@ class Actions:
         self.save_as = make(
             tr("Save session &as…"), "save", tr("Save the session to another file"), "Ctrl+Shift+S", "save_as"
         )
+        self.report = make(
+            tr("&Report…"),
+            "report",
+            tr("Write pictures, readings and all that was asked to a page for the browser"),
+            "Ctrl+Shift+E",
+            "report",
+        )
+        self.picture = make(
+            tr("Save &picture…"),
+            "picture",
+            tr("Write the view as a picture of any size, with or without its background"),
+            "Ctrl+Shift+P",
+            "save_picture",
+        )
+        self.copy_picture = make(
+            tr("&Copy picture"), "copy", tr("Copy the view to the clipboard"), "Ctrl+Shift+C", "copy_picture"
+        )
         self.quit = make(tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, "quit")
         self.recent = QMenu(tr("Open &recent"), self._window)
         self.samples = QMenu(tr("Open &sample"), self._window)
@@ -174,6 +191,8 @@ class Actions:
         file.addSeparator()
         file.addActions([self.save, self.save_as, self.export])
         file.addSeparator()
+        file.addActions(self._handouts)
+        file.addSeparator()
         file.addAction(self.quit)
         edit = bar.addMenu(tr("&Edit"))
         edit.addActions([self.undo, self.redo])
@@ -195,17 +214,15 @@ class Actions:
         bar.addMenu(tr("&Help")).addActions([*self.help, self.about])
 
     @property
+    def _handouts(self) -> list[QAction]:
+        """What others can be given to look at."""
+        return [self.report, self.picture, self.copy_picture]
+
+    @property
     def of_a_mesh(self) -> list[QAction]:
         """What can only be done while a mesh is open."""
-        return [
-            self.save,
-            self.save_as,
-            self.export,
-            self.pose.compare,
-            self.pose.sweep,
-            *self.select.files,
-            *self.select.changes,
-        ]
+        own = [self.save, self.save_as, self.export, *self._handouts]
+        return [*own, self.pose.compare, self.pose.sweep, *self.select.files, *self.select.changes]
 
     def _make_bar(self) -> QToolBar:
         bar = QToolBar(tr("Tools"), self._window, objectName="tools", movable=False)

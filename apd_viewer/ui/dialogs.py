@@ -115,6 +115,27 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     return target if answer == buttons.Yes else None
 
 
+def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+    """Where to write a report."""
+    return _ask_for(parent, folder, mesh, tr("Write a report"), "-report", ".html")
+
+
+def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
+    """Where to write a picture."""
+    return _ask_for(parent, folder, mesh, tr("Save the picture"), "", ".png")
+
+
+def _ask_for(parent: QWidget, folder: Path, mesh: Mesh, title: str, ending: str, suffix: str) -> Path | None:
+    """Where to write a file of one kind."""
+    stem = mesh.path.stem if mesh.path else "mesh"
+    path, _ = QFileDialog.getSaveFileName(
+        parent, title, str(folder / f"{stem}{ending}{suffix}"), f"{suffix[1:].upper()} (*{suffix})"
+    )
+    if not path or path.lower().endswith(suffix):
+        return Path(path) if path else None
+    return _ended(parent, path, suffix)
+
+
 def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
     """What to do with a shape that was not exported when the window is closed: Save, Discard or Cancel."""
     buttons = QMessageBox.StandardButton

@@ -15,6 +15,7 @@ from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.ui.shading import thicken_stripes
 
 if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
@@ -40,7 +41,7 @@ def exposed(
     transparent : bool
         Whether to leave the background out.
     renderer : vtkRenderer or None
-        Another scene than that of the viewport, seen from the same place.
+        Another scene than that of the viewport, with a camera of its own that shows all there is.
 
     Raises
     ------
@@ -53,7 +54,7 @@ def exposed(
         if window is None:
             raise InputError(tr("Nothing can be drawn here: there is no OpenGL; update the graphics driver."))
         finer = _finer(window, size)
-        seen = viewport.size()
+        seen = viewport.size() if renderer is None else size
         with (
             _only(window, scene),
             _framed(scene, seen, size),
@@ -152,12 +153,16 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
 
 @contextmanager
 def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
-    """Draw lines as thick, against the rest, as they are seen."""
-    parts = [(actor.GetProperty(), actor.GetProperty().GetLineWidth()) for actor in scene.GetActors()]
-    for look, width in parts:
-        look.SetLineWidth(factor * width)
+    """Draw lines and stripes as thick, against the rest, as they are seen."""
+    _thicken(scene, factor)
     try:
         yield
     finally:
-        for look, width in parts:
-            look.SetLineWidth(width)
+        _thicken(scene, 1.0 / factor)
+
+
+def _thicken(scene: vtkRenderer, factor: float) -> None:
+    for actor in scene.GetActors():
+        look = actor.GetProperty()
+        look.SetLineWidth(factor * look.GetLineWidth())
+        thicken_stripes(actor, factor)

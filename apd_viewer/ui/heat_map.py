@@ -158,7 +158,7 @@ class HeatMap(QObject):
 
     def _fit(self) -> None:
         """Let the scale end at the largest value, up or down."""
-        span = self._span()
+        span = self.span
         if span is not None and self.measure is not None:
             reach = nice(min(self.scale.said(max(span, key=abs)), 10.0))
             self._rescale(reach, min(self.scale.neutral, 0.5 * reach))
@@ -243,7 +243,9 @@ class HeatMap(QObject):
 
     # Reading
 
-    def _span(self) -> tuple[float, float] | None:
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The least and the largest value that the shape has; None where there is none."""
         if self.values is None or np.isnan(self.values).all():
             return None
         return float(np.fmin.reduce(self.values)), float(np.fmax.reduce(self.values))
@@ -260,7 +262,7 @@ class HeatMap(QObject):
         """Tell the legend what is largest and what is under the cursor."""
         if self.measure is not None:
             value = None if self._cursor is None else self.value_at(self._cursor)
-            self._legend.show_values(self._span(), value)
+            self._legend.show_values(self.span, value)
 
     def move(self, event: QMouseEvent) -> bool:
         """Read the value under the cursor, which is there for others too."""

@@ -10,33 +10,12 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 from apd_viewer.language import tr
 from apd_viewer.ui.dial import DECADES, Dial
 from apd_viewer.ui.fields import Choice, Number
+from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document
-
-METHOD_NAMES = {
-    "exact": tr("Exact"),
-    "local": tr("Local"),
-    "paper": tr("Paper (Li & Hui)"),
-    "arap": tr("ARAP"),
-}
-METHOD_WORDS = {
-    "exact": (
-        tr("Keeps the total area exactly, and the handles where you put them."),
-        tr("Gives up a little rigidity."),
-    ),
-    "local": (
-        tr("Keeps the area of every triangle, like fabric or PET film."),
-        tr("Gives up smoothness: it wrinkles."),
-    ),
-    "paper": (
-        tr("Keeps the total area within the tolerance."),
-        tr("Gives up a little of where you put the handles."),
-    ),
-    "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
-}
 
 
 class MethodSection(Section):

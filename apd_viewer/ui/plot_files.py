@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PySide6.QtCore import QRect, QRectF, QSize
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize
 from PySide6.QtGui import QColor, QImage, QPaintDevice, QPainter
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFileDialog, QWidget
@@ -50,8 +50,25 @@ def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
                 raise OSError(tr("the picture could not be encoded"))
 
 
-def _paint(device: QPaintDevice, size: QSize, draw: Callable[[QPainter], None]) -> None:
+def svg_of(size: QSize, draw: Callable[[QPainter], None]) -> str:
+    """What ``draw`` paints into a field of a size, on nothing, as an SVG element for a page."""
+    content = QByteArray()
+    buffer = QBuffer(content)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    sheet = QSvgGenerator()
+    sheet.setOutputDevice(buffer)
+    sheet.setSize(size)
+    sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+    _paint(sheet, size, draw, paper=None)
+    text = bytes(content.data()).decode("utf-8")
+    return text[text.index("<svg") :].strip()
+
+
+def _paint(
+    device: QPaintDevice, size: QSize, draw: Callable[[QPainter], None], paper: str | None = _PAPER
+) -> None:
     painter = QPainter(device)
-    painter.fillRect(QRectF(0, 0, size.width(), size.height()), QColor(_PAPER))
+    if paper is not None:
+        painter.fillRect(QRectF(0, 0, size.width(), size.height()), QColor(paper))
     draw(painter)
     painter.end()

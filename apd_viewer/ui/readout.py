@@ -19,6 +19,27 @@ if TYPE_CHECKING:
     from apd_viewer.session.units import Unit
 
 NOTHING, LATER = "–", "…"
+METHOD_NAMES = {
+    "exact": tr("Exact"),
+    "local": tr("Local"),
+    "paper": tr("Paper (Li & Hui)"),
+    "arap": tr("ARAP"),
+}
+METHOD_WORDS = {
+    "exact": (
+        tr("Keeps the total area exactly, and the handles where you put them."),
+        tr("Gives up a little rigidity."),
+    ),
+    "local": (
+        tr("Keeps the area of every triangle, like fabric or PET film."),
+        tr("Gives up smoothness: it wrinkles."),
+    ),
+    "paper": (
+        tr("Keeps the total area within the tolerance."),
+        tr("Gives up a little of where you put the handles."),
+    ),
+    "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
+}
 _MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _KEPT = 1e-6  # how far a region may be from its target, in percent of its area at rest, to be called kept
 _LITRE = 0.1  # of which on people say litres

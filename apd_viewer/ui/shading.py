@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from vtkmodules.vtkCommonCore import reference
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
 
 from apd_viewer.ui.color_maps import ColorMap
@@ -78,6 +81,16 @@ def scale_heat(actor: vtkActor, neutral: float, pixel: float) -> None:
     uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
     uniforms.SetUniformf("heatNeutral", neutral)
     uniforms.SetUniformf("heatPixel", pixel)
+
+
+def thicken_stripes(actor: vtkActor, factor: float) -> None:
+    """Draw the stripes of what is painted wider, where there are any."""
+    uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
+    names = [uniforms.GetNthUniformName(k) for k in range(uniforms.GetNumberOfUniforms())]
+    if "heatPixel" in names:
+        pixel: Any = reference(0.0)
+        uniforms.GetUniformf("heatPixel", pixel)
+        uniforms.SetUniformf("heatPixel", factor * pixel.get())
 
 
 def match_background(actor: vtkActor, dark: bool) -> None:

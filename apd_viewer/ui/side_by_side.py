@@ -20,10 +20,10 @@ from apd_viewer.ui.chore import Chore
 from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.fields import Check
 from apd_viewer.ui.icons import application_icon
-from apd_viewer.ui.method_section import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.method_view import HEAD, MethodView
 from apd_viewer.ui.outcome_table import OutcomeTable
 from apd_viewer.ui.outcomes import columns, readings, write_outcomes
+from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.shared_scale import SharedScale
 from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.viewport import link

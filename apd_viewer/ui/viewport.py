@@ -65,7 +65,7 @@ class Viewport(QtInteractor):
     resized = Signal()
     clicked = Signal(QPointF)
 
-    _in_paint: bool  # the stock widget's
+    _in_paint: bool  # of the base class: while it is set a draw is not brought to the screen
 
     def __init__(self, parent: QWidget | None = None) -> None:
         self.tools: list[Any] = []
@@ -193,7 +193,7 @@ class Viewport(QtInteractor):
             return
         size = window.GetSize()
         self.makeCurrent()
-        self._in_paint = True  # or each draw would be brought to the screen
+        self._in_paint = True
         try:
             yield window
         finally:

@@ -31,6 +31,7 @@ from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.plots import Plots
+from apd_viewer.ui.reporting import Reporting
 from apd_viewer.ui.room import Room
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.studies import Studies
@@ -93,6 +94,7 @@ class Window(QMainWindow):
         self.looks = Looks(self.canvas, self._memory, (self.invitation, self.offer, self.health.list))
         self.comparing = Comparing(self.canvas, self.looks, self._memory, self.notice)
         self._make_panel()
+        self.reporting = Reporting(self, self.canvas, self.looks, self.room, self._memory, self.notice)
         self.deeds = Deeds(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
@@ -146,6 +148,7 @@ class Window(QMainWindow):
         self._connect_panel()
         self.plots.start(self.session)
         self.comparing.start(self.session, self.actions_)
+        self.reporting.start(self.session)
         self._started = True
         self.filing.start(self.session)
         self.offer.start()
@@ -179,13 +182,9 @@ class Window(QMainWindow):
         )
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
+        parts = self.filing, self.deeds, self.canvas, self.looks, self.studies, self.comparing, self.reporting
         return {
-            **self.filing.verbs,
-            **self.deeds.verbs,
-            **self.canvas.verbs,
-            **self.looks.verbs,
-            **self.studies.verbs,
-            **self.comparing.verbs,
+            **{name: verb for part in parts for name, verb in part.verbs.items()},
             "quit": self.close,
             "take": self.take,
             "way": self.choose_way,

@@ -1,0 +1,52 @@
+"""By what a file can be known again: its name, where it is, how long it is, and its digest."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import NamedTuple
+
+from apd_viewer.files.samples import resource
+
+_PORTION = 1 << 20  # bytes
+
+
+class Fingerprint(NamedTuple):
+    """A file as it is now.
+
+    Attributes
+    ----------
+    place : str
+        Where it is, for people: what is in the home folder begins with ``~``, which tells nobody's name.
+    size : int or None
+        In bytes; None if it cannot be read any more.
+    sha256 : str
+        In hexadecimal; empty if it cannot be read any more.
+    """
+
+    place: str
+    size: int | None
+    sha256: str
+
+
+def fingerprint(path: Path) -> Fingerprint:
+    """Read a file once, for its fingerprint."""
+    digest, size = hashlib.sha256(), 0
+    try:
+        with path.open("rb") as stream:
+            while portion := stream.read(_PORTION):
+                digest.update(portion)
+                size += len(portion)
+    except OSError:
+        return Fingerprint(place_of(path), None, "")
+    return Fingerprint(place_of(path), size, digest.hexdigest())
+
+
+def place_of(path: Path) -> str:
+    """Where a file is, without the name of whoever's home folder it is in; a sample is in the program."""
+    if resource("") in path.parents:
+        return path.name
+    try:
+        return (Path("~") / path.absolute().relative_to(Path.home())).as_posix()
+    except (ValueError, RuntimeError):  # elsewhere, or there is no home
+        return str(path.absolute())
