@@ -6,6 +6,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.scales import Measure, Scale
 
@@ -20,7 +21,7 @@ class ScaleBar(QWidget):
     """
 
     def __init__(self) -> None:
-        super().__init__(accessibleName="Colours of the overlay")
+        super().__init__(accessibleName=tr("Colours of the overlay"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._scale = Scale(Measure.AREA, 0.1)
         self._unit = Unit.NONE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.fields import small_button
@@ -48,9 +48,6 @@ class ActionRow(QFrame):
             ),
             tr("Back to the standard: {standard}").format(standard=standard),
         )
-        policy = QSizePolicy(self.back.sizePolicy())
-        policy.setRetainSizeWhenHidden(True)
-        self.back.setSizePolicy(policy)
         row = QHBoxLayout(self, spacing=8)
         row.setContentsMargins(*_EDGES)
         row.addWidget(self._symbol)
