@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
@@ -58,13 +59,12 @@ class Comparing:
         """Compare methods on the document as it is now, or say what is missing for that."""
         if self._at_work is None or self._at_work[0].state is None:
             return
-        session, state = self._at_work[0], self._at_work[0].state
-        why_not = state.document.problem or (None if session.moved else _AT_REST)
-        if why_not:
-            self._notice.fail(why_not)
+        session, state, actions = self._at_work[0], self._at_work[0].state, self._at_work[1]
+        if sentence := _why_not(session):
+            self._notice.fail(sentence)
             return
         if self.window is None:
-            self.window = self._made(self._at_work[1])
+            self.window = self._made(actions)
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
@@ -82,19 +82,20 @@ class Comparing:
         window.closed.connect(self._forget)
         axes = "front", "side", "top", "-front", "-side", "-top"
         keys = [
-            (action.shortcuts(), lambda view, axis=axis: view.viewport.look_along(axis))
+            (action.shortcuts(), partial(window.room.look_along, axis))
             for action, axis in zip(actions.views, axes, strict=True)
         ]
-        window.give_keys([*keys, (actions.frame.shortcuts(), lambda _: window.frame())])
+        window.give_keys([*keys, (actions.frame.shortcuts(), window.room.frame)])
         return window
 
     def _again(self) -> None:
-        if self._at_work is not None and self._at_work[0].state is not None and self.window is not None:
-            session, state = self._at_work[0], self._at_work[0].state
-            if state.document.problem:
-                self._notice.fail(state.document.problem)
-            else:
-                self.window.compare(state, session.unit)
+        if self._at_work is None or self.window is None:
+            return
+        session = self._at_work[0]
+        if sentence := _why_not(session):
+            self.window.refuse(sentence)
+        elif session.state is not None:
+            self.window.compare(session.state, session.unit)
 
     def _forget(self) -> None:
         window, self.window = self.window, None
@@ -111,3 +112,10 @@ class Comparing:
         """Close the window."""
         if self.window is not None:
             self.window.close()
+
+
+def _why_not(session: Session) -> str | None:
+    """What has to be done before methods can be compared, as a sentence; None if nothing."""
+    if session.state is None:
+        return None
+    return session.state.document.problem or (None if session.moved else _AT_REST)

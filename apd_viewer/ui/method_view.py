@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
@@ -37,9 +37,13 @@ class MethodView(QWidget):
     viewport : Viewport
     surface : Surface
     pointer : Pointer
+    measured : Signal()
+        There are other values.
     values : (n,) float array or None
         The local change that is drawn.
     """
+
+    measured = Signal()
 
     def __init__(self, title: str) -> None:
         super().__init__(accessibleName=title)
@@ -135,6 +139,14 @@ class MethodView(QWidget):
         write(self.values, True, self._scale.end, surface.shades)
         surface.shades_changed()
         self._wear()
+        self.measured.emit()
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The least and the largest of the values; None where there are none."""
+        if self.values is None or np.isnan(self.values).all():
+            return None
+        return float(np.fmin.reduce(self.values)), float(np.fmax.reduce(self.values))
 
     def point_at(self, place: Place | None, unit: Unit) -> None:
         """Mark a place, and read the change there."""

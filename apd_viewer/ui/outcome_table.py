@@ -41,7 +41,7 @@ class OutcomeTable(QTableWidget):
         self.setFont(tabular(self.font()))
         across, down = self.horizontalHeader(), self.verticalHeader()
         across.setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        across.setMinimumSectionSize(92)
+        across.setMinimumSectionSize(96)
         across.setDefaultAlignment(_RIGHT)
         across.setHighlightSections(False)
         down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)

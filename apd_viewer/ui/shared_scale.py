@@ -11,7 +11,7 @@ from apd_viewer.ui.fields import Number
 from apd_viewer.ui.scale_bar import ScaleBar
 from apd_viewer.ui.scales import Scale, nice
 
-_WIDTH = 264
+_WIDTH = 248
 
 
 class SharedScale(QWidget):
@@ -56,10 +56,10 @@ class SharedScale(QWidget):
         grid.setRowStretch(3, 1)
         self._show()
 
-    def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
-        """Show the least and the largest value of all shapes, and one of them."""
+    def show_span(self, span: tuple[float, float] | None) -> None:
+        """Show the least and the largest value of all shapes; None shows none."""
         self._span = span
-        self._bar.show_values(span, value)
+        self._bar.show_values(span, None)
         self.fit.setEnabled(span is not None)
 
     def _fit(self) -> None:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
 from PySide6.QtCore import QSize, Qt, Signal, Slot
-from PySide6.QtGui import QCloseEvent, QKeySequence, QResizeEvent, QShortcut
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -20,13 +18,12 @@ from apd_viewer.ui.chore import Chore
 from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.fields import Check
 from apd_viewer.ui.icons import application_icon
-from apd_viewer.ui.method_view import HEAD, MethodView
+from apd_viewer.ui.linked_views import LinkedViews
 from apd_viewer.ui.outcome_table import OutcomeTable
 from apd_viewer.ui.outcomes import columns, readings, write_outcomes
 from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.shared_scale import SharedScale
 from apd_viewer.ui.theme import LIGHT, Theme
-from apd_viewer.ui.viewport import link
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.change import Change
@@ -34,7 +31,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.units import Unit
     from apd_viewer.ui.camera import Camera
     from apd_viewer.ui.memory import Memory
-    from apd_viewer.ui.pointer import Place
     from apd_viewer.ui.scales import Scale
 
 _FEWEST = 2
@@ -63,6 +59,7 @@ class SideBySide(QWidget):
     Attributes
     ----------
     again_asked, closed : Signal()
+    room : LinkedViews
     views : dict of str to MethodView
     checks : dict of str to Check
     table : OutcomeTable
@@ -78,24 +75,21 @@ class SideBySide(QWidget):
         super().__init__(None, Qt.WindowType.Window, objectName="comparison")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
-        self.setMinimumSize(800, 560)
+        self.setMinimumSize(960, 600)
         self.resize(_SIZE)
         self._memory, self._eye, self._theme = memory, eye, LIGHT
         self.comparison: Comparison | None = None
         self._state: State | None = None
-        self._unit: Unit | None = None
-        self._place: Place | None = None
         self._chore = Chore(self)
         self._chore.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.views = {method: MethodView(METHOD_NAMES[method]) for method in COMPARED}
-        link([view.viewport for view in self.views.values()])
-        for view in self.views.values():
-            view.pointer.hovered.connect(self._point_at)
+        self.room = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
+        self.views = self.room.views
         chosen = [method for method in COMPARED if method in memory.compared]
         self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
+        self.room.read.connect(self.legend.show_span)
         self.table = OutcomeTable()
         self._lay_out()
 
@@ -134,9 +128,6 @@ class SideBySide(QWidget):
         for button in (self.stop, self.again, self.save_table, self.save_picture):
             buttons.addWidget(button)
         head.addLayout(buttons)
-        self._room = QWidget(objectName="room")
-        self._grid = QGridLayout(self._room, spacing=1)
-        self._grid.setContentsMargins(0, 1, 0, 1)
         foot = QHBoxLayout(spacing=32)
         foot.setContentsMargins(12, 10, 12, 8)
         foot.addWidget(self.legend, 0, Qt.AlignmentFlag.AlignTop)
@@ -144,17 +135,14 @@ class SideBySide(QWidget):
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)
-        column.addWidget(self._room, 1)
+        column.addWidget(self.room, 1)
         column.addLayout(foot)
 
-    def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[MethodView], object]]]) -> None:
-        """Have keys do something with all views, as they do in the main window."""
+    def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[], object]]]) -> None:
+        """Have keys do something, as they do in the main window."""
         for sequences, do in keys:
             for sequence in sequences:
-                QShortcut(sequence, self, partial(self._do, do))
-
-    def _do(self, do: Callable[[MethodView], object]) -> None:
-        do(next(iter(self.views.values())))  # all others look through the same camera
+                QShortcut(sequence, self, do)
 
     # Comparing
 
@@ -170,38 +158,19 @@ class SideBySide(QWidget):
         name = state.document.mesh.name
         self.setWindowTitle(tr("Compare methods – {name}").format(name=name))
         first = self._state is None or self._state.document.mesh is not state.document.mesh
-        self._state, self._unit = state, unit
+        self._state = state
         self.comparison = Comparison(state.document, self._woken.emit)
         self.table.begin(columns(state, unit))
         try:
-            for view in self.views.values():
-                view.begin(state)
+            self.room.begin(state, unit)
         except MemoryError:
             self._say(_NO_ROOM, warn=True)
             return
         if first:
-            self._look(state)
+            self.room.look(state, self._eye)
         self._prepare(state)
         self._choose()
         self.views[self.chosen[0]].viewport.setFocus()
-
-    def _look(self, state: State) -> None:
-        """Look as the main window does, at all that there will be to see, as far as that is known."""
-        view = self.views[COMPARED[0]].viewport
-        direction = self._eye.position - self._eye.focal
-        view.eye = replace(view.eye, position=direction, focal=np.zeros(3), up=self._eye.up)
-        right, up, _ = view.eye.axes
-        both = np.vstack([state.document.mesh.V, state.frame.U])
-        self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
-        self._frame(both)
-
-    def frame(self) -> None:
-        """Show all of every shape."""
-        self._frame(np.vstack([self.views[method].surface.U for method in self.chosen]))
-
-    def _frame(self, points: np.ndarray) -> None:
-        for view in self.views.values():
-            view.viewport.frame(points)
 
     def _prepare(self, state: State) -> None:
         """Get ready to measure: what is compiled for it takes a while at the first time."""
@@ -219,9 +188,7 @@ class SideBySide(QWidget):
         if not isinstance(result, _Ready):
             self._say(_NO_ROOM, warn=True)
             return
-        for view in self.views.values():
-            view.show_scale(self.legend.scale)
-            view.measure_by(result.change, result.write)
+        self.room.measure_by(result.change, result.write, self.legend.scale)
 
     def _choose(self) -> None:
         """Compare the methods that are checked, two at least."""
@@ -232,7 +199,7 @@ class SideBySide(QWidget):
             check.setEnabled(not needed)
             about = tr("Two methods are compared at least.") if needed else " ".join(METHOD_WORDS[method])
             check.setToolTip(about)
-        self._arrange()
+        self.room.show_views(chosen)
         self.table.show_methods([METHOD_NAMES[method] for method in chosen])
         if self.comparison is not None:
             self.comparison.want(chosen)
@@ -275,39 +242,17 @@ class SideBySide(QWidget):
             self.status.style().unpolish(self.status)
             self.status.style().polish(self.status)
 
+    def refuse(self, sentence: str) -> None:
+        """Say why something that was asked for is not done."""
+        self._say(sentence, warn=True)
+
     def _rescale(self) -> None:
-        for view in self.views.values():
-            view.show_scale(self.legend.scale)
-        self._point_at(self._place)
-
-    def _point_at(self, place: Place | None) -> None:
-        """Mark a place on all shapes, and read all of them there."""
-        self._place = place
-        if self._unit is not None:
-            for view in self.views.values():
-                view.point_at(place, self._unit)
-
-    def _arrange(self) -> None:
-        """Lay the views out so that the shapes are as large as they can be."""
-        chosen = self.chosen
-        across = _across(len(chosen), self._room.width(), self._room.height(), self._aspect)
-        places = {method: divmod(k, across) for k, method in enumerate(chosen)}
-        for k in range(len(COMPARED)):
-            self._grid.setRowStretch(k, int(k <= max(row for row, _ in places.values())))
-            self._grid.setColumnStretch(k, int(k < across))
-        for method, view in self.views.items():
-            if method in places:
-                self._grid.addWidget(view, *places[method])
-            view.setVisible(method in places)
-        self._columns = across
-
-    _aspect, _columns = 1.0, 0
+        self.room.show_scale(self.legend.scale)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the backgrounds."""
         self._theme = theme
-        for view in self.views.values():
-            view.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
+        self.room.set_theme(theme)
 
     # Saving
 
@@ -343,19 +288,24 @@ class SideBySide(QWidget):
         for method, outcome in self._outcomes():
             view = self.views[method]
             found = readings(self._state, outcome)
-            brief = [f"{self.table.columns[k].title} {self.table.columns[k].written(found)}" for k in (0, 2)]
-            shown.append(
-                Shown(METHOD_NAMES[method], ", ".join(brief) if found else "", view.picture(SHARPNESS))
-            )
+            brief = [] if outcome.finished and found else [view.said[0]]
+            for column in (self.table.columns[k] for k in (0, 2)):
+                brief += [f"{column.title} {column.written(found)}"] if found else []
+            shown.append(Shown(view.title, ", ".join(brief), view.picture(SHARPNESS)))
         self.set_theme(self._theme)
-        write_comparison(path, shown, self._columns, self.legend.scale, self.font())
+        write_comparison(path, shown, self.room.across, self.legend.scale, self.font())
 
     # Events
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Lay the views out anew."""
-        super().resizeEvent(event)
-        self._arrange()
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Stop on Esc; close where there is nothing to stop."""
+        if event.key() == Qt.Key.Key_Escape:
+            if self.stop.isEnabled():
+                self._stop()
+            else:
+                self.close()
+        else:
+            super().keyPressEvent(event)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """End the process, and the views before their window."""
@@ -363,19 +313,9 @@ class SideBySide(QWidget):
             self.comparison.close()
             self.comparison = None
         self._chore.close()
-        for view in self.views.values():
-            view.viewport.close()
+        self.room.close_all()
         self.closed.emit()
         super().closeEvent(event)
-
-
-def _across(count: int, width: int, height: int, aspect: float) -> int:
-    """How many of ``count`` views stand beside each other so that shapes of an aspect are largest."""
-
-    def size(across: int) -> float:
-        return min(width / across / aspect, height * across / count - HEAD)
-
-    return max((across for across in range(1, count + 1) if count % across == 0), key=size)
 
 
 def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
@@ -389,10 +329,9 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
     if outcome.finished and frame is not None:
         said = tr("settled") if frame.converged else tr("not reached")
         return said, frame.unreached or "", ""
-    number = 0 if frame is None else frame.iteration
     if method == comparison.under_way:
-        return (tr("iteration {n:,}").format(n=number) if number else tr("preparing")), "", ""
-    return tr("stopped at iteration {n:,}").format(n=number), "", ""
+        return (tr("iteration {n:,}").format(n=frame.iteration) if frame else tr("preparing")), "", ""
+    return (tr("stopped at iteration {n:,}").format(n=frame.iteration) if frame else tr("stopped")), "", ""
 
 
 def _progress(comparison: Comparison, chosen: list[str]) -> str:

@@ -219,6 +219,25 @@ def settings(driver):
     driver.scene("undone")
 
 
+def comparing(driver):
+    driver.window.comparing.open()
+    side = driver.window.comparing.window
+    driver.scene("methods begin to be compared")
+    driver.wait(lambda: any(view.said[1] or view.values is not None for view in side.views.values()))
+    driver.scene("methods being compared")
+    driver.wait(lambda: side.comparison.under_way is None)
+    driver.scene("methods compared")
+    for k in range(side.table.columnCount()):
+        head = side.table.horizontalHeaderItem(k)
+        driver.reader.note(head.text(), "a column")
+        driver.reader.note(head.toolTip(), "a column")
+    for row in range(side.table.rowCount()):
+        driver.reader.note(side.table.verticalHeaderItem(row).text(), "a line")
+    side.write_picture(driver.folder / "methods.png")
+    side.close()
+    driver.wait()
+
+
 def parts(driver):
     window, session = driver.window, driver.window.session
     window.docks["history"].show()
@@ -345,7 +364,7 @@ def files(driver):
 def main():
     folder = Path(sys.argv[1])
     driver = Driver(folder, map(int, os.environ.get("SIZE", "1280x720").split("x")))
-    for act in (start, settings, parts, mistakes, help_, files):
+    for act in (start, settings, comparing, parts, mistakes, help_, files):
         act(driver)
     keys = {
         key.toString(form)

@@ -1,0 +1,330 @@
+"""Methods side by side in a real window: the table, the linked views, the colours, and the files."""
+
+import csv
+import re
+import threading
+
+import numpy as np
+import pytest
+from driving import LEFT, NONE, Mouse, centre, document, idle
+from meshes import box, ends
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+from test_session import BENT
+
+import apd_viewer
+from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.ui import plot_files
+from apd_viewer.ui.outcomes import _error
+
+CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+SETTLED = 30_000
+
+
+def paint_ends(window):
+    base, handle = ends(document(window).mesh.V)
+    for ids, label in ((base, BASE), (handle, HANDLE)):
+        window.session.begin_gesture()
+        window.session.paint(ids, label)
+        window.session.end_stroke("paint")
+
+
+@pytest.fixture
+def bar(qtbot, window, compiled, monkeypatch):
+    """A window on a bar that is bent."""
+    monkeypatch.setattr("apd_viewer.session.solver.warm_up", lambda: None)
+    window.filing.show_mesh(Mesh(*box(2, 2, 6)))
+    idle(qtbot, window)
+    paint_ends(window)
+    window.session.pose_handle(BENT, 0, "bend")
+    idle(qtbot, window)
+    return window
+
+
+def opened(qtbot, window):
+    window.actions_.pose.compare.trigger()
+    side = window.comparing.window
+    qtbot.waitExposed(side)
+    return side
+
+
+@pytest.fixture
+def side(qtbot, bar):
+    """The methods compared, all having settled and been measured."""
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: all(view.said[0] == "settled" for view in side.views.values()), timeout=SETTLED)
+    qtbot.waitUntil(lambda: all(view.values is not None for view in side.views.values()), timeout=SETTLED)
+    qtbot.waitUntil(lambda: measured(side), timeout=SETTLED)
+    return side
+
+
+def measured(side):
+    """Whether what was measured last is what has settled."""
+    change = side.views["arap"]._measure[0]
+    return all(np.array_equal(v.values, change.area(v.surface.shape)) for v in side.views.values())
+
+
+def cells(side):
+    """The table by method and title of the column."""
+    table = side.table
+    titles = [table.horizontalHeaderItem(k).text() for k in range(table.columnCount())]
+    return {
+        table.verticalHeaderItem(row).text(): {
+            title: table.item(row, k).text() for k, title in enumerate(titles)
+        }
+        for row in range(table.rowCount())
+    }
+
+
+def number(text):
+    mantissa, _, power = text.replace("\u00a0", " ").split(" ")[0].replace("−", "-").partition("·10")
+    powers = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    return float(mantissa.replace(",", "")) * 10.0 ** float(power.translate(powers) or 0)
+
+
+def alone(window, method):
+    asked = document(window)
+    held, mesh = asked.constraints(), asked.mesh
+    return apd_viewer.deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles)
+
+
+def test_the_table_says_what_each_method_comes_to_alone(bar, side):
+    found = cells(side)
+    assert list(found) == ["ARAP", "Paper (Li & Hui)", "Exact", "Local"]
+    for method, line in zip(side.views, found.values(), strict=True):
+        result = alone(bar, method)
+        assert number(line["Area"]) == pytest.approx(100 * result.area / result.area_rest, abs=6e-5)
+        assert number(line["Area error"]) == pytest.approx(100 * result.area_error, abs=6e-5)
+        assert number(line["Volume"]) == pytest.approx(100 * result.volume / result.volume_rest, abs=6e-4)
+        assert number(line["Energy"]) == pytest.approx(result.energy, rel=6e-5)
+        assert number(line["Handle drift"]) == pytest.approx(result.handle_drift, rel=6e-4, abs=1e-5)
+        assert number(line["Local change"]) == pytest.approx(100 * result.local_change, abs=6e-3)
+        assert number(line["Iterations"]) == result.iterations
+        assert re.fullmatch(r"[\d,]+\.\d\d\u00a0s", line["Time"])
+    assert len({line["Energy"] for line in found.values()}) == 4, "the test is blind"
+    assert "Eq. 1" in side.table.horizontalHeaderItem(3).toolTip()
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (1e-17, "0"), (0.012345678, "+1.2346"), (-5e-4, "−0.0500"), (-2.66e-15, "−3·10⁻¹³")],
+)
+def test_errors_are_written_with_the_digits_that_count(value, text):
+    assert _error(value) == text + "\u00a0%"
+
+
+def test_turning_one_view_turns_all(qtbot, side):
+    views = [view.viewport for view in side.views.values()]
+    sizes = {(view.width(), view.height()) for view in views}
+    assert max(w for w, _ in sizes) - min(w for w, _ in sizes) <= 1
+    before, draws = views[0].eye, [view.draws for view in views]
+    Mouse(views[2]).drag((10, 10), (60, 30), (90, 40))
+    assert np.linalg.norm(views[0].eye.position - before.position) > 0.1 * before.distance
+    for view in views:
+        assert view.eye.key[:9] == views[0].eye.key[:9]
+    qtbot.waitUntil(lambda: all(v.draws > n for v, n in zip(views, draws, strict=True)))
+    Mouse(views[1]).wheel(centre(views[1]), 2)
+    assert views[3].eye.distance < 0.99 * before.distance
+    side.activateWindow()
+    qtbot.waitUntil(side.isActiveWindow)
+    qtbot.keyClick(views[3], Qt.Key.Key_3)
+    direction = views[0].eye.position - views[0].eye.focal
+    np.testing.assert_allclose(direction / np.linalg.norm(direction), [1.0, 0.0, 0.0], atol=1e-9)
+    qtbot.keyClick(views[0], Qt.Key.Key_F)
+    for view, shown in zip(views, side.views.values(), strict=True):
+        at = view.project(shown.surface.U)
+        assert (at > 0).all()
+        assert (at < [view.width(), view.height()]).all()
+
+
+def test_equal_values_have_equal_colours_in_all_views(qtbot, side):
+    side.legend.reach.setValue(4.0)
+    assert side.legend.scale.reach == 0.04
+    colors = {}
+    for view in side.views.values():
+        view.viewport.screenshot(return_img=True)
+        for value, shade in zip(view.values, view.surface.shades, strict=True):
+            colors.setdefault(round(float(value), 12), set()).add(int(shade))
+        end = np.log(1.04)
+        expected = np.clip(128 + 127 * view.values / end, 1, 255)
+        np.testing.assert_allclose(view.surface.shades, expected, atol=0.51)
+        assert view.surface.worn is side.views["arap"].surface.worn
+    assert all(len(shades) == 1 for shades in colors.values())
+    assert {1, 255} <= {shade for shades in colors.values() for shade in shades}
+    all_values = np.concatenate([view.values for view in side.views.values()])
+    span = all_values.min(), all_values.max()
+    qtbot.waitUntil(lambda: side.legend._span == pytest.approx(span))
+    qtbot.mouseClick(side.legend.fit, LEFT)
+    largest = np.expm1(np.abs(all_values).max())
+    assert largest <= side.legend.scale.reach < 2.51 * largest
+
+
+def test_the_place_under_the_cursor_is_read_on_every_shape(side):
+    view = side.views["exact"]
+    at = view.viewport.project(view.surface.U.mean(axis=0)[None])[0]
+    Mouse(view.viewport).move(at, NONE)
+    place = view.pointer.place
+    corners = view.surface.skin.F[place.face]
+    point = place.shares @ view.surface.U[corners]
+    np.testing.assert_allclose(view.viewport.project(point[None])[0], at, atol=0.1)
+    for other in side.views.values():
+        value = 100.0 * np.expm1(place.shares @ other.values[corners])
+        assert number(other.read) == pytest.approx(value, rel=6e-3, abs=1e-2)
+    view.viewport.leaveEvent(None)
+    assert {other.read for other in side.views.values()} == {""}
+
+
+def test_two_are_compared_at_least_and_the_choice_is_remembered(qtbot, bar, side):
+    for method in ("local", "paper"):
+        qtbot.mouseClick(side.checks[method], LEFT)
+    assert side.chosen == ["arap", "exact"]
+    assert [method for method, check in side.checks.items() if not check.isEnabled()] == ["arap", "exact"]
+    qtbot.mouseClick(side.checks["arap"], LEFT)
+    assert side.chosen == ["arap", "exact"]
+    assert list(cells(side)) == ["ARAP", "Exact"]
+    assert [view.isVisible() for view in side.views.values()] == [True, False, True, False]
+    side.close()
+    again = opened(qtbot, bar)
+    assert again.chosen == ["arap", "exact"]
+
+
+def asked(monkeypatch, path):
+    monkeypatch.setattr(plot_files.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
+
+
+def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):
+    asked(monkeypatch, tmp_path / "methods")
+    qtbot.mouseClick(side.save_table, LEFT)
+    assert side.status.text() == "Wrote methods.csv."
+    with (tmp_path / "methods.csv").open(newline="", encoding="utf-8") as stream:
+        lines = list(csv.DictReader(stream))
+    assert [line["method"] for line in lines] == list(side.views)
+    for line in lines:
+        outcome = side.comparison.outcomes[line["method"]]
+        assert float(line["area"]) == outcome.frame.area
+        assert float(line["area_error"]) == outcome.frame.area_error
+        assert float(line["volume"]) == outcome.frame.volume
+        assert float(line["energy"]) == outcome.account.energy
+        assert float(line["handle_drift"]) == outcome.frame.handle_drift
+        assert float(line["local_change"]) == outcome.frame.local_change
+        assert int(line["iterations"]) == outcome.frame.iteration
+        assert float(line["seconds"]) == outcome.account.seconds
+        assert float(line["area_rest"]) == bar.session.state.inspection.area
+
+
+def test_the_picture_has_all_shapes_and_leaves_the_views_as_they_were(qtbot, side, monkeypatch, tmp_path):
+    view = side.views["exact"].viewport
+    before = view.screenshot(return_img=True)
+    asked(monkeypatch, tmp_path / "methods.png")
+    qtbot.mouseClick(side.save_picture, LEFT)
+    np.testing.assert_array_equal(view.screenshot(return_img=True), before)
+    image = QImage(str(tmp_path / "methods.png")).convertToFormat(QImage.Format.Format_RGB888)
+    pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
+    pixels = pixels[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(int)
+    drawn = (np.ptp(pixels, axis=2) > 60).reshape(image.height(), -1)
+    across = side.room.across
+    for part in np.array_split(drawn[: image.height() * 3 // 4], across, axis=1):
+        assert part.mean() > 0.002, "a view without a shape in colours"
+    assert drawn[image.height() * 7 // 8 :].sum() > 100, "no legend"
+    assert (pixels[2, 2] == 255).all()
+
+
+def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, side, monkeypatch, tmp_path):
+    for button, suffix in ((side.save_table, ".csv"), (side.save_picture, ".png")):
+        asked(monkeypatch, tmp_path / "nowhere" / f"x{suffix}")
+        qtbot.mouseClick(button, LEFT)
+        assert side.status.text().endswith("choose another place. Nothing was changed there.")
+        assert side.status.property("warn")
+    assert list(tmp_path.rglob("x*")) == []
+
+
+def endless(monkeypatch):
+    """Let no method settle in the comparison."""
+    monkeypatch.setattr("apd_viewer.geometry.deformation.Deformation.settled", property(lambda _: False))
+    monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 10**9)
+
+
+def solvers():
+    return [thread for thread in threading.enumerate() if thread.name in ("solver", "answers")]
+
+
+def test_closed_in_the_middle_it_leaves_nothing(qtbot, bar, monkeypatch):
+    own = len(solvers())
+    endless(monkeypatch)
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
+    assert len(solvers()) == own + 2
+    assert side.views["exact"].said[0] == "waits"
+    assert re.fullmatch(r"ARAP \(1 of 4\): iteration [\d,]+", side.status.text())
+    side.close()
+    assert len(solvers()) == own
+    assert bar.comparing.window is None
+
+
+def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch):
+    own = len(solvers())
+    endless(monkeypatch)
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
+    qtbot.keyClick(side.views["arap"].viewport, Qt.Key.Key_Escape)
+    assert side.views["arap"].said[0].startswith("stopped at iteration")
+    assert side.views["local"].said[0] == "not begun"
+    assert len(solvers()) == own
+    assert side.isVisible()
+    bar.close()
+    assert not side.isVisible()
+
+
+def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
+    before = cells(side)["Exact"]["Energy"]
+    bar.session.put_back_handle(0)
+    idle(qtbot, bar)
+    bar.session.reset_handle()
+    idle(qtbot, bar)
+    qtbot.mouseClick(side.again, LEFT)
+    assert "at rest" in side.status.text()
+    assert cells(side)["Exact"]["Energy"] == before
+    pose = BENT.copy()
+    pose[0, 3] += 1.0
+    bar.session.pose_handle(pose, 0, "bend")
+    qtbot.mouseClick(side.again, LEFT)
+    done = side.comparison
+    qtbot.waitUntil(lambda: done.under_way is None, timeout=SETTLED)
+    assert number(cells(side)["Exact"]["Energy"]) == pytest.approx(alone(bar, "exact").energy, rel=6e-5)
+    assert cells(side)["Exact"]["Energy"] != before
+
+
+def test_what_is_missing_is_said_by_the_action(qtbot, window):
+    action = window.actions_.pose.compare
+    assert not action.isEnabled()
+    window.filing.show_mesh(Mesh(*box(2, 2, 6)))
+    idle(qtbot, window)
+    assert action.isEnabled()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_C, CTRL_SHIFT)
+    qtbot.waitUntil(lambda: window.notice.text == document(window).problem)
+    paint_ends(window)
+    idle(qtbot, window)
+    action.trigger()
+    assert "move a handle first" in window.notice.text
+    assert window.comparing.window is None
+
+
+def test_a_method_that_fails_says_so_over_its_view(qtbot, bar, monkeypatch, capfd):
+    real = apd_viewer.Deformation.iterate
+
+    def failing(solver):
+        if solver.method == "paper":
+            raise MemoryError
+        real(solver)
+
+    monkeypatch.setattr(apd_viewer.Deformation, "iterate", failing)
+    side = opened(qtbot, bar)
+    qtbot.waitUntil(lambda: side.views["local"].said[0] == "settled", timeout=SETTLED)
+    state, note = side.views["paper"].said
+    assert state == "failed"
+    assert note.startswith("There is not enough memory")
+    assert set(cells(side)["Paper (Li & Hui)"].values()) == {""}
+    assert side.views["exact"].said == ("settled", "")
