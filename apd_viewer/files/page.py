@@ -228,6 +228,7 @@ figure { margin: 0; }
 img, svg { display: block; width: 100%; height: auto; }
 figcaption { padding-top: 6px; font-size: 12.5px; }
 .pictures figcaption { padding: 6px 4px 2px; }
+figure + table { margin-top: 12px; }
 .legend { max-width: 272px; margin: 8px 0 0 auto; }
 .on-dark { display: none; }
 a { color: var(--accent); }

@@ -61,7 +61,10 @@ def exposed(
             _on_nothing(window, scene, transparent),
             _thicker(scene, finer * grown(seen, size)),
         ):
-            image = _drawn(window, size * finer)
+            # It would smooth the edge of the shape with a background that is not there.
+            scene.SetUseFXAA(finer == 1 and not transparent and window.GetMultiSamples() == 0)
+            image = _drawn(window, size * finer, transparent)
+            scene.SetUseFXAA(False)
     if finer > 1:
         smooth = Qt.TransformationMode.SmoothTransformation
         image = image.scaled(size, Qt.AspectRatioMode.IgnoreAspectRatio, smooth)
@@ -87,15 +90,17 @@ def _finer(window: vtkRenderWindow, size: QSize) -> int:
     return 2 if rough and 2 * longest <= most and 4 * pixels <= _MOST_DRAWN else 1
 
 
-def _drawn(window: vtkRenderWindow, size: QSize) -> QImage:
+def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
     width, height = size.width(), size.height()
     window.GetInteractor().UpdateSize(width, height)
     window.Render()
     pixels = vtkUnsignedCharArray()
     window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
     rows = vtk_to_numpy(pixels).reshape(height, width, 4)[::-1].copy()
-    # Drawn over nothing, a colour comes weighted by how much it covers.
+    # Drawn over nothing a colour comes weighted by how much it covers; a background claims to be nothing.
     kind = QImage.Format.Format_RGBA8888_Premultiplied
+    if not transparent:
+        rows[:, :, 3], kind = 255, QImage.Format.Format_RGBX8888
     return QImage(rows.data, width, height, 4 * width, kind).copy()
 
 
@@ -137,7 +142,8 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
     if not transparent:
         yield
         return
-    color, blended, bits = scene.GetBackground(), scene.GetGradientBackground(), window.GetAlphaBitPlanes()
+    color, blended = scene.GetBackground(), scene.GetGradientBackground()
+    alpha, bits = scene.GetBackgroundAlpha(), window.GetAlphaBitPlanes()
     scene.SetBackground(0.0, 0.0, 0.0)
     scene.GradientBackgroundOff()
     scene.SetBackgroundAlpha(0.0)
@@ -147,7 +153,7 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
     finally:
         scene.SetBackground(*color)
         scene.SetGradientBackground(blended)
-        scene.SetBackgroundAlpha(1.0)
+        scene.SetBackgroundAlpha(alpha)
         window.SetAlphaBitPlanes(bits)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,19 +9,16 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QByteArray, QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPen
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtWidgets import QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.replacing import replacing
 from apd_viewer.language import tr
-from apd_viewer.ui import dialogs
 from apd_viewer.ui.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.looks import Looks
-    from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.notice import Notice
 
 _MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
@@ -53,28 +49,18 @@ class Pictures:
 
     Parameters
     ----------
-    window : QWidget
-        Over which to ask.
     canvas : Canvas
     looks : Looks
-    memory : Memory
     notice : Notice
     """
 
-    def __init__(self, window: QWidget, canvas: Canvas, looks: Looks, memory: Memory, notice: Notice) -> None:
-        self._window, self._canvas, self._looks = window, canvas, looks
-        self._memory, self._notice = memory, notice
+    def __init__(self, canvas: Canvas, looks: Looks, notice: Notice) -> None:
+        self._canvas, self._looks, self._notice = canvas, looks, notice
         self._session: Session | None = None
-        self._wish: Wish | None = None
 
     def start(self, session: Session) -> None:
         """Take pictures of what is open in a session."""
         self._session = session
-
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """What can be done, by name."""
-        return {"save_picture": self.ask, "copy_picture": self.copy}
 
     @property
     def view_size(self) -> QSize:
@@ -91,21 +77,6 @@ class Pictures:
     def has_gizmo(self) -> bool:
         """Whether there is a gizmo to be seen."""
         return self._canvas.gizmo.visible
-
-    def ask(self) -> None:
-        """Let the user say what picture, and where to write it."""
-        if self._session is None or self._session.state is None:
-            return
-        from apd_viewer.ui.picture_dialog import PictureDialog
-
-        dialog = PictureDialog(self._window, self, self._wish or Wish(self.view_size * 2))
-        if dialog.exec():
-            self._wish = dialog.wish
-            mesh = self._session.state.document.mesh
-            path = dialogs.ask_where_to_put_picture(self._window, self._memory.folder, mesh)
-            if path is not None:
-                self.save(path, dialog.wish)
-        dialog.deleteLater()
 
     def save(self, path: Path, wish: Wish) -> None:
         """Write a picture as PNG; it is drawn now, and written in the background."""

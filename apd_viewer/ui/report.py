@@ -44,6 +44,7 @@ _LIBRARIES = (
 )
 _RIGID = 1e-9  # of the matrix of a motion: less of a scale is rounding
 _DIGITS = 8  # of numbers by which something is done again
+_ROUNDING = 1e-12  # of the size of a mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram:
         Part(tr("Findings"), tuple(_findings(subject)), wide=True),
         Part(tr("Mesh and file"), tuple(_mesh(state, unit, evidence.file))),
         Part(tr("Versions"), (Table(tuple(_versions())),)),
-        Part(tr("Do it again"), tuple(_again(state, evidence)), wide=True),
+        Part(tr("How to reproduce it"), tuple(_again(state, evidence)), wide=True),
     ]
     name = state.document.mesh.name
     return Page(
@@ -199,10 +200,10 @@ def _handles(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
             yield handle.name, tr("not painted"), ""
             continue
         said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
-        said += _motion(handle.pose, centre, unit)
+        said += _motion(handle.pose, centre, unit, size)
         pivot = document.pivot(k)
         if handle.pivot is not None and pivot is not None:
-            said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot))))
+            said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
         if handle.falloff:
             said.append(tr("falloff {length}").format(length=unit.length(figures(handle.falloff, 4))))
         yield handle.name, readout.motion(document, k, unit, size), "; ".join(said)
@@ -213,7 +214,7 @@ def _handles(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
         yield name, trn("{n:,} vertex", "{n:,} vertices", int(n)).format(n=int(n)), ""
 
 
-def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit) -> Iterator[str]:
+def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit, size: float) -> Iterator[str]:
     """A motion by which it can be done again: displacement of the centre, axis and angle, and scale."""
     if np.array_equal(pose, np.eye(4)):
         return
@@ -222,7 +223,7 @@ def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit) -> Iterator[str]:
     rigid[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     turn = decomposed(rigid, centre)
     displacement = (pose[:3, :3] - np.eye(3)) @ centre + pose[:3, 3]
-    yield tr("displacement {vector}").format(vector=unit.length(_vector(displacement)))
+    yield tr("displacement {vector}").format(vector=unit.length(_vector(displacement, size)))
     if turn.angle > 0.0:
         angle = f"{math.degrees(turn.angle):.6f}".rstrip("0").rstrip(".")
         yield tr("axis {vector}, angle {angle}°").format(vector=_vector(turn.axis), angle=angle)
@@ -231,8 +232,9 @@ def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit) -> Iterator[str]:
         yield tr("scaled by {factors}").format(factors=" × ".join(f"{factor:.6g}" for factor in factors))
 
 
-def _vector(x: np.ndarray) -> str:
-    least = 1e-12 * float(np.abs(x).max(initial=0.0))  # rounding
+def _vector(x: np.ndarray, size: float = 1.0) -> str:
+    """The coordinates, with digits enough to do it again; what is nothing but rounding is zero."""
+    least = _ROUNDING * size
     return "(" + ", ".join(f"{c:.{_DIGITS}g}".replace("-", "−") if abs(c) > least else "0" for c in x) + ")"
 
 
@@ -311,9 +313,16 @@ def _again(state: State, evidence: Evidence) -> Iterator[Block]:
     suffix = mesh.origin.suffix if mesh.origin is not None else ".obj"
     if evidence.session:
         size = tr("{n:,} bytes").format(n=len(evidence.session))
-        yield Note(tr("This file holds the mesh, all that was asked, and the shape; the program opens it."))
+        yield Note(
+            tr("This session has the mesh, all that was asked, and the shape in it; the program opens it.")
+        )
         yield Attached("report.apd", evidence.session, size)
     else:
         yield Note(tr("Save the session as report.apd, with the mesh in it; it is too long for this page."))
-    yield Note(tr("Without a window, from the rest shape; of a large motion another shape may come:"))
+    yield Note(
+        tr(
+            "Without a window it is deformed anew by this command, from the rest shape; "
+            "a large motion that was made step by step may end in another shape."
+        )
+    )
     yield Command(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")

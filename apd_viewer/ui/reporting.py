@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.ui import dialogs
-from apd_viewer.ui.pictures import Pictures
+from apd_viewer.ui.pictures import Pictures, Wish
 from apd_viewer.ui.scales import Measure, Scale, usual
 from apd_viewer.ui.theme import DARK, LIGHT, Theme
 
@@ -71,7 +71,8 @@ class Reporting:
         self._window, self._canvas, self._looks = window, canvas, looks
         self._room, self._memory, self._notice = room, memory, notice
         self._session: Session | None = None
-        self.pictures = Pictures(window, canvas, looks, memory, notice)
+        self.pictures = Pictures(canvas, looks, notice)
+        self._wish: Wish | None = None
 
     def start(self, session: Session) -> None:
         """Tell of what is open in a session."""
@@ -81,7 +82,11 @@ class Reporting:
     @property
     def verbs(self) -> dict[str, Callable[..., object]]:
         """What can be done, by name."""
-        return {"report": self.ask, **self.pictures.verbs}
+        return {
+            "report": self.ask,
+            "save_picture": self.ask_for_picture,
+            "copy_picture": self.pictures.copy,
+        }
 
     def ask(self) -> None:
         """Let the user choose where to write a report."""
@@ -90,6 +95,21 @@ class Reporting:
         path = dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
             self.write(path)
+
+    def ask_for_picture(self) -> None:
+        """Let the user say what picture to take, and where to write it."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        from apd_viewer.ui.picture_dialog import PictureDialog
+
+        pictures = self.pictures
+        dialog = PictureDialog(self._window, pictures, self._wish or Wish(pictures.view_size * 2))
+        if dialog.exec():
+            self._wish = wish = dialog.wish
+            path = dialogs.ask_where_to_put_picture(self._window, self._memory.folder, state.document.mesh)
+            if path is not None:
+                pictures.save(path, wish)
+        dialog.deleteLater()
 
     def write(self, path: Path) -> None:
         """Write a report of the shape on screen, in the background."""

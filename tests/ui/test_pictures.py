@@ -1,0 +1,251 @@
+"""Pictures of the view: what is in them, at any size, in files and on the clipboard."""
+
+import numpy as np
+import pytest
+from driving import idle, settle
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from apd_viewer.errors import InputError
+from apd_viewer.ui import dialogs
+from apd_viewer.ui.exposure import exposed, grown
+from apd_viewer.ui.picture_dialog import PictureDialog
+from apd_viewer.ui.pictures import Wish
+from apd_viewer.ui.scales import Measure
+
+SIZE = QSize(400, 300)
+
+
+def pixels(image):
+    """(h, w, 4) uint8, colours not weighted by what they cover."""
+    image = image.convertToFormat(QImage.Format.Format_RGBA8888)
+    rows = np.frombuffer(image.constBits(), dtype=np.uint8).reshape(image.height(), image.bytesPerLine())
+    return rows[:, : 4 * image.width()].reshape(image.height(), image.width(), 4).astype(int)
+
+
+def box(covered):
+    """Where something is: first and last column and row."""
+    rows, columns = np.flatnonzero(covered.any(axis=1)), np.flatnonzero(covered.any(axis=0))
+    return np.array([columns[0], columns[-1], rows[0], rows[-1]])
+
+
+def inner(covered):
+    """What is covered with all around it."""
+    kept = covered.copy()
+    for axis in (0, 1):
+        for way in (-2, -1, 1, 2):
+            kept &= np.roll(covered, way, axis)
+    return kept
+
+
+@pytest.fixture
+def still(qtbot, bottle):
+    settle(qtbot, bottle.canvas.viewport)
+    return bottle
+
+
+def test_the_colours_are_those_of_the_screen_and_the_corners_are_empty(still):
+    view = still.canvas.viewport
+    screen = np.asarray(view.screenshot(return_img=True)).astype(int)
+    size = QSize(screen.shape[1], screen.shape[0])
+    empty = pixels(exposed(view, size, transparent=True))
+    assert (empty[[0, 0, -1, -1], [0, -1, 0, -1]] == 0).all()
+    mesh = inner(empty[:, :, 3] == 255)
+    assert mesh.mean() > 0.05
+    differs = np.abs(empty[:, :, :3] - screen).max(axis=2)[mesh]
+    assert np.percentile(differs, 99) <= 12, "but for edges within the shape, which are smoothed in two ways"
+    assert np.median(differs) <= 1
+    seen = pixels(exposed(view, size))
+    away = ~inner(empty[:, :, 3] == 0)
+    assert (seen[:, :, 3] == 255).all()
+    assert np.abs(seen[:, :, :3] - screen).max(axis=2)[~away].max() <= 1
+
+
+def test_an_edge_is_as_bright_as_what_it_covers(still):
+    """No dark fringe: over a plain ground it is the same picture as one drawn on that."""
+    view = still.canvas.viewport
+    view.set_theme("#40c080")
+    drawn = pixels(exposed(view, SIZE))[:, :, :3]
+    empty = exposed(view, SIZE, transparent=True)
+    ground = QImage(SIZE, QImage.Format.Format_RGBA8888)
+    ground.fill(QColor("#40c080"))
+    with QPainter(ground) as painter:
+        painter.drawImage(0, 0, empty)
+    assert np.abs(pixels(ground)[:, :, :3] - drawn).max() <= 3
+
+
+@pytest.mark.parametrize("size", [(2400, 1800), (300, 900), (900, 200), (17, 16)])
+def test_all_that_is_seen_is_in_a_picture_of_any_size(still, size):
+    view, size = still.canvas.viewport, QSize(*size)
+    ratio = view.devicePixelRatioF()
+    own = box(pixels(exposed(view, view.size() * ratio, True))[:, :, 3] > 127) / ratio
+    image = exposed(view, size, transparent=True)
+    assert image.size() == size
+    scale = grown(view.size(), size)
+    middle = np.repeat([size.width() / 2, size.height() / 2], 2)
+    expected = middle + scale * (own - np.repeat([view.width() / 2, view.height() / 2], 2))
+    assert np.abs(box(pixels(image)[:, :, 3] > 127) - expected).max() <= 1.5 + scale
+
+
+def test_the_screen_stays_as_it_is(still):
+    view = still.canvas.viewport
+    before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.eye.angle
+    still.canvas.surface.edges = True
+    edged = view.screenshot(return_img=True)
+    for transparent in (True, False):
+        exposed(view, QSize(321, 654), transparent)
+    assert np.array_equal(view.screenshot(return_img=True), edged)
+    still.canvas.surface.edges = False
+    assert np.array_equal(view.screenshot(return_img=True), before)
+    assert (view.ren_win.GetSize(), view.eye.angle) == (size, angle)
+
+
+def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):
+    view = still.canvas.viewport
+    with pytest.raises(InputError, match=r"up to [\d,]+ pixels a side on this computer"):
+        exposed(view, QSize(1_000_000, 10))
+    with pytest.raises(InputError, match="up to 200 million pixels"):
+        exposed(view, QSize(15_000, 15_000))
+    before = view.screenshot(return_img=True)
+    still.reporting.pictures.save(tmp_path / "huge.png", Wish(QSize(1_000_000, 10)))
+    assert "choose a smaller one" in still.notice.text
+    assert not (tmp_path / "huge.png").exists()
+    assert np.array_equal(view.screenshot(return_img=True), before)
+
+
+def test_a_file_has_the_picture(qtbot, still, tmp_path):
+    wish = Wish(SIZE, transparent=True, gizmo=True)
+    still.reporting.pictures.save(tmp_path / "p.png", wish)
+    idle(qtbot, still)
+    assert still.notice.text == "Wrote p.png: 400 × 300 pixels."
+    image = QImage(str(tmp_path / "p.png"))
+    assert image.size() == SIZE
+    taken = pixels(still.reporting.pictures.taken(wish))
+    close = np.abs(pixels(image) - taken)[taken[:, :, 3] == 255]
+    assert close.max() <= 1
+    assert (pixels(image)[:, :, 3] == taken[:, :, 3]).all()
+
+
+def test_a_file_that_cannot_be_written_is_a_sentence(qtbot, still, tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    still.reporting.pictures.save(tmp_path / "file" / "p.png", Wish(SIZE))
+    qtbot.waitUntil(lambda: "cannot be written" in still.notice.text)
+    assert (tmp_path / "file").read_text() == "no folder"
+
+
+def test_the_gizmo_stands_where_it_stands_on_the_screen(still):
+    pictures, canvas = still.reporting.pictures, still.canvas
+    assert pictures.has_gizmo
+    for size in (SIZE, QSize(300, 700)):
+        bare, drawn = (pixels(pictures.taken(Wish(size, True, gizmo=on))) for on in (False, True))
+        changed = np.abs(bare - drawn).max(axis=2) > 40
+        scale, view = grown(canvas.viewport.size(), size), canvas.viewport
+        frame = canvas.gizmo.frame
+        ring = np.concatenate([frame.ring(axis)[0] for axis in range(3)])
+        middle = np.array([size.width(), size.height()]) / 2
+        ring = middle + scale * (ring - np.array([view.width(), view.height()]) / 2)
+        low, high = box(changed)[[0, 2]], box(changed)[[1, 3]]
+        assert (low <= ring.min(axis=0) + 2).all()
+        assert (high >= ring.max(axis=0) - 2).all()
+        x, y = ring.astype(int).T
+        assert changed[y, x].mean() > 0.5
+
+
+def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
+    pictures, heat = still.reporting.pictures, still.looks.heat
+    size = still.canvas.viewport.size()
+    assert not pictures.has_legend
+    plain = pixels(pictures.taken(Wish(size, True)))
+    assert plain[-20, 20, 3] == 0
+    still.looks.heat.choose(Measure.DISPLACEMENT)
+    qtbot.waitUntil(lambda: heat.span is not None, timeout=30_000)
+    assert pictures.has_legend
+    image = pixels(pictures.taken(Wish(size, True)))
+    corner = image[-90:, :290]
+    assert (corner[:, :, 3] == 255).mean() > 0.7
+    for place in (0.1, 0.5, 0.9):
+        away = np.abs(corner[:, :, :3] - heat.scale.color(place)).max(axis=2)
+        assert away.min() <= 6, place
+    assert (pixels(pictures.taken(Wish(size, True, legend=False)))[-20, 20] == 0).all()
+
+
+def test_the_clipboard_has_the_view(qtbot, still):
+    QGuiApplication.clipboard().clear()
+    still.activateWindow()
+    qtbot.waitUntil(still.isActiveWindow)
+    still.canvas.viewport.setFocus()
+    modifiers = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+    QTest.keyClick(still.canvas.viewport, Qt.Key.Key_C, modifiers)
+    view = still.canvas.viewport
+    qtbot.waitUntil(lambda: not QGuiApplication.clipboard().image().isNull())
+    image = QGuiApplication.clipboard().image()
+    assert image.size() == view.size() * view.devicePixelRatioF()
+    assert np.abs(pixels(image) - pixels(exposed(view, image.size()))).max() <= 1
+    assert still.notice.text.startswith("Copied a picture of")
+
+
+@pytest.fixture
+def dialog(qtbot, still):
+    dialog = PictureDialog(still, still.reporting.pictures, Wish(still.reporting.pictures.view_size * 2))
+    dialog.show()
+    qtbot.waitExposed(dialog)
+    yield dialog
+    dialog.reject()
+    dialog.deleteLater()
+    QApplication.processEvents()
+
+
+def test_the_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
+    view = still.reporting.pictures.view_size
+    assert dialog.times.currentText() == "2 × the view"
+    dialog.times.setCurrentIndex(2)
+    dialog.times.activated.emit(2)
+    assert dialog.wish.size == view * 3
+    dialog.width_.setValue(640)
+    assert dialog.times.currentText() == "Own size"
+    assert dialog.wish.size == QSize(640, 3 * view.height())
+    dialog.width_.setValue(view.width())
+    dialog.height_.setValue(view.height())
+    assert dialog.times.currentText() == "As the view"
+
+
+def test_the_dialog_shows_what_it_will_be(qtbot, dialog):
+    assert not dialog.legend.isEnabled()
+    assert dialog.gizmo.isEnabled()
+    assert dialog.preview.image.pixelColor(0, 0).alpha() == 255
+    QTest.mouseClick(dialog.transparent, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: dialog.preview.image.pixelColor(0, 0).alpha() == 0)
+    assert dialog.wish.transparent
+    wide, high = dialog.preview.image.width(), dialog.preview.image.height()
+    assert wide / high == pytest.approx(dialog.wish.size.width() / dialog.wish.size.height(), rel=0.02)
+    QTest.mouseClick(dialog.copy, Qt.MouseButton.LeftButton)
+    copied = QGuiApplication.clipboard().image()
+    assert copied.size() == dialog.wish.size
+    assert copied.pixelColor(0, 0).alpha() == 0
+
+
+def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
+    path, seen = tmp_path / "picture.png", []
+    monkeypatch.setattr(dialogs, "ask_where_to_put_picture", lambda *_: path)
+
+    def answer():
+        dialog = QApplication.activeModalWidget()
+        seen.append(dialog)
+        dialog.times.setCurrentIndex(0)
+        dialog.times.activated.emit(0)
+        dialog.save.click()
+
+    QTimer.singleShot(200, answer)
+    still.actions_.picture.trigger()
+    idle(qtbot, still)
+    assert isinstance(seen[0], PictureDialog)
+    assert QImage(str(path)).size() == still.reporting.pictures.view_size
+
+
+def test_before_there_is_a_mesh_there_is_nothing_to_hand_out(window):
+    for action in (window.actions_.report, window.actions_.picture, window.actions_.copy_picture):
+        assert not action.isEnabled()
+    window.reporting.ask()
+    window.reporting.ask_for_picture()

@@ -1,0 +1,163 @@
+"""The report of a window: it says what the panel says, which is what others measure."""
+
+import base64
+import hashlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from driving import idle
+from page_parts import PageParts
+from PySide6.QtGui import QImage
+
+from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.samples import resource
+from apd_viewer.session import examiner
+from apd_viewer.session.part import Part
+from apd_viewer.session.saved import open_session
+from apd_viewer.session.units import Unit
+from apd_viewer.ui import dialogs
+
+
+def write(qtbot, window, path):
+    window.reporting.write(path)
+    idle(qtbot, window)
+    return PageParts(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch):
+    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(examiner, "_CALM", 0.0)
+
+
+@pytest.fixture
+def twisted(qtbot, bottle):
+    """The bottle in centimetres, twisted, at rest and examined, with names that mean harm."""
+    bottle.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
+    bottle.panel.measures.thickness.setText("0.3mm")
+    bottle.panel.measures.density.setText("1.38")
+    bottle.panel.measures.density.editingFinished.emit()
+    bottle.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
+    bottle.session.parts.add_region()
+    wanted = bottle.session.state.document.mesh.V[:, 1] > 12.0
+    bottle.session.set_part(Part(1, is_region=True), wanted, "Paint region")
+    bottle.session.type_motion("TWIST", "20", 0)
+    bottle.session.type_motion("MOVE_Y", "0.25", 0)
+    idle(qtbot, bottle)
+    qtbot.waitUntil(lambda: bottle.session.examining.found is not None, timeout=30_000)
+    return bottle
+
+
+def number(text):
+    return float(re.match(r"[−+]?[\d.]+", text).group().replace("−", "-"))
+
+
+def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twisted, tmp_path):
+    window, state = twisted, twisted.session.state
+    path = tmp_path / "report.html"
+    page = write(qtbot, window, path)
+    panel, rows = window.panel, page.rows
+    assert page.wrong == []
+    assert window.notice.text == "Wrote report.html."
+
+    area = rows["Area"]
+    assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"
+    assert area["Change"] == panel.area.verdict.text()
+    assert area["Largest local change"] == panel.area.local_change.text()
+    volume = rows["Volume"]
+    assert volume["Volume"] == f"{panel.volume.change}\n{panel.volume.volume.text()}"
+    assert volume[""] == panel.volume.litres.text()
+    assert (volume["Self-intersections"] == "none") == (panel.volume.flag.text() == "no self-intersections")
+    size, shown = rows["Size and mass"], panel.measures
+    assert size["Box"] == shown.extent.text()
+    assert size["Box volume"] == f"{shown.box.text()}\n{shown._box_change.text()}"
+    assert size["Packed volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
+    assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
+    assert size["Mass"] == shown.mass.text()
+    handle = state.document.handles[0].name
+    details = panel.handles.list.rows[0].details.text()
+    assert rows["Handles"][handle].startswith(details + "\n2,647 vertices; displacement (0, 0.25, 0)\u00a0cm")
+    assert "axis (0, 1, 0), angle 20°" in rows["Handles"][handle]
+    assert rows["Handles"]["Drift"] == panel.handles.drift.text()
+    assert rows["Regions"]["Region 1"].split("\n")[0] == panel.regions.list.rows[0].reading.text()
+
+    export = tmp_path / "shape.obj"
+    save_mesh(state.document.mesh, state.frame.U, export)
+    measured, rest = trimesh.load(export), trimesh.load(resource("bottle.obj"))
+    now, then = (number(text) for text in area["Area"].split("\n")[1].split(" of "))
+    assert now == pytest.approx(measured.area, rel=2e-6)
+    assert then == pytest.approx(rest.area, rel=2e-6)
+    now, then = (number(text) for text in volume["Volume"].split("\n")[1].split(" of "))
+    assert now == pytest.approx(measured.volume, rel=2e-6)
+    assert then == pytest.approx(rest.volume, rel=2e-6)
+    change = np.abs(measured.area_faces / rest.area_faces - 1.0)
+    assert number(rows["Local area change"]["Largest"]) == pytest.approx(100 * change.max(), rel=6e-3)
+    mean = float(np.average(change, weights=rest.area_faces))
+    assert number(rows["Local area change"]["Mean"]) == pytest.approx(100 * mean, rel=6e-3)
+    grams = 0.03 * measured.area * 1.38
+    assert number(size["Mass"]) == pytest.approx(grams, rel=1e-3)
+
+    file = rows["Mesh and file"]
+    content = resource("bottle.obj").read_bytes()
+    assert file["SHA-256 of the file"] == hashlib.sha256(content).hexdigest()
+    assert file["Size"] == f"{len(content):,} bytes"
+    assert file["Digest of the mesh"].split("\n")[0] == state.document.mesh.digest
+
+
+def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, tmp_path):
+    state, path = twisted.session.state, tmp_path / "report.html"
+    page = write(qtbot, twisted, path)
+    assert "script" not in page.tags
+    assert page.wrong == []
+    assert all(value.startswith("data:") for _, value in page.held)
+    held = [base64.b64decode(value.partition(",")[2]) for _, value in page.held]
+    images = [QImage.fromData(content, "PNG") for content in held[:3]]
+    for image in images:
+        corners = [(x, y) for x in (0, image.width() - 1) for y in (0, image.height() - 1)]
+        assert [image.pixelColor(*corner).alpha() for corner in corners] == [0, 0, 0, 0]
+        assert image.pixelColor(image.width() // 2, image.height() // 2).alpha() == 255
+    assert len({image.size().toTuple() for image in images}) == 1
+    assert images[0] != images[1] != images[2]
+
+    session = tmp_path / "elsewhere" / "report.apd"
+    session.parent.mkdir()
+    session.write_bytes(held[3])
+    assert str(Path.home()).encode() not in held[3]
+    assert str(resource("")).encode() not in held[3]
+    opened, view = open_session(session)
+    assert np.array_equal(opened.frame.U, state.frame.U)
+    assert np.array_equal(opened.document.mesh.V, state.document.mesh.V)
+    assert np.array_equal(opened.document.labels, state.document.labels)
+    assert opened.document.handles[0].name == state.document.handles[0].name
+    assert view.unit == "cm"
+
+
+def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
+    qtbot.wait(200)
+    view, before = bottle.canvas.viewport, bottle.canvas.viewport.screenshot(return_img=True)
+    actors = view.renderer.GetActors().GetNumberOfItems()
+    write(qtbot, bottle, tmp_path / "report.html")
+    bottle.notice.hide()
+    assert np.array_equal(view.screenshot(return_img=True), before)
+    assert view.renderer.GetActors().GetNumberOfItems() == actors
+    assert view.ren_win.GetRenderers().GetNumberOfItems() == 1
+
+
+def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path, monkeypatch):
+    path = tmp_path / "file" / "report.html"
+    path.parent.write_text("no folder")
+    monkeypatch.setattr(dialogs, "ask_where_to_report", lambda *_: path)
+    bottle.actions_.report.trigger()
+    qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
+    assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]
+    assert path.parent.read_text() == "no folder"
+
+
+def test_a_report_can_be_given_up(qtbot, bottle, tmp_path):
+    bottle.reporting.write(tmp_path / "report.html")
+    bottle.session.cancel_errand()
+    qtbot.wait(300)
+    assert not (tmp_path / "report.html").exists()
