@@ -7,10 +7,9 @@ import threading
 import numpy as np
 import pytest
 from driving import LEFT, NONE, Mouse, centre, document, idle
-from meshes import box, ends
+from meshes import box, ends, rotation
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
-from test_session import BENT
 
 import apd_viewer
 from apd_viewer.geometry.constraints import BASE, HANDLE
@@ -20,6 +19,11 @@ from apd_viewer.ui.outcomes import _error
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
+
+# A turn about the middle of the bar's upper end, and a shift.
+BENT = np.eye(4)
+BENT[:3, :3] = rotation((0, 1, 0), 0.6)
+BENT[:3, 3] = [1.5, 1.0, 6.2] - BENT[:3, :3] @ [1.0, 1.0, 6.0]
 
 
 def paint_ends(window):
