@@ -87,7 +87,7 @@ class PoseActions:
             tr("&Compare methods…"),
             "methods",
             tr("See side by side what the methods make of this pose, with a table of the readings"),
-            "Ctrl+Shift+C",
+            "Ctrl+Shift+M",
             "compare_methods",
         )
         self.pivots = [
