@@ -34,6 +34,8 @@ from apd_viewer.session.session import Activity
 from apd_viewer.session.view import View
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import make_application
+from apd_viewer.ui.picture_dialog import PictureDialog
+from apd_viewer.ui.pictures import Wish
 from apd_viewer.ui.toolbox import Tool, Way
 
 PROPERTIES = (
@@ -336,6 +338,8 @@ def files(driver):
     dialogs.ask_for_selection(window, folder)
     dialogs.ask_where_to_put_selection(window, folder, session.state.document.mesh)
     dialogs.ask_for_target(window, folder, session.state.document.mesh)
+    dialogs.ask_where_to_report(window, folder, session.state.document.mesh)
+    dialogs.ask_where_to_put_picture(window, folder, session.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
     dialogs.ask_for_session(window, folder, session.state.document.mesh)
     for write in (
@@ -350,6 +354,7 @@ def files(driver):
         driver.scene("writing")
         driver.idle()
         driver.scene("written")
+    handouts(driver)
     V, F = np.eye(4, 3) + [9e4, 0, 0], np.array([[0, 1, 2], [0, 1, 2], [0, 2, 3], [1, 1, 2]])
     save_mesh(Mesh(V, F), V, folder / "bad.obj")
     window.filing.open_path(folder / "bad.obj")
@@ -359,6 +364,36 @@ def files(driver):
     driver.wait()
     window.health.list.rows[0].chosen.emit()
     driver.scene("the list of findings")
+
+
+def handouts(driver):
+    sys.path.append(str(Path(__file__).parents[1]))
+    from page_parts import PageParts
+
+    window, path = driver.window, driver.folder / "out.html"
+    pictures = window.reporting.pictures
+    dialog = PictureDialog(window, pictures, Wish(pictures.view_size))
+    dialog.show()
+    driver.scene("a picture", dialog)
+    dialog.width_.setValue(32_768)
+    driver.scene("another picture", dialog)
+    dialog.reject()
+    for act in (
+        pictures.copy,
+        lambda: pictures.save(driver.folder / "out.png", Wish(pictures.view_size)),
+        lambda: window.reporting.write(path),
+    ):
+        act()
+        driver.scene("handing out")
+        driver.idle()
+        driver.scene("handed out")
+    page = PageParts(path.read_text(encoding="utf-8"))
+    names = [
+        name for heading in page.headings for name in page.rows.get(heading, {}) if heading != "Versions"
+    ]
+    for text in (*page.headings, *names, *(note for notes in page.notes.values() for note in notes)):
+        if not text.startswith("apd-viewer "):
+            driver.reader.note(text, "the report")
 
 
 def main():

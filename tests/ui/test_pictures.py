@@ -1,5 +1,6 @@
 """Pictures of the view: what is in them, at any size, in files and on the clipboard."""
 
+import meshes
 import numpy as np
 import pytest
 from driving import idle, settle
@@ -9,6 +10,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.document import opened
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.exposure import exposed, grown
 from apd_viewer.ui.picture_dialog import PictureDialog
@@ -41,9 +44,14 @@ def inner(covered):
 
 
 @pytest.fixture
-def still(qtbot, bottle):
-    settle(qtbot, bottle.canvas.viewport)
-    return bottle
+def still(qtbot, window):
+    """A window on a coarse bottle, painted, with the gizmo at its neck."""
+    V, F, labels = meshes.sample_bottle(2.2)
+    state = opened(Mesh(V, F), frozen(labels))
+    window.session._open("bottle", lambda: state)
+    idle(qtbot, window)
+    settle(qtbot, window.canvas.viewport)
+    return window
 
 
 def test_the_colours_are_those_of_the_screen_and_the_corners_are_empty(still):
