@@ -128,7 +128,7 @@ class Session(Files):
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; under new labels, base and handles are gripped where they are now."""
         before, document = self._gestures.before, self._stage.required().document
-        if before is not None and document.painted_as(before.document):
+        if before is not None and document.says_as(before.document):
             # What replaces a part by itself clears it first; there is nothing to take back.
             document = before.document
             self._stage.unsay(document)

@@ -962,3 +962,12 @@ def test_a_tolerance_that_cannot_be_met_is_refused(session):
     ready(session)
     session.settings.set_tolerance(-1.0)
     session.until(lambda: session.failed, seconds=2.0)
+
+
+def test_what_is_set_in_the_middle_of_a_stroke_outlives_a_stroke_that_paints_nothing(session):
+    session.begin_gesture()
+    session.settings.set_volume(95.0)
+    session.end_stroke("Paint")
+    assert session.state.document.volume == 95.0
+    session.undo()
+    assert session.state.document.volume is None
