@@ -125,7 +125,11 @@ class Help(QObject):
         session = self._session
         if session is not None and session.state is not None and self._can_begin():
             self._mesh = session.state.document.mesh
-            self.tour.begin(lambda: session.activity.value != "refining")
+            self.tour.begin(lambda: session.activity.value != "refining", self._holds_area)
+
+    def _holds_area(self) -> bool:
+        state = None if self._session is None else self._session.state
+        return state is not None and state.document.kept[0] is not None
 
     def _close_sheet(self) -> bool:
         if self.sheet.isHidden():

@@ -20,6 +20,11 @@ _LOOK = 33  # ms between looks at where things are
 _READING_TIME = 1500  # ms for the area, once the shape has settled
 _RING, _AREA = 1, 2  # the steps that ask for an act
 
+_NOT_HELD = tr(
+    "This is the area of the whole surface. Turn the ring once more and watch it: the method that is chosen "
+    "lets it change, the method Exact holds it."
+)
+
 
 class Step(NamedTuple):
     """A step of the tour.
@@ -110,6 +115,7 @@ class Tour(QObject):
         self.card.skipped.connect(self.end)
         self._step_now = -1
         self._rests: Callable[[], bool] = lambda: True
+        self._holds: Callable[[], bool] = lambda: True
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
         # What it points at moves with camera, layout, scroll bars and tool: to look is simpler than to
@@ -131,9 +137,12 @@ class Tour(QObject):
         """Whether it goes on."""
         return self._step_now >= 0
 
-    def begin(self, rests: Callable[[], bool]) -> None:
-        """Show the first step; ``rests`` says whether the shape on screen has settled."""
-        self._rests = rests
+    def begin(self, rests: Callable[[], bool], holds: Callable[[], bool]) -> None:
+        """Show the first step.
+
+        ``rests`` says whether the shape on screen has settled, ``holds`` whether its method holds the area.
+        """
+        self._rests, self._holds = rests, holds
         self._show(0)
         self._looking.start()
         self.began.emit()
@@ -166,7 +175,7 @@ class Tour(QObject):
             self.ring_wanted.emit()
         elif number == _AREA:
             self.area_wanted.emit()
-        self.card.show_step(number, len(self._steps), self._steps[number].sentence)
+        self.card.show_step(number, len(self._steps), self._sentence)
         self.look()
 
     def look(self) -> None:
@@ -175,11 +184,18 @@ class Tour(QObject):
             return
         step = self._steps[self._step_now]
         target = step.place()
-        self.card.say(step.sentence if target is not None else step.otherwise or step.sentence)
+        self.card.say(self._sentence if target is not None else step.otherwise or self._sentence)
         gizmo = self._places.gizmo() if self._step_now <= _AREA else None
         self.card.point_at(target, gizmo or QRect())
         if self._step_now == _AREA and self._turned and self._rests() and not self._reading.isActive():
             self._reading.start()
+
+    @property
+    def _sentence(self) -> str:
+        """What is true of the step that is shown."""
+        if self._step_now == _AREA and not self._holds():
+            return _NOT_HELD
+        return self._steps[self._step_now].sentence
 
     def _followed(self) -> None:
         """Go on, unless the card is covered by something else that was opened."""

@@ -107,6 +107,16 @@ def test_it_can_be_asked_for_on_the_bottle_and_on_another_mesh(qtbot, bottle):
     assert document(bottle).mesh.path.name == "bottle.obj"
 
 
+@pytest.mark.parametrize(("method", "holds"), [("exact", True), ("arap", False), ("paper", True)])
+def test_it_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
+    toured.session.settings.set_method(method)
+    go_to(qtbot, toured, 2)
+    assert ("the area does not" in card(toured).sentence.text()) is holds
+    assert ("Exact holds it" in card(toured).sentence.text()) is not holds
+    toured.session.settings.set_method("exact")
+    qtbot.waitUntil(lambda: "the area does not" in card(toured).sentence.text())
+
+
 def test_another_mesh_ends_it(qtbot, toured):
     toured.filing.open_sample("duck")
     idle(qtbot, toured)
