@@ -51,7 +51,7 @@ class TypedCard(QFrame):
         line = QHBoxLayout(spacing=8)
         line.addWidget(QLabel(title))
         line.addWidget(self.text, 1)
-        column = QVBoxLayout(self, spacing=6)
+        column = self._column = QVBoxLayout(self, spacing=6)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(line)
         column.addWidget(self._said)
@@ -80,6 +80,11 @@ class TypedCard(QFrame):
 
     def _place(self) -> None:
         self.setFixedWidth(min(_WIDTH, self._canvas.width() - 2 * _MARGIN))
+        # The height for a width is never less than the smallest height, which the last words have set.
+        self._said.setMinimumHeight(0)
+        edges = self._column.contentsMargins()
+        self._said.setFixedHeight(self._said.heightForWidth(self.width() - edges.left() - edges.right()))
+        self._column.activate()
         self.adjustSize()
         self.move((self._canvas.width() - self.width()) // 2, self._canvas.height() - self.height() - 64)
 
