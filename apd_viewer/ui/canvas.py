@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QWidget
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
+from apd_viewer.language import tr
 from apd_viewer.session.part import Part
 from apd_viewer.session.view import Standpoint, View
 from apd_viewer.ui.coloring import Coloring
@@ -80,6 +81,7 @@ class Canvas(QObject):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.viewport = Viewport(parent)
+        self.viewport.setAccessibleName(tr("View of the mesh"))
         self.surface = Surface(self.viewport)
         self.painter = Painter(self.viewport, self.surface)
         self.ways = self._make_ways()

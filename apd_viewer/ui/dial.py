@@ -96,13 +96,12 @@ class Slider(QSlider):
         painter.drawRoundedRect(
             QRectF(min(knob, neutral), middle - 1.5, abs(knob - neutral), 3).normalized(), 1.5, 1.5
         )
-        painter.setPen(QPen(accent, 2 if self.hasFocus() else 1.5))
+        painter.setPen(QPen(accent, 1.5))
         painter.setBrush(accent if self.isSliderDown() else palette.base())
         painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 - 1, _KNOB / 2 - 1)
         if self.hasFocus():
-            painter.setOpacity(0.35)
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.5, _KNOB / 2 + 1.5)
+            painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.75, _KNOB / 2 + 1.75)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the knob, which comes to the cursor unless the cursor is on it."""

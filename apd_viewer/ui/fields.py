@@ -71,9 +71,8 @@ class Check(QCheckBox):
         painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, self.text())
         if self.hasFocus():
             width = self.fontMetrics().horizontalAdvance(self.text())
-            under = room.center().y() + self.fontMetrics().height() / 2
-            painter.setPen(accent)
-            painter.drawLine(QPointF(24, under), QPointF(24 + width, under))
+            under = round(room.center().y() + self.fontMetrics().height() / 2)
+            painter.fillRect(QRectF(24, under - 1, width, 2), accent)
 
     def sizeHint(self) -> QSize:
         """Box and words."""

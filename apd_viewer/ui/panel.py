@@ -70,7 +70,7 @@ class Panel(QScrollArea):
     """
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # it scrolls to what has the keys
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)

@@ -240,6 +240,24 @@ class PartList(QWidget):
         row.remove.setIcon(icon("remove", self._theme))
         self.rows.append(row)
         self._column.addWidget(row)
+        self._put_in_tab_order(row)
+
+    def _put_in_tab_order(self, row: PartRow) -> None:
+        """Have Tab come to a row after those above it: by itself it would come to the latest last."""
+        before = self._before
+        for other in self.rows:
+            for widget in filter(_takes_keys, (other, *other.findChildren(QWidget))):
+                if other is row:
+                    self.setTabOrder(before, widget)
+                before = widget
+
+    @property
+    def _before(self) -> QWidget:
+        """What Tab comes to before the list, which takes no keys itself."""
+        before: QWidget | None = self.previousInFocusChain()
+        while before is not None and before is not self and not _takes_keys(before):
+            before = before.previousInFocusChain()
+        return before or self
 
     def _step(self, k: int) -> None:
         if 0 <= k < len(self.rows):
@@ -251,3 +269,7 @@ class PartList(QWidget):
         self._theme = theme
         for row in self.rows:
             row.remove.setIcon(icon("remove", theme))
+
+
+def _takes_keys(widget: QWidget) -> bool:
+    return bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus) and widget.focusProxy() is None

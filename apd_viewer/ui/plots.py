@@ -112,7 +112,7 @@ class Plots(QWidget):
         self._none = QLabel(tr("Choose above what is plotted."), objectName="quiet")
         self._none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._charts.addWidget(self._none, 1)
-        room = QScrollArea(widgetResizable=True)
+        room = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
         room.setWidget(charts)
         column.addWidget(room, 1)
         self._turn(wide=True)

@@ -1,0 +1,156 @@
+"""All of the window by keys alone, and for those who hear it: reached by Tab, named, and seen."""
+
+import itertools
+
+import numpy as np
+import pytest
+from driving import idle
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QAccessible, QImage
+from PySide6.QtWidgets import QWidget
+
+from apd_viewer.ui.scales import Measure
+from apd_viewer.ui.toolbox import Tool
+
+SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
+LEAST_CONTRAST = 2.9  # of what is drawn with the focus, against what is there without; 3 but for smoothing
+
+
+def everything(window):
+    """Open all that can be open side by side."""
+    actions = window.actions_
+    actions.looks.measures[Measure.AREA].trigger()
+    for name in ("cut", "compare"):
+        actions.looks.switches[name].trigger()
+    for name in ("history", "plots"):
+        window.docks[name].show()
+    actions.pose.parts[0].trigger()
+    actions.pose.parts[2].trigger()
+    window.session.settings.set_region_area(0, 100.0)
+    window.session.type_motion("TWIST", "20", 0)
+    window.take(Tool.HANDLE)
+    window.panel.folded = []
+    window.notice.fail("Something went wrong; do something else.")
+
+
+def sheet(window):
+    window.actions_.help[0].trigger()
+
+
+def tour(window):
+    window.actions_.help[1].trigger()
+    window.help.tour.card.next.click()
+
+
+def numbers(window):
+    window.actions_.select.numbers.trigger()
+
+
+SCENES = {"everything": everything, "sheet": sheet, "tour": tour, "numbers": numbers}
+
+
+@pytest.fixture
+def active(qtbot, bottle):
+    bottle.resize(1280, 1000)
+    bottle.activateWindow()
+    qtbot.waitUntil(bottle.isActiveWindow)
+    bottle.canvas.viewport.setFocus()
+    return bottle
+
+
+@pytest.fixture(params=SCENES)
+def scene(qtbot, active, request):
+    SCENES[request.param](active)
+    idle(qtbot, active)
+    qtbot.wait(50)
+    active.canvas.viewport.setFocus()
+    return active
+
+
+def controls(window):
+    """What takes the keys by Tab, in no order."""
+    return [
+        widget
+        for widget in window.findChildren(QWidget)
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        and widget.isVisible()
+        and widget.isEnabled()
+        and widget.focusProxy() is None
+    ]
+
+
+def walked(qtbot, window, key=Qt.Key.Key_Tab):
+    """What has the keys after each Tab, until the first one has them again."""
+    found = [window.focusWidget()]
+    for _ in range(300):
+        qtbot.keyClick(window.focusWidget(), key)
+        if window.focusWidget() is found[0]:
+            return found
+        found.append(window.focusWidget())
+    raise AssertionError("Tab comes to no end")
+
+
+def name_of(widget):
+    interface = QAccessible.queryAccessibleInterface(widget)
+    return interface.text(QAccessible.Text.Name).strip() if interface else ""
+
+
+def test_every_control_has_a_name_and_tab_comes_to_it(qtbot, scene):
+    nameless = [widget for widget in controls(scene) if not name_of(widget)]
+    assert not nameless
+    way = walked(qtbot, scene)
+    missed = [name_of(widget) for widget in controls(scene) if widget not in way]
+    assert not missed
+    assert walked(qtbot, scene, Qt.Key.Key_Backtab) == [way[0], *way[:0:-1]]
+
+
+def test_tab_goes_as_one_reads(qtbot, active):
+    everything(active)
+    idle(qtbot, active)
+    qtbot.wait(50)
+    active.canvas.viewport.setFocus()
+    way = walked(qtbot, active)
+    legend = active.looks.legend
+    for part in (active.panel.widget(), legend, active.looks.cut, active.looks.compare, active.plots):
+        inside = [widget for widget in way if part.isAncestorOf(widget)]
+        assert len(inside) > 1
+        at = [way.index(widget) for widget in inside]
+        assert at == list(range(at[0], at[0] + len(at))), "; ".join(
+            f"{k} {name_of(w)}" for k, w in enumerate(way)
+        )
+        boxes = [QRect(widget.mapTo(part, QPoint()), widget.size()) for widget in inside]
+        for k, (first, then) in enumerate(itertools.pairwise(boxes)):
+            beside = first.top() < then.center().y() < first.bottom() or (
+                then.top() < first.center().y() < then.bottom()
+            )
+            forward = first.left() < then.left() if beside else first.top() < then.top()
+            assert forward or first.contains(then), (name_of(inside[k]), name_of(inside[k + 1]))
+
+
+def luminance(image):
+    image = image.convertToFormat(QImage.Format.Format_RGB888)
+    lines = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
+    colors = lines[:, : 3 * image.width()].reshape(image.height(), image.width(), 3) / 255.0
+    linear = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+@pytest.mark.parametrize("scene", ["everything", "sheet"], indirect=True)
+def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
+    unseen = []
+    for scheme in SCHEMES:
+        scene.actions_.schemes.actions()[scheme.value].trigger()
+        qtbot.wait(20)
+        for widget in controls(scene):
+            if widget is scene.canvas.viewport:  # all that is left over
+                continue
+            scene.canvas.viewport.setFocus()
+            without = luminance(widget.grab().toImage())
+            widget.setFocus(Qt.FocusReason.TabFocusReason)
+            assert widget.hasFocus(), name_of(widget)
+            focused = luminance(widget.grab().toImage())
+            low, high = np.minimum(without, focused), np.maximum(without, focused)
+            contrast = float(((high + 0.05) / (low + 0.05)).max())
+            if contrast < LEAST_CONTRAST:
+                unseen.append((scheme.name, name_of(widget), round(contrast, 2)))
+    assert not unseen
