@@ -95,7 +95,7 @@ class PictureDialog(QDialog):
         self.height_ = Number(accessibleName=tr("Height"), toolTip=tr("Height of the picture"), decimals=0)
         for field in (self.width_, self.height_):
             field.setRange(_LEAST, _MOST)
-            field.setSuffix("\u00a0px")
+            field.setSuffix(tr(" px"))
         self._put(wish.size)
         tip = tr("Only the mesh is in the picture, to be laid on any ground")
         self.transparent = Check(tr("Transparent background"), toolTip=tip, checked=wish.transparent)

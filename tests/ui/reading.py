@@ -388,9 +388,7 @@ def handouts(driver):
         driver.idle()
         driver.scene("handed out")
     page = PageParts(path.read_text(encoding="utf-8"))
-    names = [
-        name for heading in page.headings for name in page.rows.get(heading, {}) if heading != "Versions"
-    ]
+    names = [name for rows in page.rows.values() for name in rows if name not in ("APD Viewer", "Python")]
     for text in (*page.headings, *names, *(note for notes in page.notes.values() for note in notes)):
         if not text.startswith("apd-viewer "):
             driver.reader.note(text, "the report")

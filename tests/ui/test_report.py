@@ -3,8 +3,10 @@
 import base64
 import hashlib
 import re
+import zipfile
 from pathlib import Path
 
+import meshes
 import numpy as np
 import pytest
 import trimesh
@@ -12,9 +14,11 @@ from driving import idle
 from page_parts import PageParts
 from PySide6.QtGui import QImage
 
-from apd_viewer.files.meshes import save_mesh
-from apd_viewer.files.samples import resource
+from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session import examiner
+from apd_viewer.session.document import opened
 from apd_viewer.session.part import Part
 from apd_viewer.session.saved import open_session
 from apd_viewer.session.units import Unit
@@ -34,28 +38,42 @@ def at_once(monkeypatch):
 
 
 @pytest.fixture
-def twisted(qtbot, bottle):
-    """The bottle in centimetres, twisted, at rest and examined, with names that mean harm."""
-    bottle.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
-    bottle.panel.measures.thickness.setText("0.3mm")
-    bottle.panel.measures.density.setText("1.38")
-    bottle.panel.measures.density.editingFinished.emit()
-    bottle.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
-    bottle.session.parts.add_region()
-    wanted = bottle.session.state.document.mesh.V[:, 1] > 12.0
-    bottle.session.set_part(Part(1, is_region=True), wanted, "Paint region")
-    bottle.session.type_motion("TWIST", "20", 0)
-    bottle.session.type_motion("MOVE_Y", "0.25", 0)
-    idle(qtbot, bottle)
-    qtbot.waitUntil(lambda: bottle.session.examining.found is not None, timeout=30_000)
-    return bottle
+def file(tmp_path, monkeypatch):
+    """A coarse bottle in somebody's home folder, whose name means harm."""
+    monkeypatch.setattr(Path, "home", lambda: tmp_path / "somebody")
+    path = tmp_path / "somebody" / "&lt;b&gt; 'mesh'.obj"
+    path.parent.mkdir()
+    V, F, _ = meshes.sample_bottle(2.2)
+    save_mesh(Mesh(V, F), V, path)
+    return path
+
+
+@pytest.fixture
+def twisted(qtbot, window, file):
+    """The bottle in centimetres, twisted, at rest and examined, with a name that means harm."""
+    labels = frozen(meshes.sample_bottle(2.2)[2].astype(np.uint8))
+    window.session._open("bottle", lambda: opened(open_mesh(file), labels))
+    idle(qtbot, window)
+    window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
+    window.panel.measures.thickness.setText("0.3mm")
+    window.panel.measures.density.setText("1.38")
+    window.panel.measures.density.editingFinished.emit()
+    window.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
+    window.session.parts.add_region()
+    wanted = window.session.state.document.mesh.V[:, 1] > 12.0
+    window.session.set_part(Part(1, is_region=True), wanted, "Paint region")
+    window.session.type_motion("TWIST", "20", 0)
+    window.session.type_motion("MOVE_Y", "0.25", 0)
+    idle(qtbot, window)
+    qtbot.waitUntil(lambda: window.session.examining.found is not None, timeout=30_000)
+    return window
 
 
 def number(text):
     return float(re.match(r"[−+]?[\d.]+", text).group().replace("−", "-"))
 
 
-def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twisted, tmp_path):
+def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
     window, state = twisted, twisted.session.state
     path = tmp_path / "report.html"
     page = write(qtbot, window, path)
@@ -77,16 +95,18 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert size["Packed volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
     assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
     assert size["Mass"] == shown.mass.text()
-    handle = state.document.handles[0].name
+    handle, held = state.document.handles[0].name, state.document.counts[HANDLE]
     details = panel.handles.list.rows[0].details.text()
-    assert rows["Handles"][handle].startswith(details + "\n2,647 vertices; displacement (0, 0.25, 0)\u00a0cm")
+    assert rows["Handles"][handle].startswith(
+        f"{details}\n{held:,} vertices; displacement (0, 0.25, 0)\u00a0cm"
+    )
     assert "axis (0, 1, 0), angle 20°" in rows["Handles"][handle]
     assert rows["Handles"]["Drift"] == panel.handles.drift.text()
     assert rows["Regions"]["Region 1"].split("\n")[0] == panel.regions.list.rows[0].reading.text()
 
     export = tmp_path / "shape.obj"
     save_mesh(state.document.mesh, state.frame.U, export)
-    measured, rest = trimesh.load(export), trimesh.load(resource("bottle.obj"))
+    measured, rest = (trimesh.load(path, process=False) for path in (export, file))
     now, then = (number(text) for text in area["Area"].split("\n")[1].split(" of "))
     assert now == pytest.approx(measured.area, rel=2e-6)
     assert then == pytest.approx(rest.area, rel=2e-6)
@@ -100,14 +120,15 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     grams = 0.03 * measured.area * 1.38
     assert number(size["Mass"]) == pytest.approx(grams, rel=1e-3)
 
-    file = rows["Mesh and file"]
-    content = resource("bottle.obj").read_bytes()
-    assert file["SHA-256 of the file"] == hashlib.sha256(content).hexdigest()
-    assert file["Size"] == f"{len(content):,} bytes"
-    assert file["Digest of the mesh"].split("\n")[0] == state.document.mesh.digest
+    mesh, content = rows["Mesh and file"], file.read_bytes()
+    assert page.title == file.name
+    assert mesh["File"] == f"~/{file.name}"
+    assert mesh["SHA-256 of the file"] == hashlib.sha256(content).hexdigest()
+    assert mesh["Size"] == f"{len(content):,} bytes"
+    assert mesh["Digest of the mesh"].split("\n")[0] == state.document.mesh.digest
 
 
-def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, tmp_path):
+def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
     state, path = twisted.session.state, tmp_path / "report.html"
     page = write(qtbot, twisted, path)
     assert "script" not in page.tags
@@ -125,8 +146,9 @@ def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twist
     session = tmp_path / "elsewhere" / "report.apd"
     session.parent.mkdir()
     session.write_bytes(held[3])
-    assert str(Path.home()).encode() not in held[3]
-    assert str(resource("")).encode() not in held[3]
+    told = zipfile.ZipFile(session).read("session.json").decode()
+    assert "somebody" not in told + path.read_text(encoding="utf-8")
+    file.unlink()  # it needs no other file
     opened, view = open_session(session)
     assert np.array_equal(opened.frame.U, state.frame.U)
     assert np.array_equal(opened.document.mesh.V, state.document.mesh.V)
