@@ -5,10 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
+from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QWidget
+
+from apd_viewer.ui.icons import icon
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
+
+    from apd_viewer.ui.theme import Theme
+
+# The platform's own are black on a dark panel too.
+_BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": "panel"}
 
 
 class Docks:
@@ -42,6 +49,14 @@ class Docks:
 
     def __getitem__(self, name: str) -> QDockWidget:
         return self._docks[name]
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the buttons of the titles."""
+        for dock in self._docks.values():
+            for name, image in _BUTTONS.items():
+                button = dock.findChild(QAbstractButton, name)
+                if button is not None:
+                    button.setIcon(icon(image, theme))
 
     @property
     def toggles(self) -> list[QAction]:

@@ -352,7 +352,7 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing
+        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing, self.docks
         for part in (self.actions_, self.panel, self.plots, self.canvas, *over):
             part.set_theme(colors)
 

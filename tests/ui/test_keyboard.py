@@ -7,7 +7,7 @@ import pytest
 from driving import idle
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAccessible, QImage
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.ui.scales import Measure
 from apd_viewer.ui.toolbox import Tool
@@ -154,3 +154,16 @@ def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
             if contrast < LEAST_CONTRAST:
                 unseen.append((scheme.name, name_of(widget), round(contrast, 2)))
     assert not unseen
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_buttons_of_the_panels_are_seen(qtbot, window, scheme):
+    window.actions_.schemes.actions()[scheme.value].trigger()
+    qtbot.wait(20)
+    buttons = window.docks["readings"].findChildren(
+        QAbstractButton, options=Qt.FindChildOption.FindDirectChildrenOnly
+    )
+    assert len(buttons) == 2
+    for button in buttons:
+        seen = luminance(button.grab().toImage())
+        assert (seen.max() + 0.05) / (seen.min() + 0.05) > 4.5
