@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -23,6 +23,7 @@ from apd_viewer.ui.outcome_table import OutcomeTable
 from apd_viewer.ui.outcomes import columns, readings, write_outcomes
 from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.shared_scale import SharedScale
+from apd_viewer.ui.statusbar import Hint
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ class SideBySide(QWidget):
         return checks
 
     def _lay_out(self) -> None:
-        self.status = QLabel(objectName="quiet")
+        self.status = Hint(objectName="quiet")
         self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.stop = QPushButton(tr("Stop"), toolTip=tr("End the solver; what has come stays (Esc)"))
         self.stop.clicked.connect(self._stop)

@@ -307,7 +307,7 @@ def test_what_is_missing_is_said_by_the_action(qtbot, window):
     assert action.isEnabled()
     window.activateWindow()
     qtbot.waitUntil(window.isActiveWindow)
-    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_C, CTRL_SHIFT)
+    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_M, CTRL_SHIFT)
     qtbot.waitUntil(lambda: window.notice.text == document(window).problem)
     paint_ends(window)
     idle(qtbot, window)
