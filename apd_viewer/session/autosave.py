@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
 
 
+# A step counts as done once it is safe; but a hand waits no longer for that than it can feel.
+_MOMENT = 0.03  # s
+
+
 def watched(listener: Listener, look: Callable[[], object]) -> Listener:
     """The listener, with ``look()`` called whenever it has been told of another state or activity."""
 
@@ -77,8 +81,9 @@ class Autosave:
         for left in shown:
             left.taken = True
         if self._is_new(state):
+            is_step = state.document is not self._document
             self._document, self._frame = state.document, state.frame
-            self._backup.put(Copy(state, self._view(), shown))
+            self._backup.put(Copy(state, self._view(), shown), _MOMENT if is_step else 0.0)
 
     def receive(self) -> None:
         """Tell what the thread could not do."""

@@ -1,9 +1,8 @@
-"""A file in which the latest step is safe, written on a thread of its own: nobody waits for the disk."""
+"""A file in which the latest step is safe, written on a thread of its own: nobody waits for a slow disk."""
 
 from __future__ import annotations
 
 import threading
-import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,8 +16,6 @@ from apd_viewer.session.saved import save_session
 from apd_viewer.session.slot import Slot
 from apd_viewer.session.view import View
 
-# A step may be told of in two parts; and the first shape of it is worth more than its copy.
-_CALM = 0.02  # s
 _PATIENCE = 10.0  # s, for the disk, when the program ends
 _FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")
 
@@ -46,16 +43,27 @@ class Backup:
     def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
         self._folder = folder
         self._wake = wake
-        self._slot: Slot[Copy] = Slot()
+        self._slot: Slot[tuple[int, Copy]] = Slot()
+        self._asked = self._done = 0
+        self._doing = threading.Condition()
         self._failures: Slot[str] = Slot()
         self._failing = False
         self._mine: tuple[Path, Lock] | None = None
         self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
         self._thread.start()
 
-    def put(self, copy: Copy) -> None:
-        """Have ``copy`` in the file soon, instead of any other that still waits. Never blocks."""
-        self._slot.put(copy)
+    def put(self, copy: Copy, patience: float = 0.0) -> None:
+        """Have ``copy`` in the file soon, instead of any other that still waits.
+
+        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the disk is
+        not done with the one before.
+        """
+        with self._doing:
+            keeps_up = self._done == self._asked
+            self._asked += 1
+            self._slot.put((self._asked, copy))
+            if keeps_up and patience > 0.0:
+                self._doing.wait_for(lambda: self._done == self._asked, patience)
 
     def take_failure(self) -> str | None:
         """The sentence that says why nothing can be written, once; None if all is well."""
@@ -69,12 +77,12 @@ class Backup:
     # The thread "backup"
 
     def _run(self) -> None:
-        while self._slot.comes_within(threading.TIMEOUT_MAX):
-            time.sleep(_CALM)
-            copy = self._slot.wait()
-            if copy is None:
-                break
+        while (put := self._slot.wait()) is not None:
+            number, copy = put
             self._try(copy)
+            with self._doing:
+                self._done = number
+                self._doing.notify_all()
         if self._mine is not None:
             remove(*self._mine)
 

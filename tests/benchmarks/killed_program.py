@@ -90,9 +90,9 @@ class Hand:
 
         put = Backup.put
 
-        def noted(backup, copy) -> None:
+        def noted(backup, copy, patience) -> None:
             self.journal.write("kept", digest(copy.state.document))
-            put(backup, copy)
+            put(backup, copy, patience)
 
         Backup.put = noted
 

@@ -123,7 +123,7 @@ def test_every_step_is_in_the_file_soon(session, folder):
 
 def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder, monkeypatch):
     written = []
-    monkeypatch.setattr(backup_module.Backup, "put", lambda _, copy: written.append(copy.state))
+    monkeypatch.setattr(backup_module.Backup, "put", lambda _, copy, __: written.append(copy.state))
     session.drag(*(pose(k / 50) for k in range(1, 30)))
     assert [state.document for state in written] == [session.state.document]
     session.settle()
@@ -170,6 +170,14 @@ def test_without_a_folder_nothing_is_kept(tmp_path, bar):
 
 
 # The disk
+
+
+def test_a_step_is_safe_once_it_is_done(session, folder):
+    check_kept(folder, session)
+    for name in ("Neck", "Shoulder", "Cap"):
+        before = kept(folder).read_bytes()
+        session.parts.rename_handle(0, name)
+        assert kept(folder).read_bytes() != before, "the very next moment may be the last"
 
 
 def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, monkeypatch):
