@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 # A step counts as done once it is safe; but a hand waits no longer for that than it can feel.
-_MOMENT = 0.03  # s
+_MOMENT = 0.045  # s
 
 
 def watched(listener: Listener, look: Callable[[], object]) -> Listener:
