@@ -36,19 +36,22 @@ def npy(array: np.ndarray) -> bytes:
     return stream.getvalue()
 
 
-def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
+def write_archive(path: Path, members: Mapping[str, bytes], at_once: bool = False) -> None:
     """Write the members by their names; the same ones give the same file.
+
+    ``at_once`` is for a file that is wanted in a moment: not packed, and there before it is on the disk.
 
     Raises
     ------
     InputError
         If the file cannot be written.
     """
-    with replacing(path) as scratch, zipfile.ZipFile(scratch, "w") as archive:
+    kind = zipfile.ZIP_STORED if at_once else zipfile.ZIP_DEFLATED
+    with replacing(path, at_once) as scratch, zipfile.ZipFile(scratch, "w") as archive:
         for name, content in members.items():
             entry = zipfile.ZipInfo(name)
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=1)
+            archive.writestr(entry, content, kind, compresslevel=1)
 
 
 class Archive:

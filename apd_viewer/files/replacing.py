@@ -23,10 +23,11 @@ _LONG_AGO = 3600.0  # s
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
     """Give a scratch file beside ``path`` to write; it takes the place of ``path`` once it is whole.
 
-    Whatever goes wrong on the way, the file that was at ``path`` before stays as it was.
+    Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
+    that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
 
     Raises
     ------
@@ -43,7 +44,8 @@ def replacing(path: Path) -> Iterator[Path]:
         scratch = Path(name)
         os.close(handle)
         yield scratch
-        _flush_to_disk(scratch)
+        if not at_once:
+            flush_to_disk(scratch)
         scratch.chmod(_usual_mode(path))
         scratch.replace(path)
     except OSError as error:
@@ -70,7 +72,8 @@ def _clear_away(path: Path) -> None:
                 scratch.unlink()
 
 
-def _flush_to_disk(path: Path) -> None:
+def flush_to_disk(path: Path) -> None:
+    """Return when the content of a file is on the disk; raises OSError."""
     with path.open("rb+") as stream:
         os.fsync(stream.fileno())
 

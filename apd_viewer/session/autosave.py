@@ -18,8 +18,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
 
 
-# A step counts as done once it is safe; but a hand waits no longer for that than it can feel.
-_MOMENT = 0.045  # s
+# A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
+# than this it is the disk's fault, and nobody waits for it.
+_MOMENT = 0.25  # s
 
 
 def watched(listener: Listener, look: Callable[[], object]) -> Listener:

@@ -1,14 +1,20 @@
-"""A file in which the latest step is safe, written on a thread of its own: nobody waits for a slow disk."""
+"""A file in which the latest step is safe, written on a thread of its own: nobody waits for a slow disk.
+
+It is safe from the end of this program as soon as the file is in its place, and from that of the power once
+it has been flushed.
+"""
 
 from __future__ import annotations
 
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from apd_viewer.files.lock import Lock
+from apd_viewer.files.replacing import flush_to_disk
 from apd_viewer.language import tr
 from apd_viewer.session.document import State
 from apd_viewer.session.recovery import Leftover, owned, remove
@@ -45,6 +51,7 @@ class Backup:
         self._wake = wake
         self._slot: Slot[tuple[int, Copy]] = Slot()
         self._asked = self._done = 0
+        self._pace = 0.0
         self._doing = threading.Condition()
         self._failures: Slot[str] = Slot()
         self._failing = False
@@ -55,15 +62,15 @@ class Backup:
     def put(self, copy: Copy, patience: float = 0.0) -> None:
         """Have ``copy`` in the file soon, instead of any other that still waits.
 
-        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the disk is
-        not done with the one before.
+        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
+        before took longer than that.
         """
         with self._doing:
-            keeps_up = self._done == self._asked
             self._asked += 1
             self._slot.put((self._asked, copy))
-            if keeps_up and patience > 0.0:
-                self._doing.wait_for(lambda: self._done == self._asked, patience)
+            if self._pace < patience:
+                done = self._doing.wait_for(lambda: self._done == self._asked, patience)
+                self._pace = self._pace if done else patience
 
     def take_failure(self) -> str | None:
         """The sentence that says why nothing can be written, once; None if all is well."""
@@ -79,16 +86,20 @@ class Backup:
     def _run(self) -> None:
         while (put := self._slot.wait()) is not None:
             number, copy = put
-            self._try(copy)
-            with self._doing:
-                self._done = number
-                self._doing.notify_all()
+            self._try(number, copy)
         if self._mine is not None:
             remove(*self._mine)
 
-    def _try(self, copy: Copy) -> None:
+    def _try(self, number: int, copy: Copy) -> None:
+        since = time.monotonic()
         try:
-            self._write(copy)
+            try:
+                path = self._write(copy)
+            finally:
+                self._tell_done(number, time.monotonic() - since)
+            flush_to_disk(path)
+            for left in copy.supersedes:
+                left.discard()
             self._failing = False
         except Exception as error:  # whatever it is, the next step is tried again
             reason = error if isinstance(error, OSError) else error.__cause__
@@ -100,12 +111,16 @@ class Backup:
                 self._failures.put(_FAILED.format(why=why))
                 self._wake()
 
-    def _write(self, copy: Copy) -> None:
+    def _tell_done(self, number: int, pace: float) -> None:
+        with self._doing:
+            self._done, self._pace = number, pace
+            self._doing.notify_all()
+
+    def _write(self, copy: Copy) -> Path:
         if self._mine is not None and not self._mine[1].stands:  # somebody has cleared the folder
             self._mine[1].release()
             self._mine = None
         if self._mine is None:
             self._mine = owned(self._folder)
-        save_session(self._mine[0], copy.state, copy.view)
-        for left in copy.supersedes:
-            left.discard()
+        save_session(self._mine[0], copy.state, copy.view, at_once=True)
+        return self._mine[0]

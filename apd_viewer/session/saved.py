@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -40,7 +41,9 @@ _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
 _FARTHEST = 1e8
 
 
-def save_session(path: str | Path, state: State, view: View, embed: bool = False) -> bool:
+def save_session(
+    path: str | Path, state: State, view: View, embed: bool = False, at_once: bool = False
+) -> bool:
     """Write a session to a file, whole or not at all.
 
     Parameters
@@ -51,6 +54,8 @@ def save_session(path: str | Path, state: State, view: View, embed: bool = False
     view : View
     embed : bool
         Whether to put a copy of the mesh into it. There is one in any case where no file holds the mesh.
+    at_once : bool
+        Whether it is wanted in a moment, and may be larger: see :func:`.write_archive`.
 
     Returns
     -------
@@ -85,10 +90,11 @@ def save_session(path: str | Path, state: State, view: View, embed: bool = False
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
-    write_archive(path, {_TEXT: text, **members, **copy})
+    write_archive(path, {_TEXT: text, **members, **copy}, at_once)
     return bool(copy)
 
 
+@cache
 def _program() -> str:
     try:
         return metadata.version("apd-viewer")

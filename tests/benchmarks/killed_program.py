@@ -276,8 +276,8 @@ class Work:
     def __init__(self, home: Path, display: str) -> None:
         self._home = home
         self._programs = 0
-        self._killed = 0.0
-        self._log: list[tuple[str, float | None]] = []  # what was there, and when it was done
+        # What was there; of what was finished, how long before its program was killed.
+        self._log: list[tuple[str, float | None]] = []
         self._owed = False
         runtime = home / "runtime"
         runtime.mkdir(mode=0o700)
@@ -314,9 +314,7 @@ class Work:
             program.kill()
             program.wait()
         gone = self._wait_until_gone(pids, shared, killed)
-        found = self._read(journal)
-        self._killed = killed
-        return *found, gone
+        return *self._read(journal, killed), gone
 
     def _wait_for(self, word: str, journal: Path, program: subprocess.Popen) -> None:
         end = time.monotonic() + PATIENCE
@@ -331,7 +329,7 @@ class Work:
             time.sleep(0.005)
         return time.monotonic() - killed
 
-    def _read(self, journal: Path) -> tuple[str, int, float]:
+    def _read(self, journal: Path, killed: float) -> tuple[str, int, float]:
         """Take in what a program has written down: first what it has found of those before."""
         found, looked = ("killed before it looked", 0, 0.0), False
         for line in journal.read_text().splitlines():
@@ -343,7 +341,7 @@ class Work:
             elif rest and (word == "kept" if looked else word == "opened" and not self._log):
                 self._log.append((rest[0], None))  # what is kept before it has looked is what comes back
             elif len(rest) == 3:
-                self._log.append((rest[0], float(rest[1])))
+                self._log.append((rest[0], killed - float(rest[1])))
         return found
 
     def _compare(self, restored: str | None) -> tuple[str, int, float]:
@@ -353,13 +351,13 @@ class Work:
         # Where nothing was done to what was opened there is nothing to keep.
         last = len(there) - 1 - there[::-1].index(restored) if restored else 0
         same = restored or (there[0] if there else "")
-        lost = [when for word, when in self._log[last + 1 :] if when is not None and word != same]
-        done = sum(when is not None for _, when in self._log)
+        lost = [age for word, age in self._log[last + 1 :] if age is not None and word != same]
+        done = sum(age is not None for _, age in self._log)
         assert restored or not self._owed, f"what had been restored is there no more: see {self._home}"
         self._owed = bool(restored)
         self._log = [(restored, None)] if restored else self._log[:1]
         said = f"{done} gestures done, " + ("restored" if restored else "nothing to restore")
-        return said, len(lost), max((self._killed - when for when in lost), default=0.0)
+        return said, len(lost), max(lost, default=0.0)
 
 
 def main(kills: int) -> None:

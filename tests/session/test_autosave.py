@@ -180,15 +180,34 @@ def test_a_step_is_safe_once_it_is_done(session, folder):
         assert kept(folder).read_bytes() != before, "the very next moment may be the last"
 
 
+def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_written(
+    session, folder, monkeypatch
+):
+    check_kept(folder, session)
+    begun, write = threading.Event(), save_session
+
+    def unhurried(*copy, at_once):
+        begun.set()
+        time.sleep(0.05)
+        return write(*copy, at_once=at_once)
+
+    session.drag(*(pose(k / 50) for k in range(1, 30)))
+    monkeypatch.setattr(backup_module, "save_session", unhurried)
+    session.settle()
+    assert begun.wait(SLOW), "the settled shape"
+    session.parts.rename_handle(0, "Neck")
+    assert open_session(kept(folder))[0].document.handles[0].name == "Neck"
+
+
 def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, monkeypatch):
     check_kept(folder, session)
     entered, go_on, written = threading.Event(), threading.Event(), []
 
-    def slow(path, state, view):
+    def slow(path, state, view, at_once):
         entered.set()
         assert go_on.wait(SLOW)
         written.append(state.document.handles[0].name)
-        return save_session(path, state, view)
+        return save_session(path, state, view, at_once=at_once)
 
     monkeypatch.setattr(backup_module, "save_session", slow)
     session.parts.rename_handle(0, "first")
@@ -205,13 +224,14 @@ def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, m
 def test_a_full_disk_is_said_once_and_tried_again_with_the_next_step(session, folder, monkeypatch):
     check_kept(folder, session)
     safe = kept(folder).read_bytes()
-    full = True
+    full, write = True, Path.replace
 
-    def fsync(descriptor):
+    def replace(path, target):
         if full:
             raise OSError(28, "No space left on device")
+        return write(path, target)
 
-    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(Path, "replace", replace)
     told = len(session.told)
     for name in ("a", "b", "c"):
         session.parts.rename_handle(0, name)
@@ -226,6 +246,18 @@ def test_a_full_disk_is_said_once_and_tried_again_with_the_next_step(session, fo
     full = True
     session.parts.rename_handle(0, "e")
     session.until(lambda: len(session.told) == told + 2)
+
+
+def test_a_disk_that_does_not_keep_what_it_took_is_said(session, folder, monkeypatch):
+    check_kept(folder, session)
+
+    def fsync(descriptor):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    session.parts.rename_handle(0, "neck")
+    session.until(lambda: session.told)
+    assert "Input/output error" in session.told[-1]
 
 
 def test_a_folder_that_cannot_be_made_is_said_once(tmp_path, bar):
