@@ -20,6 +20,10 @@ from apd_viewer.geometry.mesh import frozen
 _STEPS = 64
 _LOWEST, _HIGHEST = -40, 10
 _BINS = (_HIGHEST - _LOWEST) * _STEPS
+# The bits of a number, down to those that tell the bin in its octave, count the bins from another beginning.
+_BELOW_STEPS = 52 - int(math.log2(_STEPS))
+_BEFORE = (1023 + _LOWEST) * _STEPS - 1
+_AT_ONCE = 512  # triangles
 # The area of a triangle this much smaller than the mean is nothing but rounding.
 _SLIVER = 1e-9
 
@@ -81,32 +85,34 @@ def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
     return LocalChange(moved / total, min(float(p99), largest), largest, below)
 
 
-# On one core: the window's thread must not wait for the cores, and shares them with the solver.
-@njit(cache=True, nogil=True)
+# On one core: the window's thread must not wait for the cores, and shares them with the solver. In three
+# passes over some triangles, of which the second is nothing but arithmetic: three times as fast as in one.
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sorted_in(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray
 ) -> tuple[float, float]:
     """Add the areas at rest to the bins of what has shrunk and grown; the sum and the largest of changes."""
     moved = largest = 0.0
-    for t in range(len(F)):
-        if rest[t] <= least:
-            continue
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        own = 0.5 * np.sqrt(x * x + y * y + z * z)
-        moved += abs(own - rest[t])
-        largest = max(largest, abs(own / rest[t] - 1.0))
-        side = 1 if own >= rest[t] else 0
-        low, high = (rest[t], own) if side else (own, rest[t])
-        place = 0
-        if high >= low * 2.0**_HIGHEST:
-            place = _BINS
-        elif high > low * (1.0 + 2.0**_LOWEST):
-            mantissa, exponent = math.frexp(high / low - 1.0)
-            place = (exponent - 1 - _LOWEST) * _STEPS + int((2.0 * mantissa - 1.0) * _STEPS) + 1
-        weights[side, min(max(place, 0), _BINS)] += rest[t]
+    area, change = np.empty(_AT_ONCE), np.empty(_AT_ONCE)
+    bits = change.view(np.int64)
+    for first in range(0, len(F), _AT_ONCE):
+        count = min(_AT_ONCE, len(F) - first)
+        for s in range(count):
+            i, j, k = F[first + s, 0], F[first + s, 1], F[first + s, 2]
+            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            area[s] = x * x + y * y + z * z
+        for s in range(count):
+            area[s] = 0.5 * np.sqrt(area[s])
+            change[s] = abs(area[s] - rest[first + s]) / min(area[s], rest[first + s])
+        for s in range(count):
+            w = rest[first + s]
+            if w > least:
+                moved += abs(area[s] - w)
+                largest = max(largest, abs(area[s] / w - 1.0))
+                place = (bits[s] >> _BELOW_STEPS) - _BEFORE
+                weights[1 if area[s] >= w else 0, min(max(place, 0), _BINS)] += w
     return moved, largest
 
 
