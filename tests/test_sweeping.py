@@ -5,6 +5,7 @@ import gc
 import re
 import sys
 
+import imageio_ffmpeg
 import numpy as np
 import pytest
 import trimesh
@@ -205,14 +206,13 @@ def test_other_files_in_the_folder_are_kept(session, sweep, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:unclosed file", "ignore::pytest.PytestUnraisableExceptionWarning")
-def test_a_film_as_mp4_where_there_is_an_encoder(tmp_path):
-    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="an optional extra")
+def test_a_film_as_mp4(tmp_path):
     pictures = []
     for shade in (0, 120, 240):
         pictures.append(tmp_path / f"{shade}.png")
         Image.new("RGB", (64, 48), (shade, shade, shade)).save(pictures[-1])
     write_film(pictures, tmp_path / "film.mp4")
-    frames = ffmpeg.read_frames(str(tmp_path / "film.mp4"))
+    frames = imageio_ffmpeg.read_frames(str(tmp_path / "film.mp4"))
     assert next(frames)["source_size"] == (64, 48)
     shades = [np.frombuffer(frame, np.uint8).mean() for frame in frames]
     assert shades[0] == pytest.approx(0, abs=8)

@@ -222,6 +222,11 @@ def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
 # Streaming
 
 
+# A picture of a large mesh may take so many times what a bare one takes; a thread that holds the interpreter
+# keeps the window waiting for seconds.
+MOST_FRAMES = 12.0
+
+
 @pytest.fixture
 def big(process, qtbot, window):
     """A window on a ball of 40,962 vertices, its poles painted, and the solver ready for it."""
@@ -257,27 +262,39 @@ def drag_for_two_seconds(qtbot, window):
     return begun, ended
 
 
+def bare_frame(qtbot, window):
+    """Seconds from asking for the same picture again until it is there: what this machine can do just now."""
+    view, seconds = window.canvas.viewport, []
+    for _ in range(10):
+        began = time.perf_counter()
+        with qtbot.waitSignal(view.frameSwapped):
+            view.update()
+        seconds.append(time.perf_counter() - began)
+    return float(np.median(seconds))
+
+
 def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big):
     paints, waiting = [], []
+    bare = bare_frame(qtbot, big)
     big.canvas.viewport.pre_draw.append(lambda: paints.append(time.perf_counter()))
     requests = big.session._worker._requests
     put = requests.put
     requests.put = lambda request: waiting.append(requests.waiting) or put(request)
     shown = watch_frames(big)
-    longest = np.inf
+    longest = np.inf  # time without a picture, in bare ones
     for _ in range(3):  # other work on the machine can only make it longer
         waiting.clear()
         shown.clear()
         begun, ended = drag_for_two_seconds(qtbot, big)
         times = [begun, *(t for t in paints if begun < t < ended), ended]
-        longest = min(longest, max(np.diff(times)))
+        longest = min(longest, max(np.diff(times)) / bare)
         assert len(waiting) >= 55, "every event but those in the dead zone is a request"
         assert len(shown) >= 5
+        if longest < MOST_FRAMES:
+            break
         big.session.reset_handle()
         idle(qtbot, big)
-        if longest < 0.5:
-            break
-    assert longest < 0.5
+    assert longest < MOST_FRAMES
 
 
 def test_replies_never_pile_up(qtbot, bottle):
