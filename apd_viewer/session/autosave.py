@@ -16,10 +16,11 @@ from apd_viewer.session.view import View
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.history import Entry
 
 
 # A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
-# than this it is the disk's fault, and nobody waits for it.
+# than this it is the disk's fault, and nobody waits for it; nor does a key that is held down.
 _MOMENT = 0.25  # s
 
 
@@ -60,6 +61,7 @@ class Autosave:
         self._backup: Backup | None = None
         self._restored: list[Leftover] = []
         self._document: Document | None = None
+        self._step: Entry | None = None
         self._frame: Frame | None = None
 
     def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:
@@ -82,8 +84,9 @@ class Autosave:
         for left in shown:
             left.taken = True
         if self._is_new(state):
-            is_step = state.document is not self._document
-            self._document, self._frame = state.document, state.frame
+            step = self._gestures.history.latest
+            is_step = state.document is not self._document and step is not self._step
+            self._document, self._frame, self._step = state.document, state.frame, step
             self._backup.put(Copy(state, self._view(), shown), _MOMENT if is_step else 0.0)
 
     def receive(self) -> None:
@@ -106,4 +109,4 @@ class Autosave:
             if left.taken:
                 left.discard()
         self._restored.clear()
-        self._backup = self._document = self._frame = None
+        self._backup = self._document = self._frame = self._step = None

@@ -33,6 +33,11 @@ class History:
         self._redo: list[Entry] = []
 
     @property
+    def latest(self) -> Entry | None:
+        """The gesture that undo would take back; the same one while presses of a key are joined to it."""
+        return self._undo[-1] if self._undo else None
+
+    @property
     def next_undo(self) -> str | None:
         """Name of the gesture that undo would take back."""
         return self._undo[-1].gesture if self._undo else None

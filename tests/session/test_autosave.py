@@ -199,6 +199,24 @@ def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_writ
     assert open_session(kept(folder))[0].document.handles[0].name == "Neck"
 
 
+def test_a_key_that_is_held_down_waits_for_no_file(session, folder, monkeypatch):
+    check_kept(folder, session)
+    awaited, put = [], backup_module.Backup.put
+
+    def noted(backup, copy, patience):
+        awaited.append(patience > 0.0)
+        put(backup, copy, patience)
+
+    monkeypatch.setattr(backup_module.Backup, "put", noted)
+    for k in range(1, 6):
+        session.pose_handle(pose(k / 50), 0, "Nudge handle", repeats=True)
+    assert awaited[0]
+    assert not any(awaited[1:])
+    check_kept(folder, session)
+    session.undo()
+    assert awaited[-1]
+
+
 def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, monkeypatch):
     check_kept(folder, session)
     entered, go_on, written = threading.Event(), threading.Event(), []
