@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from apd_viewer.files.selection import MOST_REGIONS
+from apd_viewer.geometry.constraints import MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.named_parts import Handle
 from apd_viewer.session.names import new_name, next_name
@@ -12,8 +14,6 @@ from apd_viewer.session.names import new_name, next_name
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.stage import Listener, Stage
-
-MOST_HANDLES = MOST_REGIONS = 8
 
 
 class Parts:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.files.fields import Fields
+from apd_viewer.files.selection import MOST_REGIONS
 from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.frame import Frame
@@ -26,7 +27,6 @@ from apd_viewer.session.units import Unit
 from apd_viewer.session.view import Point, Standpoint, View
 from apd_viewer.session.wall import Wall
 
-_MOST_PARTS = MOST_HANDLES  # there are as many colours
 _MOST = 1e9  # of a weight or a percentage
 _LEAST = 1e-12  # of what is more than zero
 _MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
@@ -58,8 +58,8 @@ def _number(value: float | None) -> float | None:
 
 def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """The document again, with its mesh and with its ``labels``, ``member`` and ``grip``."""
-    handles = tuple(_handle(part) for part in said.parts("handles", _MOST_PARTS))
-    regions = tuple(_region(part) for part in said.parts("regions", _MOST_PARTS))
+    handles = tuple(_handle(part) for part in said.parts("handles", MOST_HANDLES))
+    regions = tuple(_region(part) for part in said.parts("regions", MOST_REGIONS))
     labels, member, method = arrays["labels"], arrays["member"], said.text("method")
     if not handles or labels.max() >= HANDLE + len(handles):
         raise ValueError(tr("“labels” in it name a handle that is not there"))
