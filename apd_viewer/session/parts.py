@@ -53,13 +53,12 @@ class Parts:
 
     def rename_handle(self, k: int, name: str) -> None:
         """Give handle ``k`` a name of its own."""
-        state = self._stage.required()
-        handle = state.document.handles[k]
-        name = new_name(name, handle.name, [other.name for other in state.document.handles])
-        if name != handle.name:
-            state = self._gestures.alone()
+        state = self._gestures.alone()
+        handles = state.document.handles
+        name = new_name(name, handles[k].name, [handle.name for handle in handles])
+        if name != handles[k].name:
             self._gestures.record(tr("Rename"), state)
-            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
+            self._stage.note(state.document.with_handle(k, replace(handles[k], name=name)))
 
     def add_region(self) -> int:
         """One more region, without a vertex; its number, or that of the last where there can be no more."""
@@ -83,10 +82,9 @@ class Parts:
 
     def rename_region(self, k: int, name: str) -> None:
         """Give region ``k`` a name of its own."""
-        state = self._stage.required()
-        region = state.document.regions[k]
-        name = new_name(name, region.name, [other.name for other in state.document.regions])
-        if name != region.name:
-            state = self._gestures.alone()
+        state = self._gestures.alone()
+        regions = state.document.regions
+        name = new_name(name, regions[k].name, [region.name for region in regions])
+        if name != regions[k].name:
             self._gestures.record(tr("Rename"), state)
-            self._stage.note(state.document.with_region(k, replace(region, name=name)))
+            self._stage.note(state.document.with_region(k, replace(regions[k], name=name)))

@@ -263,6 +263,18 @@ def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
     assert factored.count == 0
 
 
+def test_a_new_name_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
+    before = parted.state.document.handles[0]
+    parted.begin_gesture()
+    parted.move_handle(BENT)
+    parted.parts.rename_handle(0, "Neck")
+    named = parted.state.document.handles[0]
+    assert named.name == "Neck"
+    np.testing.assert_array_equal(named.pose, before.pose)
+    parted.undo()
+    assert parted.state.document.handles[0] is before
+
+
 # Regions
 
 
