@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from apd_viewer import papertables
 from apd_viewer.files.filling import filling
 from apd_viewer.files.samples import open_sample
+from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
@@ -69,19 +69,12 @@ def _write_curves(folder: Path, progress: Progress) -> None:
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
     cases = [(degrees, papertables.CASES[name]) for degrees, name in said if name in papertables.CASES]
     draw_losses(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
-    _write(folder / "loss-against-angle.csv", Loss, lost)
+    write_table(folder / "loss-against-angle.csv", Loss._fields, lost)
     where = tr("what Eq. 8 does to the handle")
     before = _TABLES + _LOSSES
     held = holds(document, tick=lambda done, _: progress.show(before + _HOLDS * done, where))
     draw_holds(held, folder)
-    _write(folder / "handle.csv", Held, held)
-
-
-def _write(path: Path, kind: type[NamedTuple], values: Sequence[tuple[object, ...]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(kind._fields)
-        writer.writerows(values)
+    write_table(folder / "handle.csv", Held._fields, held)
 
 
 def _draw_shapes(table: Sequence[Row], folder: Path, progress: Progress) -> bool:

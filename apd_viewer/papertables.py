@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from apd_viewer.files.replacing import replacing
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
+from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import Result, deform
 from apd_viewer.geometry.frame import Frame
@@ -149,27 +148,24 @@ def verdict(rows: Sequence[Row]) -> str:
 
 def write_csv(rows: Iterable[Row], path: Path) -> None:
     """Write all digits; raises InputError if the file cannot be written."""
-    with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(
-            ("case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations")
-            + ("move", "said_area_rest", "said_area", "said_area_error", "within_tolerance")
+    columns = "case", "method", "area_rest", "area", "area_error", "handle_drift", "iterations"
+    said = "move", "said_area_rest", "said_area", "said_area_error", "within_tolerance"
+    lines = [
+        (
+            row.name,
+            result.method,
+            result.area_rest,
+            result.area,
+            result.area_error,
+            result.handle_drift,
+            result.iterations,
+            row.case.title,
+            row.case.rest,
+            area,
+            area / row.case.rest - 1,
+            abs(result.area_error) <= TOLERANCE,
         )
-        for row in rows:
-            for result, said in ((row.arap, row.case.arap), (row.paper, row.case.paper)):
-                writer.writerow(
-                    (
-                        row.name,
-                        result.method,
-                        result.area_rest,
-                        result.area,
-                        result.area_error,
-                        result.handle_drift,
-                        result.iterations,
-                        row.case.title,
-                        row.case.rest,
-                        said,
-                        said / row.case.rest - 1,
-                        int(abs(result.area_error) <= TOLERANCE),
-                    )
-                )
+        for row in rows
+        for result, area in ((row.arap, row.case.arap), (row.paper, row.case.paper))
+    ]
+    write_table(path, columns + said, lines)

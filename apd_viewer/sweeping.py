@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import tempfile
 from contextlib import ExitStack
 from dataclasses import replace
@@ -14,6 +13,7 @@ from apd_viewer.files.filling import filling
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_transform
+from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
@@ -26,26 +26,11 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
+    from apd_viewer.files.tables import Cell
     from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.document import Document
     from apd_viewer.session.sweep import Step, Sweep
 
-COLUMNS = (
-    "method",
-    "step",
-    "part",
-    "degrees",
-    "way",
-    "area",
-    "area_error",
-    "volume",
-    "volume_error",
-    "energy",
-    "local_change",
-    "handle_drift",
-    "iterations",
-    "settled",
-)
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 _SWEPT_SHARE = 0.9  # of the work; the rest draws
 
@@ -118,7 +103,8 @@ def _sweep(options: argparse.Namespace) -> None:
         folder = stack.enter_context(filling(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(sweep, progress, folder if options.meshes else None, kept if options.animation else None)
-        write_csv(steps, folder / "sweep.csv")
+        lines = [_readings(step) for step in steps]
+        write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
         from apd_viewer.figures.sweeps import draw_sweep
 
@@ -204,31 +190,25 @@ def _kept(folder: Path, step: Step) -> Path:
     return folder / f"{step.method}-{step.number}.npy"
 
 
-def write_csv(steps: Sequence[Step], path: Path) -> None:
-    """Write all digits, a line a step."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(COLUMNS)
-        for step in steps:
-            frame = step.frame
-            writer.writerow(
-                (
-                    step.method,
-                    step.number,
-                    step.part,
-                    step.degrees,
-                    step.way,
-                    frame.area,
-                    frame.area_error,
-                    frame.volume,
-                    step.volume_error,
-                    step.energy,
-                    frame.local_change,
-                    frame.handle_drift,
-                    frame.iteration,
-                    int(frame.settled),
-                )
-            )
+def _readings(step: Step) -> dict[str, Cell]:
+    """A line of the table, by the names of its columns."""
+    frame = step.frame
+    return {
+        "method": step.method,
+        "step": step.number,
+        "part": step.part,
+        "degrees": step.degrees,
+        "way": step.way,
+        "area": frame.area,
+        "area_error": frame.area_error,
+        "volume": frame.volume,
+        "volume_error": step.volume_error,
+        "energy": step.energy,
+        "local_change": frame.local_change,
+        "handle_drift": frame.handle_drift,
+        "iterations": frame.iteration,
+        "settled": frame.settled,
+    }
 
 
 def _film(
@@ -243,7 +223,7 @@ def _film(
     pictures = []
     for number in range(count):
         own = [steps[m * count + number] for m in range(len(methods))]
-        words = [(METHOD_NAMES[step.method], *_readings(step, sweep.abscissa)) for step in own]
+        words = [(METHOD_NAMES[step.method], *_words(step, sweep.abscissa)) for step in own]
         pictures.append(Picture(kept / f"{number:04d}.png", [_kept(kept, step) for step in own], words))
     size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
 
@@ -262,7 +242,7 @@ def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
     return {"look": (x, y, z), "up": camera.up}
 
 
-def _readings(step: Step, abscissa: str) -> list[str]:
+def _words(step: Step, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
         "way": f"{step.way:.3g}",

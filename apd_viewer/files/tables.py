@@ -5,16 +5,17 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
 from apd_viewer.files.replacing import replacing
 
+Cell: TypeAlias = float | str | None
 
-def write_table(
-    path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[float | str]]
-) -> None:
-    """Write a table, whole or not at all; what is not a number is left empty.
+
+def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[Cell]]) -> None:
+    """Write a table, whole or not at all; what is not known, or not a number, is left empty.
 
     Parameters
     ----------
@@ -32,13 +33,13 @@ def write_table(
     with replacing(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
         writer.writerow(columns)
-        lines = rows.tolist() if isinstance(rows, np.ndarray) else rows
-        writer.writerows([_written(x) for x in row] for row in lines)
+        writer.writerows([_written(cell) for cell in row] for row in rows)
 
 
-def _written(x: float | str) -> str:
-    if isinstance(x, str):
-        return x
-    if x != x:
+def _written(cell: Cell) -> str:
+    if isinstance(cell, str):
+        return cell
+    if cell is None or cell != cell:
         return ""
-    return str(int(x)) if x.is_integer() and abs(x) < 2**53 else repr(x)
+    value = float(cell)
+    return str(int(value)) if value.is_integer() and abs(value) < 2**53 else repr(value)

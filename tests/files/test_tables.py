@@ -23,6 +23,15 @@ def test_what_is_read_back_is_the_same_to_the_last_digit(tmp_path):
     assert lines[4][1] == ""
 
 
+def test_a_table_may_have_words_counts_and_gaps(tmp_path):
+    rows = [["arap", 0.1, 3, True], ["exact, or so", float("nan"), None, np.float64(2.5)]]
+    write_table(tmp_path / "a.csv", ["method", "x", "n", "y"], rows)
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
+        head, *lines = csv.reader(stream)
+    assert head == ["method", "x", "n", "y"]
+    assert lines == [["arap", "0.1", "3", "1"], ["exact, or so", "", "", "2.5"]]
+
+
 def test_a_table_that_cannot_be_written_leaves_what_was_there(tmp_path):
     (tmp_path / "taken.csv").mkdir()
     with pytest.raises(InputError, match="choose another place"):

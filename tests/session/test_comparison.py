@@ -1,6 +1,5 @@
 """Methods one after another on one document: each comes to what it comes to alone, from the rest shape."""
 
-import csv
 import threading
 import time
 from dataclasses import replace
@@ -11,7 +10,6 @@ from test_session import BENT, LONG
 from test_worker import document
 
 import apd_viewer
-from apd_viewer.files.tables import write_table
 from apd_viewer.geometry import elastic
 from apd_viewer.session import child
 from apd_viewer.session.comparison import COMPARED, Comparison
@@ -158,9 +156,3 @@ def test_a_method_that_fails_says_why_and_the_others_go_on(begun, cold, monkeypa
     assert arap.frame is None
     assert exact.failure is None
     assert exact.frame.converged
-
-
-def test_a_table_may_have_words(tmp_path):
-    write_table(tmp_path / "a.csv", ["method", "x"], [["arap", 0.1], ["exact, or so", float("nan")]])
-    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as stream:
-        assert list(csv.reader(stream)) == [["method", "x"], ["arap", "0.1"], ["exact, or so", ""]]
