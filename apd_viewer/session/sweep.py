@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.constraints import BASE, transform
 from apd_viewer.geometry.courses import Course, Turn, course_of
 from apd_viewer.geometry.methods import METHODS
 from apd_viewer.language import tr
@@ -47,7 +47,6 @@ class Step(NamedTuple):
     way : float
         How far its pivot is from where it was, mesh units.
     frame : Frame
-    area_rest : float
     volume_rest : float or None
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
@@ -59,7 +58,6 @@ class Step(NamedTuple):
     degrees: float
     way: float
     frame: Frame
-    area_rest: float
     volume_rest: float | None
     energy: float
 
@@ -164,7 +162,6 @@ class Sweep:
             float(np.degrees(part * course.angle)),
             float(np.linalg.norm(away)),
             frame,
-            solver.rest.area,
             solver.rest.volume,
             solver.rest.energy(frame.U),
         )
@@ -244,7 +241,7 @@ def _twisting(document: Document, twists: Sequence[float]) -> tuple[Course | Tur
                 handles=len(document.handles), twists=len(twists)
             )
         )
-    base = derived.centre(document.labels, document.grip, 0)
+    base = derived.centre(document.labels, document.grip, BASE)
     return tuple(Turn(base, _line(document, k, base), amount) for k, amount in enumerate(twists))
 
 
