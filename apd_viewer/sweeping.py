@@ -14,6 +14,7 @@ from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.selections import read_transform
 from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
@@ -162,13 +163,12 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
 def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[Step]:
     """The steps without their shapes, which go to files as far as they are wanted."""
     from apd_viewer.figures.shapes import keep_shape
-    from apd_viewer.figures.style import METHOD_NAMES
 
     mesh, steps = sweep.document.mesh, []
     nothing = mesh.V[:0]
 
     def tick(done: float, method: str) -> None:
-        progress.show(_SWEPT_SHARE * done, METHOD_NAMES[method])
+        progress.show(_SWEPT_SHARE * done, SHORT_NAMES[method])
 
     for step in sweep.steps(tick):
         if folder is not None:
@@ -217,13 +217,12 @@ def _film(
     """Draw the shapes of all methods side by side, step by step, as a film; False where nothing can draw."""
     from apd_viewer.figures.films import write_film
     from apd_viewer.figures.shapes import Picture, draw_shapes
-    from apd_viewer.figures.style import METHOD_NAMES
 
     count, methods = len(sweep.parts), sweep.methods
     pictures = []
     for number in range(count):
         own = [steps[m * count + number] for m in range(len(methods))]
-        words = [(METHOD_NAMES[step.method], *_words(step, sweep.abscissa)) for step in own]
+        words = [(SHORT_NAMES[step.method], *_words(step, sweep.abscissa)) for step in own]
         pictures.append(Picture(kept / f"{number:04d}.png", [_kept(kept, step) for step in own], words))
     size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
 
@@ -265,20 +264,18 @@ def _signed(value: float) -> str:
 
 
 def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
-    from apd_viewer.figures.style import METHOD_NAMES
-
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,
             steps=len(sweep.parts) - 1,
-            methods=", ".join(METHOD_NAMES[method] for method in sweep.methods),
+            methods=", ".join(SHORT_NAMES[method] for method in sweep.methods),
         )
     ]
     for method in sweep.methods:
         own = [step for step in steps if step.method == method]
         worst = max(own, key=lambda step: abs(step.frame.area_error))
         said = tr("{method}: area {last} % at the end, {worst} % at most").format(
-            method=METHOD_NAMES[method],
+            method=SHORT_NAMES[method],
             last=_signed(100 * own[-1].frame.area_error),
             worst=_signed(100 * worst.frame.area_error),
         )

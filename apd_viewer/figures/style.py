@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
 # Okabe and Ito's, of which those of neighbouring curves differ in lightness too.
-BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"
+BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
 # Colour, dashes and marker of a method: any one of them tells it.
 METHOD_LOOKS: dict[str, dict[str, Any]] = {
     "arap": {"color": VERMILION, "linestyle": (0, (5, 1.5)), "marker": "s"},
@@ -27,7 +27,6 @@ METHOD_LOOKS: dict[str, dict[str, Any]] = {
     "local": {"color": GREEN, "linestyle": (0, (6, 1.5, 1, 1.5)), "marker": "D"},
     "sr-arap": {"color": PURPLE, "linestyle": (0, (3, 1)), "marker": "v"},
 }
-METHOD_NAMES = {"arap": "ARAP", "paper": "Paper", "exact": "Exact", "local": "Local", "sr-arap": "SR-ARAP"}
 _DPI = 160
 _LOOK: dict[Any, Any] = {
     "font.family": "sans-serif",

@@ -10,7 +10,14 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.elastic import Material
 from apd_viewer.language import tr
 
-METHODS = ("exact", "local", "paper", "arap", "sr-arap")
+SHORT_NAMES = {
+    "exact": tr("Exact"),
+    "local": tr("Local"),
+    "paper": tr("Paper"),
+    "arap": tr("ARAP"),
+    "sr-arap": tr("SR-ARAP"),
+}
+METHODS = tuple(SHORT_NAMES)
 DEFAULT_METHOD = "exact"
 DEFAULT_TOLERANCE = 1e-3
 # Against a stiffness of 1 of each cell of Eq. 1, of which "local" keeps a tenth to hold the corners together.

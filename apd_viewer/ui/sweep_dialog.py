@@ -17,9 +17,10 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.session.saved import save_session
-from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, sweep_of, twist_of
+from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
 from apd_viewer.ui.far_run import FarRun
 from apd_viewer.ui.fields import Check, Choice, Number
 from apd_viewer.ui.figure_view import FigureView
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
 
 _POSED, _TWIST = "posed", "twist"
-_METHODS = {"arap": "ARAP", "paper": "Paper", "exact": "Exact", "local": "Local"}
 
 
 class SweepDialog(QDialog):
@@ -122,7 +122,7 @@ class SweepDialog(QDialog):
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.method
-        self.methods = {name: Check(title) for name, title in _METHODS.items()}
+        self.methods = {name: Check(SHORT_NAMES[name]) for name in SWEPT}
         for name, check in self.methods.items():
             check.setChecked(name != "local" or own == "local")
         self.methods["local"].setToolTip(tr("Takes several times as long as the others"))
