@@ -30,11 +30,11 @@ from apd_viewer.geometry.methods import (
     METHODS,
 )
 from apd_viewer.language import tr
-from apd_viewer.paperpage import paper_parser
+from apd_viewer.paper_command import paper_parser
 from apd_viewer.parser import Parser
 from apd_viewer.session.replaying import replay
 from apd_viewer.session.sentences import about_caps, of_crossings
-from apd_viewer.sweeping import sweep_parser
+from apd_viewer.sweep_command import sweep_parser
 
 if TYPE_CHECKING:
     import argparse

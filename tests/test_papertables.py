@@ -9,7 +9,7 @@ import trimesh
 from meshes import box, ends
 from PIL import Image
 
-from apd_viewer import paperpage, papertables
+from apd_viewer import paper_command, papertables
 from apd_viewer.__main__ import main
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh import Mesh
@@ -101,7 +101,7 @@ def coarse(monkeypatch):
     base, handle = ends(V, axis=1)
     labels[base], labels[handle] = 0, 2
     name = "bottle-twist-60"
-    for module in (papertables, paperpage):
+    for module in (papertables, paper_command):
         monkeypatch.setattr(module, "open_sample", lambda _: (Mesh(V, F), labels))
     monkeypatch.setattr(papertables, "CASES", {name: papertables.CASES[name]})
 
@@ -160,6 +160,6 @@ def test_what_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(paperpage, "holds", stop)
+    monkeypatch.setattr(paper_command, "holds", stop)
     assert main(["paper", "-o", str(tmp_path / "out")]) == 130
     assert list(tmp_path.iterdir()) == []

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.saved import open_session
-from apd_viewer.sweeping import sweep_parser
+from apd_viewer.sweep_command import sweep_parser
 from apd_viewer.ui.figure_view import FigureView
 
 

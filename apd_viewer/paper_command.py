@@ -15,7 +15,7 @@ from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
 from apd_viewer.session.document import opened
 from apd_viewer.session.papercurves import Held, Loss, holds, losses
-from apd_viewer.sweeping import no_pictures
+from apd_viewer.sweep_command import no_pictures
 
 if TYPE_CHECKING:
     import argparse

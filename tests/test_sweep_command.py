@@ -12,7 +12,7 @@ import trimesh
 from meshes import box, ends, tube
 from PIL import Image
 
-from apd_viewer import sweeping
+from apd_viewer import sweep_command
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
@@ -190,7 +190,7 @@ def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatc
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweeping.Progress, "show", stop)
+    monkeypatch.setattr(sweep_command.Progress, "show", stop)
     assert sweep(session, "--steps", 2)[0] == 130
     assert sorted(tmp_path.rglob("*")) == before
 
