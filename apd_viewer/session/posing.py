@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,21 +22,21 @@ if TYPE_CHECKING:
 class Motion(Enum):
     """A way to move a handle by one number."""
 
-    MOVE_X = "Move along x"
-    MOVE_Y = "Move along y"
-    MOVE_Z = "Move along z"
-    TURN_X = "Turn about x"
-    TURN_Y = "Turn about y"
-    TURN_Z = "Turn about z"
-    TWIST = "Twist"
-    BEND_X = "Bend about x"
-    BEND_Y = "Bend about y"
-    BEND_Z = "Bend about z"
-    BEND_LINE = "Bend about a line"
-    SCALE = "Scale"
+    MOVE_X = auto()
+    MOVE_Y = auto()
+    MOVE_Z = auto()
+    TURN_X = auto()
+    TURN_Y = auto()
+    TURN_Z = auto()
+    TWIST = auto()
+    BEND_X = auto()
+    BEND_Y = auto()
+    BEND_Z = auto()
+    BEND_LINE = auto()
+    SCALE = auto()
 
 
-# The names of steps of undo; a table, for words that are one in another language would be one member.
+# The names of steps of undo.
 MOTIONS = {
     Motion.MOVE_X: tr("Move along x"),
     Motion.MOVE_Y: tr("Move along y"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -15,42 +15,12 @@ if TYPE_CHECKING:
     from apd_viewer.session.document import State
     from apd_viewer.session.part import Part
 
-    Reshape = Callable[[State, np.ndarray], np.ndarray]
+Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 
 
-class Change(Enum):
-    """A way to change a part; its value names the step of undo in English."""
-
-    GROW = "Grow"
-    SHRINK = "Shrink"
-    SMOOTH = "Smooth the border"
-    INVERT = "Invert"
-    MIRROR_X = "Mirror along x"
-    MIRROR_Y = "Mirror along y"
-    MIRROR_Z = "Mirror along z"
-
-
-# A table beside the enum: two words that are one in another language would make one of two members.
-CHANGES = {
-    Change.GROW: tr("Grow"),
-    Change.SHRINK: tr("Shrink"),
-    Change.SMOOTH: tr("Smooth the border"),
-    Change.INVERT: tr("Invert"),
-    Change.MIRROR_X: tr("Mirror along x"),
-    Change.MIRROR_Y: tr("Mirror along y"),
-    Change.MIRROR_Z: tr("Mirror along z"),
-}
-
-
-def reshaped(state: State, part: Part, change: Change) -> np.ndarray:
-    """The vertices that should be in the part after a change, (n,) bool; it takes none from other parts."""
-    document, skin = state.document, state.skin
-    member = part.of(document)
-    wanted = _RESHAPES[change](state, member)
-    if len(skin.source):
-        wanted = wanted[skin.source]
-    codes = part.codes(document)
-    return wanted & (member | (codes == part.nothing))
+class _Way(NamedTuple):
+    title: str
+    reshape: Reshape
 
 
 def _mirrored_along(axis: int) -> Reshape:
@@ -63,14 +33,28 @@ def _mirrored_along(axis: int) -> Reshape:
     return reshape
 
 
-_RESHAPES: dict[Change, Reshape] = {
-    Change.GROW: lambda state, member: grown(state.skin.start, state.skin.neighbour, member),
-    Change.SHRINK: lambda state, member: shrunk(state.skin.start, state.skin.neighbour, member),
-    Change.SMOOTH: lambda state, member: smoothed(
-        state.skin.start, state.skin.neighbour, state.document.mesh.V, member
-    ),
-    Change.INVERT: lambda _, member: ~member,
-    Change.MIRROR_X: _mirrored_along(0),
-    Change.MIRROR_Y: _mirrored_along(1),
-    Change.MIRROR_Z: _mirrored_along(2),
-}
+def _smoothed(state: State, member: np.ndarray) -> np.ndarray:
+    return smoothed(state.skin.start, state.skin.neighbour, state.document.mesh.V, member)
+
+
+class Change(Enum):
+    """A way to change a part; its value holds the name of the step of undo, and what it does."""
+
+    GROW = _Way(tr("Grow"), lambda state, member: grown(state.skin.start, state.skin.neighbour, member))
+    SHRINK = _Way(tr("Shrink"), lambda state, member: shrunk(state.skin.start, state.skin.neighbour, member))
+    SMOOTH = _Way(tr("Smooth the border"), _smoothed)
+    INVERT = _Way(tr("Invert"), lambda _, member: ~member)
+    MIRROR_X = _Way(tr("Mirror along x"), _mirrored_along(0))
+    MIRROR_Y = _Way(tr("Mirror along y"), _mirrored_along(1))
+    MIRROR_Z = _Way(tr("Mirror along z"), _mirrored_along(2))
+
+
+def reshaped(state: State, part: Part, change: Change) -> np.ndarray:
+    """The vertices that should be in the part after a change, (n,) bool; it takes none from other parts."""
+    document, skin = state.document, state.skin
+    member = part.of(document)
+    wanted = change.value.reshape(state, member)
+    if len(skin.source):
+        wanted = wanted[skin.source]
+    codes = part.codes(document)
+    return wanted & (member | (codes == part.nothing))

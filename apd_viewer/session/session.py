@@ -25,7 +25,7 @@ from apd_viewer.session.named_parts import IDENTITY
 from apd_viewer.session.part import Part
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of
-from apd_viewer.session.reshaping import CHANGES, Change, reshaped
+from apd_viewer.session.reshaping import Change, reshaped
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.stage import Activity, Listener, Stage
 from apd_viewer.session.trace import Trace
@@ -158,7 +158,8 @@ class Session(Files):
 
     def reshape(self, part: Part, change: str) -> None:
         """Change a part as a whole, as a :class:`Change` by its name."""
-        self.set_part(part, reshaped(self._gestures.alone(), part, Change[change]), CHANGES[Change[change]])
+        wanted = reshaped(self._gestures.alone(), part, Change[change])
+        self.set_part(part, wanted, Change[change].value.title)
 
     # Handles
 

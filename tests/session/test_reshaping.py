@@ -225,7 +225,7 @@ def test_a_change_is_one_step_and_has_its_name(session, part, change):
         assert len(session.history.past) == steps
         assert change is not Change.GROW
         return
-    assert session.history.next_undo == change.value
+    assert session.history.next_undo == change.value.title
     both_ways(session, before, steps)
 
 
