@@ -130,15 +130,10 @@ def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
 
 
 def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
-    state, unit = subject.state, subject.unit
-    said, rest, now = readout.volume(state, unit), state.inspection, state.frame
+    said = readout.volume(subject.state, subject.unit)
     yield tr("Volume"), said.change, said.sizes
     for line in said.more:
         yield "", line, ""
-    # The panel has room for one of both; a closed surface in pieces may have openings beside.
-    if rest.volume is not None and rest.volume_capped is not None and now.volume is not None:
-        sizes = tr("{now} of {rest}").format(now=figures(now.volume), rest=figures(rest.volume))
-        yield tr("Without caps"), unit.volume(sizes), ""
     yield tr("Self-intersections"), _crossing(subject.found), ""
 
 
