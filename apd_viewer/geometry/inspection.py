@@ -73,6 +73,11 @@ class Inspection:
     size: tuple[float, float, float]
     findings: tuple[Finding, ...]
 
+    @property
+    def nothing_to_keep(self) -> str:
+        """Why there is no volume that could be kept, as a phrase; empty where there is one."""
+        return "" if self.volume else self.why_no_volume or tr("the surface encloses nothing")
+
 
 def inspect(mesh: Mesh) -> Inspection:
     """Inspect the mesh as it came from its file."""

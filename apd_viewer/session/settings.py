@@ -37,9 +37,8 @@ class Settings:
 
     def set_volume(self, percent: float | None) -> None:
         """Ask for a volume, in percent of the volume at rest; None leaves it free."""
-        inspection = self._stage.required().inspection
-        if percent is not None and not inspection.volume:
-            why = inspection.why_no_volume or tr("the surface encloses nothing")
+        why = self._stage.required().inspection.nothing_to_keep
+        if percent is not None and why:
             self._listener.failed(
                 tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
             )

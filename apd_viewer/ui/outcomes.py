@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.language import tr
 from apd_viewer.ui.figures import figures, length, signed
+from apd_viewer.ui.readout import volumes
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,9 +33,7 @@ def readings(state: State, outcome: Outcome) -> Readings:
     rest, frame, account = state.inspection, outcome.frame, outcome.account
     if frame is None:
         return {}
-    capped = rest.volume_capped is not None
-    volume = frame.volume_capped if capped else frame.volume
-    volume_rest = rest.volume_capped if capped else rest.volume
+    volume, volume_rest = volumes(frame, rest)
     return {
         "area": frame.area,
         "area_rest": rest.area,
@@ -111,8 +110,7 @@ def _about_volume(state: State) -> str:
     inspection = state.inspection
     if inspection.volume_capped is not None:
         return tr("The volume in percent of the volume at rest, with the openings capped flat")
-    if not inspection.volume:
-        why = inspection.why_no_volume or tr("the surface encloses nothing")
+    if why := inspection.nothing_to_keep:
         return tr("There is no volume: {why}.").format(why=why)
     return tr("The enclosed volume in percent of the volume at rest")
 

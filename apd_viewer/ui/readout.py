@@ -15,6 +15,8 @@ from apd_viewer.ui.figures import figures, length, short, signed
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.examination import Examination
+    from apd_viewer.geometry.frame import Frame
+    from apd_viewer.geometry.inspection import Inspection
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.units import Unit
 
@@ -98,14 +100,19 @@ class Volume(NamedTuple):
     more: tuple[str, ...] = ()
 
 
+def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
+    """The volume of a shape and that at rest; of an open surface with its openings capped."""
+    if rest.volume_capped is None:
+        return frame.volume, rest.volume
+    return frame.volume_capped, rest.volume_capped
+
+
 def volume(state: State, unit: Unit) -> Volume:
     """The volume of the shape; that of an open surface with its openings capped, and saying so."""
-    inspection, frame = state.inspection, state.frame
-    capped = inspection.volume_capped is not None
-    rest = inspection.volume_capped if capped else inspection.volume
-    now = frame.volume_capped if capped else frame.volume
+    inspection, capped = state.inspection, state.inspection.volume_capped is not None
+    now, rest = volumes(state.frame, inspection)
     if not rest or now is None:
-        why = inspection.why_no_volume or tr("the surface encloses nothing")
+        why = inspection.nothing_to_keep
         return Volume(trc("volume", "none"), tr("{reason}.").format(reason=why[0].upper() + why[1:]))
     change = signed(100 * (now / rest - 1), 2)
     said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
