@@ -119,6 +119,11 @@ class Mesh:
         """File name for people, or "mesh"."""
         return self.path.name if self.path else "mesh"
 
+    @property
+    def stem(self) -> str:
+        """The same without its ending, for the names of files that come of it."""
+        return self.path.stem if self.path else "mesh"
+
 
 @dataclass(frozen=True, eq=False)
 class Baked:

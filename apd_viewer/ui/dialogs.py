@@ -29,9 +29,8 @@ def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
     """Where to save the session, and whether with a copy of the mesh in it."""
-    stem = mesh.path.stem if mesh.path else "mesh"
     path, chosen = QFileDialog.getSaveFileName(
-        parent, tr("Save the session"), str(folder / f"{stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
+        parent, tr("Save the session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
     if not path:
         return None
@@ -47,12 +46,11 @@ def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
 
 def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write what is painted."""
-    stem = mesh.path.stem if mesh.path else "mesh"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
         tr("Save the selection"),
-        str(folder / f"{stem}-selection.json"),
+        str(folder / f"{mesh.stem}-selection.json"),
         ";;".join(filters.values()),
     )
     if not path or Path(path).suffix.lower() in SELECTION_FORMATS:
@@ -63,12 +61,11 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
 def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write the deformed mesh; asks again by itself before a file is replaced."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
-    stem = mesh.path.stem if mesh.path else "mesh"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
         tr("Export the deformed mesh"),
-        str(folder / f"{stem}-deformed{suffix}"),
+        str(folder / f"{mesh.stem}-deformed{suffix}"),
         ";;".join(filters.values()),
         filters[suffix],
     )
@@ -117,20 +114,18 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
 
 def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write a report."""
-    return _ask_for(parent, folder, mesh, tr("Write a report"), "-report", ".html")
+    return ask_where(parent, tr("Write a report"), folder / f"{mesh.stem}-report.html")
 
 
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write a picture."""
-    return _ask_for(parent, folder, mesh, tr("Save the picture"), "", ".png")
+    return ask_where(parent, tr("Save the picture"), folder / f"{mesh.stem}.png")
 
 
-def _ask_for(parent: QWidget, folder: Path, mesh: Mesh, title: str, ending: str, suffix: str) -> Path | None:
-    """Where to write a file of one kind."""
-    stem = mesh.path.stem if mesh.path else "mesh"
-    path, _ = QFileDialog.getSaveFileName(
-        parent, title, str(folder / f"{stem}{ending}{suffix}"), f"{suffix[1:].upper()} (*{suffix})"
-    )
+def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
+    """Where to write a file of the kind of the ``proposed`` one; None if the user thought better of it."""
+    suffix = proposed.suffix
+    path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
     if not path or path.lower().endswith(suffix):
         return Path(path) if path else None
     return _ended(parent, path, suffix)

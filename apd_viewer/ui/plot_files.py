@@ -8,10 +8,11 @@ from pathlib import Path
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize
 from PySide6.QtGui import QColor, QImage, QPaintDevice, QPainter
 from PySide6.QtSvg import QSvgGenerator
-from PySide6.QtWidgets import QFileDialog, QWidget
+from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.replacing import replacing
 from apd_viewer.language import tr
+from apd_viewer.ui import dialogs
 
 _SCALE = 3  # pixels of a picture for each on the screen
 _PAPER = "#ffffff"
@@ -19,11 +20,7 @@ _PAPER = "#ffffff"
 
 def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
     """Where to write a file of plots; None if the user thought better of it."""
-    kind = tr("{kind} file (*{suffix})").format(kind=suffix[1:].upper(), suffix=suffix)
-    path, _ = QFileDialog.getSaveFileName(parent, tr("Save the plots"), str(folder / f"{name}{suffix}"), kind)
-    if not path:
-        return None
-    return Path(path) if path.lower().endswith(suffix) else Path(path + suffix)
+    return dialogs.ask_where(parent, tr("Save the plots"), folder / f"{name}{suffix}")
 
 
 def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:

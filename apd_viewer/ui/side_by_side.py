@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.comparison import COMPARED, Comparison, Outcome
+from apd_viewer.ui import dialogs
 from apd_viewer.ui.chore import Chore
 from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.fields import Check
@@ -258,12 +259,9 @@ class SideBySide(QWidget):
     # Saving
 
     def _ask(self, suffix: str) -> None:
-        from apd_viewer.ui.plot_files import ask_where
-
         assert self._state is not None
-        own = self._state.document.mesh.path
-        name = f"{own.stem if own else 'mesh'}-methods"
-        path = ask_where(self, self._memory.folder, name, suffix)
+        proposed = self._memory.folder / f"{self._state.document.mesh.stem}-methods{suffix}"
+        path = dialogs.ask_where(self, tr("Save the comparison"), proposed)
         if path is None:
             return
         try:

@@ -57,8 +57,7 @@ class SweepDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Sweep – {name}").format(name=state.document.mesh.name))
         self._state, self._handle, self._view = state, handle, view
-        path = state.document.mesh.path
-        self.run = FarRun(tr("Sweep"), f"{path.stem if path else 'mesh'}-sweep", memory)
+        self.run = FarRun(tr("Sweep"), f"{state.document.mesh.stem}-sweep", memory)
         self.run.asked.connect(self.begin)
         self.run.busy.connect(self._show_busy)
         self.run.ended.connect(self._show)

@@ -14,7 +14,7 @@ from PySide6.QtGui import QImage
 import apd_viewer
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.ui import plot_files
+from apd_viewer.ui import dialogs
 from apd_viewer.ui.outcomes import _error
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
@@ -194,7 +194,7 @@ def test_two_are_compared_at_least_and_the_choice_is_remembered(qtbot, bar, side
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(plot_files.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
+    monkeypatch.setattr(dialogs.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
 
 
 def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):

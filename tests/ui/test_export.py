@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.ui.dialogs import ask_for_target
+from apd_viewer.ui.plot_files import ask_where
 
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
 OBJ = "mtllib a.mtl\n" + CORNERS + "vt 0 0\nusemtl red\nf 1/1 3/1 2/1\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
@@ -61,3 +62,18 @@ def test_what_another_format_has_no_room_for_is_said_before(ask, tmp_path, name,
 def test_thinking_better_of_it(ask):
     target, asked, _ = ask("", YES)
     assert (target, asked) == (None, [])
+
+
+@pytest.mark.parametrize("answer", [QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No])
+def test_no_file_is_replaced_that_the_dialog_did_not_ask_about(qtbot, tmp_path, monkeypatch, answer):
+    """Whoever types plots gets plots.csv, of which the dialog knows nothing."""
+    parent, asked = QWidget(), []
+    qtbot.addWidget(parent)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "plots"), ""))
+    monkeypatch.setattr(QMessageBox, "question", lambda *words: asked.append(words[2]) or answer)
+    assert ask_where(parent, tmp_path, "bar-plots", ".csv") == tmp_path / "plots.csv"
+    assert asked == []
+    (tmp_path / "plots.csv").write_text("of before")
+    chosen = ask_where(parent, tmp_path, "bar-plots", ".csv")
+    assert chosen == (tmp_path / "plots.csv" if answer == QMessageBox.StandardButton.Yes else None)
+    assert asked == ["plots.csv already exists. Replace it?"]
