@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtWidgets import QMainWindow
@@ -40,17 +41,27 @@ class Memory:
     def __init__(self, settings: QSettings) -> None:
         self._settings = settings
 
+    def _lines(self, key: str, default: Sequence[str] = ()) -> list[str]:
+        """What is kept as lines; a file of settings tells one line from a list of one no more."""
+        value: Any = self._settings.value(key, list(default))
+        return [value] if isinstance(value, str) else [str(line) for line in value or []]
+
+    def _named(self, key: str) -> dict[str, str]:
+        """What is kept as lines of a name and a text."""
+        return {name: text for name, _, text in (line.partition(" ") for line in self._lines(key))}
+
+    def _keep_named(self, key: str, texts: dict[str, str]) -> None:
+        self._settings.setValue(key, [f"{name} {text}" for name, text in texts.items()])
+
     @property
     def recent(self) -> list[Path]:
         """The files that were opened last, the latest first."""
-        value = self._settings.value("recent", [])
-        return [Path(path) for path in ([value] if isinstance(value, str) else list(value or []))]
+        return [Path(path) for path in self._lines("recent")]
 
     @property
     def folded(self) -> list[str]:
         """The sections of the panel that are folded away, by their titles."""
-        value = self._settings.value("folded", [tr("Size and mass")])
-        return [value] if isinstance(value, str) else list(value or [])
+        return self._lines("folded", [tr("Size and mass")])
 
     @folded.setter
     def folded(self, titles: list[str]) -> None:
@@ -90,10 +101,9 @@ class Memory:
     @property
     def units(self) -> dict[Path, Unit]:
         """The units of the files for which one was chosen, the latest choice first."""
-        value = self._settings.value("units", [])
         units = {}
-        for line in [value] if isinstance(value, str) else list(value or []):
-            symbol, _, path = str(line).partition(" ")
+        for line in self._lines("units"):
+            symbol, _, path = line.partition(" ")
             if path and symbol in _UNITS:
                 units[Path(path)] = _UNITS[symbol]
         return units
@@ -108,11 +118,10 @@ class Memory:
     @property
     def walls(self) -> dict[Path, Wall]:
         """What the files' surfaces are made of, where that was said, the latest first."""
-        value = self._settings.value("walls", [])
         walls = {}
-        for line in [value] if isinstance(value, str) else list(value or []):
+        for line in self._lines("walls"):
             with contextlib.suppress(ValueError, TypeError):  # somebody has written into the settings
-                path, thickness, density = json.loads(str(line))
+                path, thickness, density = json.loads(line)
                 walls[Path(path)] = Wall(str(thickness), str(density))
         return walls
 
@@ -126,24 +135,20 @@ class Memory:
     @property
     def shortcuts(self) -> dict[str, str]:
         """The keys that were chosen, by the names of their actions."""
-        value = self._settings.value("shortcuts", [])
-        lines = [value] if isinstance(value, str) else list(value or [])
-        return {name: keys for name, _, keys in (str(line).partition(" ") for line in lines)}
+        return self._named("shortcuts")
 
     @shortcuts.setter
     def shortcuts(self, shortcuts: dict[str, str]) -> None:
-        self._settings.setValue("shortcuts", [f"{name} {keys}" for name, keys in shortcuts.items()])
+        self._keep_named("shortcuts", shortcuts)
 
     @property
     def looks(self) -> dict[str, str]:
         """How the shape was looked at, by names that :class:`apd_viewer.ui.looks.Looks` gives."""
-        value = self._settings.value("looks", [])
-        lines = [value] if isinstance(value, str) else list(value or [])
-        return {name: text for name, _, text in (str(line).partition(" ") for line in lines)}
+        return self._named("looks")
 
     @looks.setter
     def looks(self, looks: dict[str, str]) -> None:
-        self._settings.setValue("looks", [f"{name} {text}" for name, text in looks.items()])
+        self._keep_named("looks", looks)
 
     @property
     def toured(self) -> bool:
