@@ -27,7 +27,6 @@ from apd_viewer.ui.far_command import FarCommand
 if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
 
-_RESULTS = "results"
 _SCALE = 1000
 
 
@@ -96,6 +95,12 @@ class FarRun(QWidget):
         """Whether something is under way."""
         return self._errand is not None or self._command.running
 
+    @property
+    def _results(self) -> Path:
+        """Where the command writes to; there must have been one."""
+        assert self._scratch is not None
+        return self._scratch / "results"
+
     def begin(self, words: Callable[[Path, Path], list[str]]) -> None:
         """Run a command.
 
@@ -108,7 +113,7 @@ class FarRun(QWidget):
         self.close_all()
         self._saved = None
         self._scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
-        results = scratch / _RESULTS
+        results = self._results
 
         def work() -> list[str]:
             results.mkdir()
@@ -157,12 +162,10 @@ class FarRun(QWidget):
     def _end(self, said: str) -> None:
         self.words.setText("")
         self._show_busy(False)
-        assert self._scratch is not None
-        self.ended.emit(self._scratch / _RESULTS, said)
+        self.ended.emit(self._results, said)
 
     def _show_busy(self, on: bool) -> None:
-        results = None if self._scratch is None else self._scratch / _RESULTS
-        there = not on and results is not None and any(results.glob("*"))
+        there = not on and self._scratch is not None and any(self._results.glob("*"))
         self.bar.setVisible(on)
         self.cancel.setVisible(on)
         self.start.setVisible(not on)
@@ -179,8 +182,7 @@ class FarRun(QWidget):
 
     def save_in(self, folder: Path) -> None:
         """Save the results as a new folder in ``folder``, in the background."""
-        assert self._scratch is not None
-        results, target = self._scratch / _RESULTS, _free(folder, self._name)
+        results, target = self._results, _free(folder, self._name)
 
         def work() -> Path:
             from apd_viewer.files.filling import filling
