@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.expressions import MOST_CHARACTERS
 from apd_viewer.session.units import Unit
 from apd_viewer.session.wall import NO_WALL, Wall, mass
 from apd_viewer.ui import readout
@@ -18,8 +19,6 @@ from apd_viewer.ui.section import Section, quiet
 if TYPE_CHECKING:
     from apd_viewer.geometry.examination import Examination
     from apd_viewer.session.document import State
-
-_MOST_CHARACTERS = 200
 
 
 class SizeSection(Section):
@@ -104,7 +103,7 @@ class SizeSection(Section):
     def _field(self, what: str, tip: str) -> QLineEdit:
         field = _Field(objectName="typed", placeholderText=what, toolTip=tip)
         field.setAccessibleName(tr("Wall, {what}").format(what=what))
-        field.setMaxLength(_MOST_CHARACTERS)
+        field.setMaxLength(MOST_CHARACTERS)
         field.editingFinished.connect(self._type)
         return field
 
