@@ -57,16 +57,12 @@ def _by_ids(text: str, n: int) -> np.ndarray:
         raise InputError(tr("“{text}” has a range without both ends; {how}.").format(text=text, how=_HOW))
     for first, last in _ID.findall(text):
         low, high = int(first), int(last or first)
-        if high >= n or low > high:
-            raise InputError(
-                tr("There is no vertex {vertex:,}; they are numbered from 0 to {last:,}.").format(
-                    vertex=max(low, high), last=n - 1
-                )
-                if max(low, high) >= n
-                else tr("The range {first}-{last} runs backwards; write the lower id first.").format(
-                    first=first, last=last
-                )
-            )
+        if max(low, high) >= n:
+            said = tr("There is no vertex {vertex:,}; they are numbered from 0 to {last:,}.")
+            raise InputError(said.format(vertex=max(low, high), last=n - 1))
+        if low > high:
+            said = tr("The range {first}-{last} runs backwards; write the lower id first.")
+            raise InputError(said.format(first=first, last=last))
         found[low : high + 1] = True
     return np.flatnonzero(found)
 
