@@ -127,8 +127,6 @@ class Comparison:
         self.under_way = None
         self._end()
 
-    close = stop
-
     def _end(self) -> None:
         self._asked = None
         worker, self._worker = self._worker, None

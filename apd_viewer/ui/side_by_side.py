@@ -156,7 +156,7 @@ class SideBySide(QWidget):
     def compare(self, state: State, unit: Unit) -> None:
         """Begin with a document, from its rest shape."""
         if self.comparison is not None:
-            self.comparison.close()
+            self.comparison.stop()
         name = state.document.mesh.name
         self.setWindowTitle(tr("Compare methods – {name}").format(name=name))
         first = self._state is None or self._state.document.mesh is not state.document.mesh
@@ -309,7 +309,7 @@ class SideBySide(QWidget):
     def closeEvent(self, event: QCloseEvent) -> None:
         """End the process, and the views before their window."""
         if self.comparison is not None:
-            self.comparison.close()
+            self.comparison.stop()
             self.comparison = None
         self._chore.close()
         self.room.close_all()

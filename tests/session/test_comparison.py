@@ -29,7 +29,7 @@ def begun():
 
     yield begin
     for comparison in made:
-        comparison.close()
+        comparison.stop()
 
 
 @pytest.fixture
