@@ -9,7 +9,6 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.selector import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -64,7 +63,7 @@ class Outline(Selector):
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin, or set a corner of a polygon."""
-        if not self._enabled or not self._has_mesh or not begins(event):
+        if not self._enabled or self._surface.touchable is None or not begins(event):
             return False
         self._cursor = event.position()
         if self._kind is Kind.POLYGON and self._corners:
@@ -143,7 +142,7 @@ class Outline(Selector):
         self.previewed.emit(self._within())
 
     def _state(self) -> tuple[object, ...]:
-        return self._through, self._surface.revision, self._viewport.eye.key
+        return self._through, *self._sight
 
     def _shape(self) -> list[QPointF]:
         a, b = self._corners[0], self._cursor
@@ -167,8 +166,8 @@ class Outline(Selector):
 
     def _within(self) -> np.ndarray:
         """The vertices within the outline."""
-        skin, U, eye = self._surface.skin, self._surface.U, self._viewport.eye
-        if skin is None or isinstance(skin, Sketch) or not self._corners:
+        skin, U, eye = self._surface.touchable, self._surface.U, self._viewport.eye
+        if skin is None or not self._corners:
             return np.empty(0, dtype=np.int64)
         polygon = np.array([[p.x(), p.y()] for p in self._shape()])
         ahead = skin.named[eye.depth(U[skin.named]) > 0.0]
@@ -177,7 +176,7 @@ class Outline(Selector):
 
     def _visible(self, skin: Skin, vertices: np.ndarray) -> np.ndarray:
         """Which of the vertices are seen, (k,) bool: each is looked at once for a view and a shape."""
-        key = self._surface.revision, self._viewport.eye.key
+        key = self._sight
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U
             self._seen = key, np.full(len(U), -1, dtype=np.int8), skin.sights(U)

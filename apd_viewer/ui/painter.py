@@ -8,7 +8,6 @@ import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QPen, QPolygonF
 
-from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.selector import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -123,7 +122,7 @@ class Painter(Selector):
         last, hit, self._cursor = self._cursor, self._hit, event.position()
         steps = list(self._steps(last or self._cursor, hit, self._cursor))
         self._hit = steps[-1][1]
-        self._seen = self._state()
+        self._seen = self._sight
         self._cover(steps)
         self._viewport.overlay.update()
         return True
@@ -161,7 +160,7 @@ class Painter(Selector):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the ring where the brush lies on the surface."""
-        if self._cursor is not None and self._seen != self._state():
+        if self._cursor is not None and self._seen != self._sight:
             self._pick()  # the mesh or the camera has moved under a resting cursor
         if self._hit is None:
             return
@@ -183,10 +182,7 @@ class Painter(Selector):
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._state()
-
-    def _state(self) -> tuple[object, ...]:
-        return self._surface.revision, self._viewport.eye.key
+        self._seen = self._sight
 
     def _steps(
         self, start: QPointF, last: Hit | None, end: QPointF
@@ -224,9 +220,8 @@ class Painter(Selector):
             self.painted.emit(covered)
 
     def _under(self, last: Hit, hit: Hit) -> np.ndarray:
-        skin = self._surface.skin
+        skin = self._surface.touchable
         assert skin is not None
-        assert not isinstance(skin, Sketch)  # it is never hit
         return skin.under_brush(
             self._surface.U, (hit.face, last.face), last.point, hit.point, self._reach(hit)
         )

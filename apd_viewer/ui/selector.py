@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QColor
 
-from apd_viewer.geometry.sketch import Sketch
-
 if TYPE_CHECKING:
     import numpy as np
     from PySide6.QtGui import QInputEvent, QMouseEvent
@@ -113,10 +111,9 @@ class Selector(QObject):
         return Qt.PenStyle.DashLine if self.act is Act.REMOVE else Qt.PenStyle.SolidLine
 
     @property
-    def _has_mesh(self) -> bool:
-        """Whether there is one that can be touched."""
-        skin = self._surface.skin
-        return skin is not None and not isinstance(skin, Sketch)
+    def _sight(self) -> tuple[object, ...]:
+        """What all that is found under the cursor depends on: the shape, and from where it is seen."""
+        return self._surface.revision, self._viewport.eye.key
 
     def _apply(self, act: Act, vertices: np.ndarray) -> None:
         """A whole stroke at once."""

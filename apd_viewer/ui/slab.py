@@ -8,7 +8,6 @@ import numpy as np
 from PySide6.QtCore import QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.gizmo_drag import along_axis
 from apd_viewer.ui.gizmo_geometry import Frame
 from apd_viewer.ui.selector import Selector, act_of, begins
@@ -168,8 +167,8 @@ class Slab(Selector):
         self.previewed.emit(None)
 
     def _between(self) -> np.ndarray:
-        skin = self._surface.skin
-        if self._start is None or skin is None or isinstance(skin, Sketch):
+        skin = self._surface.touchable
+        if self._start is None or skin is None:
             return np.empty(0, dtype=np.int64)
         low, high = sorted((float(self._start[self.axis]), self._end))
         along = self._surface.U[skin.named, self.axis]

@@ -212,18 +212,24 @@ class Surface:
     def _match_background(self) -> None:
         match_background(self._actor, self._viewport.dark)
 
+    @property
+    def touchable(self) -> Skin | None:
+        """The skin, where there is one that can be touched."""
+        return None if isinstance(self.skin, Sketch) else self.skin
+
     def hit(self, position: QPointF) -> Hit | None:
         """What is seen of the surface at a position in the viewport."""
-        if self.skin is None or isinstance(self.skin, Sketch):
+        skin = self.touchable
+        if skin is None:
             return None
         origin, direction = self._viewport.ray(position)
         near, far = self._uncut(origin, direction)
         origin = origin + near * direction
-        face, distance, b1, b2 = self.skin.hit(origin, direction, self.U, self.boxes)
+        face, distance, b1, b2 = skin.hit(origin, direction, self.U, self.boxes)
         if face < 0 or distance > far - near:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
-        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[self.skin.F[face]]
+        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[skin.F[face]]
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
@@ -252,18 +258,19 @@ class Surface:
 
         Origins and unit directions are (k, 3) arrays.
         """
-        if self.skin is None or isinstance(self.skin, Sketch):
+        skin = self.touchable
+        if skin is None:
             return np.full(len(origins), np.inf)
-        hits = [self.skin.hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
+        hits = [skin.hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
         return np.array([distance if face >= 0 else np.inf for face, distance, _, _ in hits])
 
     @property
     def boxes(self) -> np.ndarray:
         """Boxes around the triangles: see :func:`apd_viewer.geometry.picking.boxes`."""
         if self._boxes is None:
-            assert self.skin is not None
-            assert not isinstance(self.skin, Sketch)  # it is never asked for them
-            self._boxes = self.skin.boxes(self.U)
+            skin = self.touchable
+            assert skin is not None
+            self._boxes = skin.boxes(self.U)
         return self._boxes
 
     @property

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 
-from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.ui.selector import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -109,7 +108,7 @@ class Touch(Selector):
 
     def paint(self, _painter: QPainter) -> None:
         """Look again if the mesh or the camera has moved under a resting cursor; it draws nothing."""
-        if self._cursor is not None and self._seen != self._state():
+        if self._cursor is not None and self._seen != self._sight:
             self._pick()
 
     def _look(self, event: QMouseEvent) -> None:
@@ -118,19 +117,16 @@ class Touch(Selector):
 
     def _pick(self) -> None:
         self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
-        self._seen = self._state()
+        self._seen = self._sight
         self._show()
-
-    def _state(self) -> tuple[object, ...]:
-        return self._surface.revision, self._viewport.eye.key
 
     def _show(self) -> None:
         self.previewed.emit(self._under() if self._hit is not None else None)
 
     def _under(self) -> np.ndarray:
         """What belongs to the place under the cursor."""
-        skin = self._surface.skin
-        if skin is None or isinstance(skin, Sketch) or self._hit is None:
+        skin = self._surface.touchable
+        if skin is None or self._hit is None:
             return _NONE
         key = self._hit.face, self.crease, self._surface.revision
         if self._known[0] != key:
