@@ -6,7 +6,6 @@ script. It needs no display.
 
 from __future__ import annotations
 
-import os
 import shutil
 import sys
 import tempfile
@@ -15,91 +14,39 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.__main__ import main
-from apd_viewer.figures.drawing import color_map
+from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections import read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.methods import SHORT_NAMES
 from apd_viewer.geometry.operators import face_areas
+from apd_viewer.session.sweep import SWEPT
 
 ITERATIONS = 400
-NAMES = {"arap": "ARAP", "paper": "Paper", "exact": "Exact", "local": "Local"}
-LIMIT = 10.0  # percent; the colours end here
 SIZE = (2000, 1000)
-INK = "#24292f"
-LOOK = np.array([0.55, 0.28, 1.0])
 
 
 def methods(folder: Path) -> None:
     """The bottle twisted by 120 degrees by every method, coloured by local area change."""
-    if sys.platform.startswith("linux"):
-        os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
-    import pyvista as pv
-
     mesh, labels = open_sample("bottle")
     rest = face_areas(mesh.V, mesh.F)
     held = constraints(labels, mesh.V, [read_transform(resource("bottle-twist-120.def"))])
-    panels = [(mesh.V, "Rest", "")]
-    for method, name in NAMES.items():
+    shapes, words = [mesh.V], [["Rest"]]
+    for method in SWEPT:
         result = deform(mesh.V, mesh.F, held.fixed, held.targets, method, ITERATIONS, handle=held.handles)
         change = np.abs(face_areas(result.U, mesh.F) / rest - 1)
-        words = (
-            f"total area {100 * result.area_error:+.3f} %\n"
-            f"local change {100 * (change * rest).sum() / rest.sum():.2f} %\n"
-            f"handle drift {result.handle_drift:.2f} cm"
+        total = f"{100 * result.area_error:+.3f}".replace("-0.000", "0.000").replace("+0.000", "0.000")
+        shapes.append(result.U)
+        words.append(
+            [
+                SHORT_NAMES[method],
+                f"total area {total} %",
+                f"local change {100 * (change * rest).sum() / rest.sum():.2f} %",
+                f"handle drift {result.handle_drift:.2f} cm",
+            ]
         )
-        panels.append((result.U, name, words.replace("-0.000", "0.000").replace("+0.000", "0.000")))
-
-    plotter = pv.Plotter(off_screen=True, shape=(1, len(panels)), border=False, window_size=list(SIZE))
-    plotter.set_background("white")
-    everything = np.concatenate([U for U, _, _ in panels])
-    for column, (U, title, words) in enumerate(panels):
-        plotter.subplot(0, column)
-        surface = pv.PolyData.from_regular_faces(U, mesh.F)
-        surface.cell_data["change"] = 100 * np.log(face_areas(U, mesh.F) / rest)
-        plotter.add_mesh(
-            surface,
-            scalars="change",
-            cmap=color_map(),
-            clim=(-LIMIT, LIMIT),
-            show_scalar_bar=False,
-            smooth_shading=True,
-            ambient=0.25,
-            specular=0.1,
-        )
-        plotter.add_text(title, position=(40, SIZE[1] - 80), font_size=20, color=INK, font="arial")
-        if words:
-            plotter.add_text(words, position=(40, 30), font_size=12, color=INK, font="arial")
-        else:
-            plotter.add_scalar_bar(
-                "local area change, %",
-                position_x=0.08,
-                position_y=0.02,
-                width=0.8,
-                height=0.09,
-                n_labels=3,
-                fmt="%.0f",
-                color=INK,
-                font_family="arial",
-                title_font_size=26,
-                label_font_size=24,
-            )
-        aim(plotter, everything)
-    plotter.enable_anti_aliasing("ssaa")
-    plotter.screenshot(folder / "methods.png")
-    plotter.close()
-
-
-def aim(plotter: object, points: np.ndarray) -> None:
-    """Look at all of ``points`` in the same way in every panel."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    camera = plotter.camera
-    camera.parallel_projection = True
-    camera.parallel_scale = 0.66 * (high - low)[1]
-    camera.focal_point = (low + high) / 2 - [0.0, 0.06 * (high - low)[1], 0.0]
-    camera.position = camera.focal_point + 100 * LOOK / np.linalg.norm(LOOK)
-    camera.up = (0.0, 1.0, 0.0)
-    plotter.renderer.reset_camera_clipping_range()
+    assert draw_shapes(mesh, [Picture(folder / "methods.png", shapes, words)], SIZE)
 
 
 def sweep(folder: Path) -> None:

@@ -40,7 +40,7 @@ def main(job: str) -> None:
     _draw(said, F, rest, shapes)
 
 
-def color_map() -> Colormap:
+def _color_map() -> Colormap:
     """The colours that the window has for local area change."""
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -81,7 +81,7 @@ def _panel(
     plotter.add_mesh(
         surface,
         scalars="change",
-        cmap=color_map(),
+        cmap=_color_map(),
         clim=(-_LIMIT, _LIMIT),
         show_scalar_bar=False,
         smooth_shading=True,
