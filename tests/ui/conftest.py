@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 import trimesh
+from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow, QMessageBox
@@ -124,3 +125,15 @@ def started(qtbot, folder, settings, monkeypatch):
         window.close()
         window.deleteLater()
     qtbot.wait(10)
+
+
+@pytest.fixture(scope="module")
+def theatre(qapp, tmp_path_factory):
+    """A window for all tests of a file in which vertices are chosen."""
+    yield from Theatre.opened(tmp_path_factory.mktemp("settings"))
+
+
+@pytest.fixture
+def scene(qtbot, theatre):
+    """The rabbit in it, as it was when it was opened."""
+    return theatre.scene(qtbot)

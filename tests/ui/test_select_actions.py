@@ -4,26 +4,16 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from choosing import Gesture, Sight
 from driving import Mouse, idle
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolBar
-from test_select_ways import Gesture, Sight, Theatre
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.toolbox import Tool, Way
 
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 GROW, SHRINK, SMOOTH, INVERT = range(4)
-
-
-@pytest.fixture(scope="module")
-def theatre(qapp, tmp_path_factory):
-    yield from Theatre.opened(tmp_path_factory.mktemp("settings"))
-
-
-@pytest.fixture
-def scene(qtbot, theatre):
-    return theatre.scene(qtbot)
 
 
 @pytest.fixture

@@ -3,19 +3,10 @@
 import meshes
 import numpy as np
 import pytest
+from choosing import ALT, CONTROL, NONE, OUTLINES, TOUCHES, Gesture, Sight
 from driving import LEFT, Mouse, centre, idle
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QApplication
-from test_select_ways import (
-    ALT,
-    CONTROL,
-    NONE,
-    OUTLINES,
-    TOUCHES,
-    Gesture,
-    Sight,
-    Theatre,
-)
 
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
@@ -24,16 +15,6 @@ from apd_viewer.ui.toolbox import Tool, Way
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 MIDDLE, RIGHT = Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton
 ESCAPE, RETURN, ENTER = Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter
-
-
-@pytest.fixture(scope="module")
-def theatre(qapp, tmp_path_factory):
-    yield from Theatre.opened(tmp_path_factory.mktemp("settings"))
-
-
-@pytest.fixture
-def scene(qtbot, theatre):
-    return theatre.scene(qtbot)
 
 
 @pytest.fixture
