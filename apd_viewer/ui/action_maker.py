@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import Enum
 
-from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.ui.icons import icon
@@ -61,6 +61,13 @@ class ActionMaker:
         entry = Entry.of(action, name, title, image, tip)
         self.entries.append(entry)
         return action
+
+    def one_of(self, actions: Iterable[QAction]) -> None:
+        """Have one of the actions checked at a time."""
+        group = QActionGroup(self._window)
+        for action in actions:
+            action.setCheckable(True)
+            group.addAction(action)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

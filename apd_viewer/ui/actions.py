@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QActionGroup, QKeySequence
+from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
 from apd_viewer.files.samples import SAMPLES
@@ -59,29 +59,10 @@ class Actions:
         self._make_file()
         self._make_edit()
         self._make_tools()
-        self.select = SelectActions(window, self._maker)
-        self.pose = PoseActions(window, self._maker)
+        self.select = SelectActions(self._maker)
+        self.pose = PoseActions(self._maker)
         self._make_view()
-        self.help = [
-            self._maker.make(
-                tr("&Shortcuts…"), "keyboard", tr("List all keys, and change them"), ("F1", "?"), "shortcuts"
-            ),
-            self._maker.make(
-                tr("&Tour"), "tour", tr("Show the program in five steps, on a bottle"), None, "tour"
-            ),
-        ]
-        self.help.append(
-            self._maker.make(
-                tr("The &paper's tables…"),
-                "tables",
-                tr("Re-run the tables of Li and Hui, with figures"),
-                None,
-                "paper",
-            )
-        )
-        self.about = self._maker.make(
-            tr("&About APD Viewer"), "about", tr("Versions, licence and source of the method"), None, "about"
-        )
+        self.help = self._make_help()
         self._fill_menus()
         self.bar = self._make_bar()
 
@@ -141,13 +122,10 @@ class Actions:
         )
 
     def _make_tools(self) -> None:
-        group = QActionGroup(self._window)
         for tool in Tool:
             words = tool.words
-            action = self._maker.make(words.title, words.icon, words.tip, words.key, "take", tool)
-            action.setCheckable(True)
-            group.addAction(action)
-            self.tools[tool] = action
+            self.tools[tool] = self._maker.make(words.title, words.icon, words.tip, words.key, "take", tool)
+        self._maker.one_of(self.tools.values())
 
     def _make_view(self) -> None:
         make, switch = self._maker.make, self._maker.switch
@@ -164,23 +142,34 @@ class Actions:
         self.smooth = switch(
             tr("&Smooth shading"), "smooth", tr("Shade over the edges"), None, "smooth", True
         )
-        self.looks = LookActions(self._window, self._maker)
+        self.looks = LookActions(self._maker)
         self.schemes = self._make_schemes()
 
     def _make_schemes(self) -> QMenu:
         menu = QMenu(tr("&Appearance"), self._window)
-        group = QActionGroup(menu)
         for title, scheme, tip in (
             (tr("As the &system"), Qt.ColorScheme.Unknown, tr("Light or dark as the system is")),
             (tr("&Light"), Qt.ColorScheme.Light, tr("Dark letters on light panels")),
             (tr("&Dark"), Qt.ColorScheme.Dark, tr("Light letters on dark panels")),
         ):
             action = self._maker.make(title, "scheme", tip, None, "scheme", scheme)
-            action.setCheckable(True)
             action.setData(scheme.value)
             menu.addAction(action)
-            group.addAction(action)
+        self._maker.one_of(menu.actions())
         return menu
+
+    def _make_help(self) -> list[QAction]:
+        make = self._maker.make
+        keys = tr("List all keys, and change them")
+        tour = tr("Show the program in five steps, on a bottle")
+        tables = tr("Re-run the tables of Li and Hui, with figures")
+        about = tr("Versions, licence and source of the method")
+        return [
+            make(tr("&Shortcuts…"), "keyboard", keys, ("F1", "?"), "shortcuts"),
+            make(tr("&Tour"), "tour", tour, None, "tour"),
+            make(tr("The &paper's tables…"), "tables", tables, None, "paper"),
+            make(tr("&About APD Viewer"), "about", about, None, "about"),
+        ]
 
     def _fill_menus(self) -> None:
         bar = self._window.menuBar()
@@ -211,7 +200,7 @@ class Actions:
         self._view_menu.addActions([self.edges, self.smooth, self.findings])
         self._view_menu.addSeparator()
         self._view_menu.addMenu(self.schemes)
-        bar.addMenu(tr("&Help")).addActions([*self.help, self.about])
+        bar.addMenu(tr("&Help")).addActions(self.help)
 
     @property
     def _handouts(self) -> list[QAction]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtGui import QActionGroup
-from PySide6.QtWidgets import QMainWindow, QMenu
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scales import Measure
@@ -19,7 +18,6 @@ class LookActions:
 
     Parameters
     ----------
-    window : QMainWindow
     maker : ActionMaker
 
     Attributes
@@ -31,9 +29,8 @@ class LookActions:
         What is on or off, by the names of their verbs.
     """
 
-    def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
+    def __init__(self, maker: ActionMaker) -> None:
         make = maker.make
-        group = QActionGroup(window)
         self.off = make(
             tr("&No overlay"),
             "overlay-off",
@@ -47,9 +44,7 @@ class LookActions:
             )
             for measure in Measure
         }
-        for action in (self.off, *self.measures.values()):
-            action.setCheckable(True)
-            group.addAction(action)
+        maker.one_of([self.off, *self.measures.values()])
         self.worst = [
             make(tr("Ne&xt worst place"), "worst", tr("Go to where the overlay shows most"), "C", "worst", 1),
             make(

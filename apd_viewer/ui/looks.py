@@ -62,6 +62,7 @@ class Looks:
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
         self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
         self.turntable = Turntable(canvas.viewport)
+        self._actions: LookActions | None = None
 
     @property
     def verbs(self) -> dict[str, Callable[..., object]]:
@@ -84,7 +85,7 @@ class Looks:
             self.heat.choose(Measure(looks["overlay"]))
         for name in _REMEMBERED:
             actions.switches[name].setChecked(looks.get(name) == "on")
-        self._actions: LookActions = actions
+        self._actions = actions
         name_keys(self.legend.close_button, actions.off)
         name_keys(self.legend.worst, actions.worst[0])
         name_keys(self.cut.close_button, actions.switches["cut"])
@@ -119,7 +120,7 @@ class Looks:
         self._keep()
 
     def _keep(self) -> None:
-        if not hasattr(self, "_actions"):
+        if self._actions is None:
             return  # it is still looking as before
         measure = self.heat.measure
         self._actions.show_measure(measure)

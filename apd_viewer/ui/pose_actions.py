@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtGui import QAction, QActionGroup
-from PySide6.QtWidgets import QMainWindow, QMenu
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.ui.gizmo import Along
@@ -34,17 +33,16 @@ class PoseActions:
 
     Parameters
     ----------
-    window : QMainWindow
     maker : ActionMaker
 
     Attributes
     ----------
-    parts, nudges : list of QAction
+    parts, pivots, nudges : list of QAction
     along : dict of Along to QAction
-    put_back, compare : QAction
+    typed, put_back, compare, sweep : QAction
     """
 
-    def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
+    def __init__(self, maker: ActionMaker) -> None:
         make = maker.make
         self.parts = [
             make(
@@ -119,14 +117,12 @@ class PoseActions:
         self.nudges = [
             make(title, f"nudge-{name}", tip, key, "nudge", step) for title, tip, name, key, step in _NUDGES
         ]
-        group = QActionGroup(window)
-        self.along: dict[Along, QAction] = {}
-        for along, (title, tip, key) in _ALONG.items():
-            action = make(title, "axes", tip, key, "along", along)
-            action.setCheckable(True)
-            action.setChecked(along is Along.WORLD)
-            group.addAction(action)
-            self.along[along] = action
+        self.along = {
+            along: make(title, "axes", tip, key, "along", along)
+            for along, (title, tip, key) in _ALONG.items()
+        }
+        maker.one_of(self.along.values())
+        self.along[Along.WORLD].setChecked(True)
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtGui import QAction, QActionGroup
-from PySide6.QtWidgets import QMainWindow, QMenu
+from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.ui.toolbox import Way
@@ -49,26 +48,21 @@ class SelectActions:
 
     Parameters
     ----------
-    window : QMainWindow
     maker : ActionMaker
 
     Attributes
     ----------
     ways : dict of Way to QAction
-    through : QAction
-    changes, mirrors : list of QAction
+    through, numbers : QAction
+    sizes, files, changes, mirrors : list of QAction
     """
 
-    def __init__(self, window: QMainWindow, maker: ActionMaker) -> None:
-        self._window = window
-        group = QActionGroup(window)
-        self.ways: dict[Way, QAction] = {}
-        for way in Way:
-            words = way.words
-            action = maker.make(words.title, words.icon, words.tip, words.key, "way", way)
-            action.setCheckable(True)
-            group.addAction(action)
-            self.ways[way] = action
+    def __init__(self, maker: ActionMaker) -> None:
+        self.ways = {
+            way: maker.make(way.words.title, way.words.icon, way.words.tip, way.words.key, "way", way)
+            for way in Way
+        }
+        maker.one_of(self.ways.values())
         self.through = maker.switch(
             tr("Select &through"),
             "through",
