@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QFont, QImage, QPainter
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.chart import tabular
 from apd_viewer.ui.plot_files import write_picture
+from apd_viewer.ui.scale_bar import colors_along
 from apd_viewer.ui.theme import LIGHT
 
 if TYPE_CHECKING:
@@ -74,11 +75,8 @@ def _draw_legend(painter: QPainter, room: QRectF, scale: Scale) -> None:
     painter.setPen(QColor(LIGHT.ink))
     painter.drawText(room.adjusted(0, 8, 0, 0), Qt.AlignmentFlag.AlignHCenter, scale.measure.words.title)
     bar = QRectF(room.center().x() - wide / 2, room.top() + 12 + row, wide, _LEGEND.height())
-    colors = QImage(256, 1, QImage.Format.Format_RGB32)
-    for k in range(256):
-        colors.setPixelColor(k, 0, QColor(*scale.color(k / 255)))
-    painter.drawImage(bar, colors)
-    for value in (-scale.end, 0.0, scale.end):
+    painter.drawImage(bar, colors_along(scale))
+    for value in scale.marks:
         place = bar.left() + scale.place(value) * wide
         under = QRectF(place - 60, bar.bottom() + 3, 120, row)
         painter.drawText(under, Qt.AlignmentFlag.AlignCenter, scale.written(value, Unit.NONE))

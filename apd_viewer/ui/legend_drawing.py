@@ -30,8 +30,7 @@ def legend_svg(
         f'<stop offset="{k / (_STOPS - 1):.5f}" stop-color="rgb{scale.color(k / (_STOPS - 1))}"/>'
         for k in range(_STOPS)
     )
-    values = (-scale.end, 0.0, scale.end) if scale.measure.is_signed else (0.0, scale.end)
-    places = [(scale.place(value), scale.written(value, unit)) for value in values]
+    places = [(scale.place(value), scale.written(value, unit)) for value in scale.marks]
     figures = "".join(
         f'<text x="{_LEFT + place * wide:g}" y="{low + 16}" {_LETTERS} '
         f'text-anchor="{_anchor(place)}" fill="{ink}">{escape(text)}</text>'

@@ -32,9 +32,7 @@ class ScaleBar(QWidget):
     def show_scale(self, scale: Scale, unit: Unit) -> None:
         """Show the colours of another scale."""
         self._scale, self._unit = scale, unit
-        self._colors = QImage(_STEPS, 1, QImage.Format.Format_RGB32)
-        for k in range(_STEPS):
-            self._colors.setPixelColor(k, 0, QColor(*scale.color(k / (_STEPS - 1))))
+        self._colors = colors_along(scale)
         self.update()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
@@ -46,12 +44,8 @@ class ScaleBar(QWidget):
     @property
     def labels(self) -> tuple[tuple[float, str], ...]:
         """Places on the scale, from 0 to 1, and what is written there."""
-        scale, end = self._scale, self._scale.end
-        if not scale.measure.is_signed:
-            values: tuple[float, ...] = (0.0, end)
-        else:
-            values = (-end, 0.0, end)
-        return tuple((scale.place(x), scale.written(x, self._unit)) for x in values)
+        scale = self._scale
+        return tuple((scale.place(x), scale.written(x, self._unit)) for x in scale.marks)
 
     def sizeHint(self) -> QSize:
         """Tick, colours, line and figures."""
@@ -75,7 +69,6 @@ class ScaleBar(QWidget):
             painter.drawLine(QPointF(min(low, high - 2.0), y), QPointF(high, y))
         if self._value is not None and self._value == self._value:
             self._draw_tick(painter, self._at(self._value, bar), bar)
-        painter.setPen(palette.placeholderText().color())
         painter.setPen(ink)
         for place, text in self.labels:
             room = QRectF(self.fontMetrics().boundingRect(text)).adjusted(-1, 0, 3, 0)
@@ -103,3 +96,11 @@ class ScaleBar(QWidget):
         painter.drawPolygon(
             QPolygonF([QPointF(x - 4.5, top), QPointF(x + 4.5, top), QPointF(x, bar.top() - 0.5)])
         )
+
+
+def colors_along(scale: Scale) -> QImage:
+    """The colours of a scale from one end to the other, a pixel high."""
+    colors = QImage(_STEPS, 1, QImage.Format.Format_RGB32)
+    for k in range(_STEPS):
+        colors.setPixelColor(k, 0, QColor(*scale.color(k / (_STEPS - 1))))
+    return colors

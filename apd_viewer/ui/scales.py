@@ -127,6 +127,11 @@ class Scale:
         return self._inner(self.reach)
 
     @property
+    def marks(self) -> tuple[float, ...]:
+        """The values that are written at the scale: its ends, and zero."""
+        return (-self.end, 0.0, self.end) if self.measure.is_signed else (0.0, self.end)
+
+    @property
     def travels(self) -> bool:
         """Whether it is of use on a mesh of another size."""
         return self.measure.words.kind is Kind.RATIO
