@@ -32,6 +32,7 @@ DRAWS = {
     "ui/ghost.py",
     "ui/ground.py",
     "ui/picture.py",
+    "ui/rest_actor.py",
     "ui/shading.py",
     "ui/studio.py",
     "ui/surface.py",

@@ -8,11 +8,11 @@ import numpy as np
 import pyvista as pv
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
-from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.figures import short
+from apd_viewer.ui.rest_actor import RestActor
 from apd_viewer.ui.scales import nice
 
 if TYPE_CHECKING:
@@ -28,10 +28,10 @@ _COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
 _LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 
 
-class Ground:
+class Ground(RestActor):
     """A grid below the mesh, figures at two of its sides, and axes in a corner of the picture.
 
-    It takes nothing while it is off. To the viewport it is a tool that only paints.
+    To the viewport it is a tool that only paints.
 
     Parameters
     ----------
@@ -44,78 +44,43 @@ class Ground:
     """
 
     def __init__(self, viewport: Viewport) -> None:
-        self._viewport = viewport
-        self._mesh: Mesh | None = None
+        super().__init__(viewport)
         self._unit = Unit.NONE
-        self._on = False
         self.step = 1.0
         self._ends = np.zeros((2, 3))
-        self._mapper = vtkPolyDataMapper()
-        self._mapper.ScalarVisibilityOff()
-        self._actor = vtkActor()
-        self._actor.SetMapper(self._mapper)
         self._actor.GetProperty().LightingOff()
-        self._actor.SetVisibility(False)
-        viewport.renderer.AddActor(self._actor)
-        viewport.pre_draw.append(self._match_background)
-        viewport.more_boxes.append(lambda: tuple(self._ends.T.ravel()) if self._shown else ())
         viewport.tools.append(self)
-
-    @property
-    def _shown(self) -> bool:
-        return self._on and self._mesh is not None
-
-    @property
-    def on(self) -> bool:
-        """Whether it is shown."""
-        return self._on
-
-    @on.setter
-    def on(self, on: bool) -> None:
-        self._on = on
-        self._show()
-
-    def follow(self, mesh: Mesh) -> None:
-        """Lie below another mesh."""
-        if mesh is not self._mesh:
-            self._mesh = mesh
-            self._show()
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
         self._unit = unit
         self._viewport.overlay.update()
 
-    def _show(self) -> None:
-        self._actor.SetVisibility(self._shown)
-        if self._shown and self._mesh is not None:
-            used = self._mesh.V[self._mesh.F.ravel()]
-            low, high = used.min(axis=0), used.max(axis=0)
-            size = float((high - low).max())
-            self.step = nice(size / _LINES)
-            around = np.array([_AROUND * size, 0.0, _AROUND * size])
-            self._ends = np.array([low - around, high + around])
-            for row, rounded in ((0, np.floor), (1, np.ceil)):
-                self._ends[row, [0, 2]] = self.step * rounded(self._ends[row, [0, 2]] / self.step)
-            self._ends[:, 1] = low[1]
-            self._mapper.SetInputData(_lines(self._ends, self._ticks(0), self._ticks(2)))
-            self._actor.SetPosition(*self._ends.mean(axis=0))
-        else:
-            self._mapper.SetInputData(None)
-        self._viewport.update()
+    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+        used = mesh.V[mesh.F.ravel()]
+        low, high = used.min(axis=0), used.max(axis=0)
+        size = float((high - low).max())
+        self.step = nice(size / _LINES)
+        around = np.array([_AROUND * size, 0.0, _AROUND * size])
+        self._ends = np.array([low - around, high + around])
+        for row, rounded in ((0, np.floor), (1, np.ceil)):
+            self._ends[row, [0, 2]] = self.step * rounded(self._ends[row, [0, 2]] / self.step)
+        self._ends[:, 1] = low[1]
+        self._actor.SetPosition(*self._ends.mean(axis=0))
+        self._box = tuple(self._ends.T.ravel())
+        return _lines(self._ends, self._ticks(0), self._ticks(2))
 
     def _ticks(self, axis: int) -> np.ndarray:
         """Where the lines across an axis are."""
         first, last = np.rint(self._ends[:, axis] / self.step)
         return self.step * np.arange(first, last + 1)
 
-    def _match_background(self) -> None:
-        if self._shown:
-            self._actor.GetProperty().SetColor(*(_ON_DARK if self._viewport.dark else _ON_LIGHT))
+    def _match_background(self, dark: bool) -> None:
+        self._actor.GetProperty().SetColor(*(_ON_DARK if dark else _ON_LIGHT))
 
     def paint(self, painter: QPainter) -> None:
         """Write the figures, and draw the axes."""
-        if not self._shown:
+        if self._shown is None:
             return
         ink = QColor(166, 173, 186) if self._viewport.dark else QColor(90, 98, 112)
         painter.save()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.look_actions import LookActions
     from apd_viewer.ui.memory import Memory
+    from apd_viewer.ui.rest_actor import RestActor
     from apd_viewer.ui.theme import Theme
 
 # What is as it was at the next start; where a plane cuts, only the mesh at hand can tell.
@@ -115,7 +116,7 @@ class Looks:
         self.turntable.on = False
         self.heat.close()
 
-    def _switch(self, part: Ghost | Ground, on: bool) -> None:
+    def _switch(self, part: RestActor, on: bool) -> None:
         part.on = on
         self._keep()
 
