@@ -15,7 +15,7 @@ from apd_viewer.ui.icons import icon
 from apd_viewer.ui.named_keys import with_keys
 from apd_viewer.ui.palette import MARK_COLOR
 from apd_viewer.ui.shield import shield
-from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -132,10 +132,7 @@ class FindingRow(QFrame):
         )
         self._spot.on = on
         self._spot.update()
-        if self.property("marked") != on:
-            self.setProperty("marked", on)
-            self.style().unpolish(self)
-            self.style().polish(self)
+        mark(self, "marked", on)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Ask to be shown."""

@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.rows import arrange
 from apd_viewer.ui.shield import shield
-from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.theme import LIGHT, Theme, mark
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN = 12
@@ -72,9 +72,7 @@ class Notice(QFrame):
     def _show(self, sentence: str, kind: str) -> None:
         self._kind = kind
         self._text.setText(sentence)
-        self.setProperty("kind", kind)
-        self.style().unpolish(self)
-        self.style().polish(self)
+        mark(self, "kind", kind)
         self._draw_symbol()
         self.show()
         self.raise_()

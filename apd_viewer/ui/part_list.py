@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayou
 from apd_viewer.language import tr
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
-from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.theme import LIGHT, Theme, mark
 
 
 class Swatch(QWidget):
@@ -154,11 +154,8 @@ class PartRow(QFrame):
     def set_active(self, on: bool) -> None:
         """Show whether this is the active part."""
         self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
-        if self.property("active") != on:
-            self.setProperty("active", on)
-            self.style().unpolish(self)
-            self.style().polish(self)
-            self.details.setVisible(on)
+        mark(self, "active", on)
+        self.details.setVisible(on)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Ask to be the active one."""

@@ -25,7 +25,7 @@ from apd_viewer.ui.rows import arrange
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.shortcut_rows import ActionRow, Group
 from apd_viewer.ui.shortcuts import Shortcuts, native, split
-from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.theme import LIGHT, Theme, mark
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
@@ -230,9 +230,7 @@ class ShortcutSheet(QFrame):
         self.swap.hide()
         self.back.show()
         self.line.setText(sentence)
-        self.line.setProperty("warn", warn)
-        self.line.style().unpolish(self.line)
-        self.line.style().polish(self.line)
+        mark(self.line, "warn", warn)
 
     # Place and events
 

@@ -25,7 +25,7 @@ from apd_viewer.ui.outcomes import columns, readings, write_outcomes
 from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.shared_scale import SharedScale
 from apd_viewer.ui.statusbar import Hint
-from apd_viewer.ui.theme import LIGHT, Theme
+from apd_viewer.ui.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.change import Change
@@ -239,10 +239,7 @@ class SideBySide(QWidget):
     def _say(self, sentence: str, warn: bool = False) -> None:
         self.status.setText(sentence)
         self.status.setToolTip(sentence)
-        if self.status.property("warn") != warn:
-            self.status.setProperty("warn", warn)
-            self.status.style().unpolish(self.status)
-            self.status.style().polish(self.status)
+        mark(self.status, "warn", warn)
 
     def refuse(self, sentence: str) -> None:
         """Say why something that was asked for is not done."""

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
 from apd_viewer.files.samples import resource
 
@@ -84,6 +84,14 @@ def apply(theme: Theme) -> None:
     for name, color in sorted(asdict(theme).items(), key=lambda item: -len(item[0])):
         sheet = sheet.replace(f"@{name}", color)
     application.setStyleSheet(sheet)
+
+
+def mark(widget: QWidget, name: str, value: object) -> None:
+    """Have the style sheet see a property of a widget by its new value."""
+    if widget.property(name) != value:
+        widget.setProperty(name, value)
+        widget.style().unpolish(widget)
+        widget.style().polish(widget)
 
 
 def _palette(theme: Theme) -> QPalette:
