@@ -6,6 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# To what part of its value at rest an area or a volume that is asked for is met; the paper's method has a
+# tolerance.
+MET = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class Frame:

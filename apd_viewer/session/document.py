@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, numbered
 from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
-from apd_viewer.geometry.frame import Frame
+from apd_viewer.geometry.frame import MET, Frame
 from apd_viewer.geometry.goals import Region
 from apd_viewer.geometry.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh import Mesh, frozen
@@ -29,8 +29,6 @@ from apd_viewer.session.names import next_name
 
 # These say nothing of the total area.
 _LEAVE_THE_AREA = ("arap", "sr-arap")
-# To what part of its value at rest a goal is promised to be met.
-_MET = 1e-9
 
 
 class Asked(NamedTuple):
@@ -311,7 +309,7 @@ class State:
     def lacks(self) -> bool:
         """Whether an area or a volume is asked for that the shape does not have."""
         document, rest, now = self.document, self.inspection, self.frame
-        within = document.tolerance if document.method == "paper" else _MET
+        within = document.tolerance if document.method == "paper" else MET
         at_rest = rest.area, rest.volume, *document.rest_areas
         measured = zip(document.kept, at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
-from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.chore import Chore
@@ -172,8 +171,8 @@ class HeatMap(QObject):
 
     def _prepare(self) -> None:
         """Get ready to measure: what is imported and compiled for it takes a while at the first time."""
-        skin, mesh = self._canvas.surface.skin, self._mesh
-        if self._change is not None or mesh is None or skin is None or isinstance(skin, Sketch):
+        skin, mesh = self._canvas.surface.touchable, self._mesh
+        if self._change is not None or mesh is None or skin is None:
             self._legend.say("")
             self._canvas.viewport.update()
             return

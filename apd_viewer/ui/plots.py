@@ -282,8 +282,8 @@ class Plots(QWidget):
         from apd_viewer.ui.plot_files import ask_where
 
         state = self._state
-        own = state.document.mesh.path if state else None
-        path = ask_where(self, self._memory.folder, f"{own.stem if own else 'mesh'}-{name}", suffix)
+        stem = state.document.mesh.stem if state else "mesh"
+        path = ask_where(self, self._memory.folder, f"{stem}-{name}", suffix)
         if path is None:
             return
         try:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.geometry.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.ui.axis import Axis, decades, linear, power, ratios, rounded
 from apd_viewer.ui.chart import Bars, Chart, Curve, Mark
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.trace import Trace
     from apd_viewer.session.units import Unit
 
-_EXACT = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _ROUNDING = 1e-15  # less of an error is nothing but rounding
 _DEEPEST = 1e-4
 _ROUGHLY = 1e-2  # where nothing is asked of the area
@@ -56,7 +56,7 @@ def _accepted(document: Document) -> tuple[float | None, str]:
     if document.method == "paper":
         limit = document.tolerance
         return limit, tr("tolerance {percent} %").format(percent=short(100.0 * limit))
-    return _EXACT, tr("exact: {percent} %").format(percent=power(-7))
+    return MET, tr("exact: {percent} %").format(percent=power(-7))
 
 
 def energy(trace: Trace, unit: Unit) -> Chart:

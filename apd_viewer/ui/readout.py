@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.geometry.frame import MET
 from apd_viewer.geometry.room import compactness
 from apd_viewer.language import tr, trc
 from apd_viewer.session.sentences import about_caps
@@ -42,7 +43,6 @@ METHOD_WORDS = {
     ),
     "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
 }
-_MET = 1e-9  # what the methods that keep an area to the last digits promise, relative
 _KEPT = 1e-6  # how far a region may be from its target, in percent of its area at rest, to be called kept
 _LITRE = 0.1  # of which on people say litres
 
@@ -75,7 +75,7 @@ def verdict(state: State) -> str:
         else:
             said = tr("{change} %, outside {tolerance} % of {asked} %")
         return said.format(change=change, tolerance=tolerance, asked=short(asked))
-    if miss > _MET * wanted:
+    if miss > MET * wanted:
         return tr("{change} %, asked for {asked} %").format(
             change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
         )
@@ -89,7 +89,7 @@ def verdict(state: State) -> str:
 def local_change(state: State) -> str:
     """The largest change of the area of a triangle."""
     change = state.frame.local_change
-    return f"{short(100 * change)} %" if change > _MET else "0 %"
+    return f"{short(100 * change)} %" if change > MET else "0 %"
 
 
 class Volume(NamedTuple):
