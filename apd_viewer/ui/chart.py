@@ -37,8 +37,8 @@ class Bars:
 
     edges: np.ndarray
     heights: np.ndarray
-    below: str = "accent"
-    above: str = "warm"
+    below: str = "less"
+    above: str = "more"
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,8 @@ class _Plot:
         self._painter.drawLine(QPointF(x, self._field.top()), QPointF(x, self._field.bottom()))
         width = self._metrics.horizontalAdvance(mark.text)
         # Above the field, where no curve is.
-        place = QPointF(min(x - width / 2, self._field.right() - width), self._field.top() - _GAP / 2)
+        start = max(self._field.left(), min(x - width / 2, self._field.right() - width))
+        place = QPointF(start, self._field.top() - _GAP / 2)
         self._painter.setPen(QColor(self._theme.quiet))
         self._painter.drawText(place, mark.text)
 

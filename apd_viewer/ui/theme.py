@@ -13,7 +13,11 @@ from apd_viewer.files.samples import resource
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours as #rrggbb. ``warm`` calls for attention; ``accent`` marks what is chosen."""
+    """Colours as #rrggbb.
+
+    ``warm`` calls for attention, ``accent`` marks what is chosen; ``less`` and ``more`` are those of what
+    shrinks and grows.
+    """
 
     canvas_top: str
     canvas_bottom: str
@@ -29,6 +33,8 @@ class Theme:
     warm: str
     warm_soft: str
     good: str
+    less: str
+    more: str
 
 
 LIGHT = Theme(
@@ -46,6 +52,8 @@ LIGHT = Theme(
     warm="#b45309",
     warm_soft="#fdf0df",
     good="#5a6270",
+    less="#b7569e",
+    more="#60923f",
 )
 DARK = Theme(
     canvas_top="#2b2f37",
@@ -62,6 +70,8 @@ DARK = Theme(
     warm="#f5a54a",
     warm_soft="#40311d",
     good="#a6adba",
+    less="#d98fc5",
+    more="#9fc378",
 )
 
 

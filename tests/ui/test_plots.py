@@ -13,8 +13,9 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.session.trace import COLUMNS
 from apd_viewer.ui import plot_files
+from apd_viewer.ui.color_maps import DIVERGING
 from apd_viewer.ui.plots import Plots
-from apd_viewer.ui.theme import DARK
+from apd_viewer.ui.theme import DARK, LIGHT
 
 
 @pytest.fixture
@@ -285,3 +286,13 @@ def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypa
         action.trigger()
         assert plotted.notice.text == ""
     assert list(tmp_path.rglob("x*")) == []
+
+
+@pytest.mark.parametrize("theme", [LIGHT, DARK])
+def test_the_histogram_has_the_colours_of_the_overlay(theme):
+    def rgb(color):
+        return tuple(int(color[k : k + 2], 16) for k in (1, 3, 5))
+
+    half = len(DIVERGING.knots) // 2
+    assert rgb(theme.less) in DIVERGING.knots[:half]
+    assert rgb(theme.more) in DIVERGING.knots[half + 1 :]
