@@ -53,12 +53,13 @@ class Parts:
 
     def rename_handle(self, k: int, name: str) -> None:
         """Give handle ``k`` a name of its own."""
-        state = self._gestures.alone()
-        handles = state.document.handles
+        handles = self._stage.required().document.handles
         name = new_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
+            state = self._gestures.alone()
             self._gestures.record(tr("Rename"), state)
-            self._stage.note(state.document.with_handle(k, replace(handles[k], name=name)))
+            handle = state.document.handles[k]
+            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
         """One more region, without a vertex; its number, or that of the last where there can be no more."""
@@ -82,9 +83,10 @@ class Parts:
 
     def rename_region(self, k: int, name: str) -> None:
         """Give region ``k`` a name of its own."""
-        state = self._gestures.alone()
-        regions = state.document.regions
+        regions = self._stage.required().document.regions
         name = new_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:
+            state = self._gestures.alone()
             self._gestures.record(tr("Rename"), state)
-            self._stage.note(state.document.with_region(k, replace(regions[k], name=name)))
+            region = state.document.regions[k]
+            self._stage.note(state.document.with_region(k, replace(region, name=name)))

@@ -275,6 +275,14 @@ def test_a_new_name_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
     assert parted.state.document.handles[0] is before
 
 
+def test_a_name_that_stays_as_it_is_ends_no_drag(parted):
+    parted.begin_gesture()
+    parted.move_handle(BENT)
+    parted.parts.rename_handle(0, parted.state.document.handles[0].name)
+    np.testing.assert_array_equal(parted.state.document.handles[0].pose, BENT)
+    parted.end_gesture("Move handle")
+
+
 # Regions
 
 
