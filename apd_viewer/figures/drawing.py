@@ -53,6 +53,8 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
     count, size = len(said["pictures"][0]["shapes"]), said["size"]
     plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size)
     plotter.set_background("white")
+    for light in (light for renderer in plotter.renderers for light in renderer.lights):
+        light.SetDiffuseColor(1.0, 1.0, 1.0)  # a warm one would tint what has not changed
     plotter.enable_anti_aliasing("ssaa")
     look, up = np.array(said["look"]), np.array(said["up"])
     fit = _fit(shapes, look, up, size[0] / count / size[1])

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import QEvent, QObject, QRect
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from apd_viewer.ui.legend import Legend
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN, _GAP = 12, 8
@@ -35,6 +36,7 @@ class Cards(QWidget):
         super().__init__(canvas)
         self._canvas = canvas
         self._below, self._beside = list(below), list[QWidget]()
+        self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
         self.setFixedWidth(WIDTH)
@@ -56,18 +58,29 @@ class Cards(QWidget):
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Make room for what else is shown."""
-        if event.type() in _MOVES:
+        if event.type() in _MOVES and not self._placing:
             self.place()
         return False
 
     def place(self) -> None:
         """Stand where there is room."""
+        self._placing = True  # what it does to its cards is no news
+        try:
+            self._place()
+        finally:
+            self._placing = False
+
+    def _place(self) -> None:
         cards = [self._column.itemAt(k).widget() for k in range(self._column.count())]
-        self.setVisible(any(card is not None and not card.isHidden() for card in cards))
-        if self.isHidden():
+        shown = [card for card in cards if card is not None and not card.isHidden()]
+        if shown:
+            self._fold(shown)
+            # Shown in the size that it had, it would lay out what is in its cards for that one.
+            self._column.activate()
+            self.adjustSize()
+        self.setVisible(bool(shown))
+        if not shown:
             return
-        self._column.activate()
-        self.adjustSize()
         room = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
         for other in self._beside:
             if not other.isHidden() and _meet(room, other):
@@ -77,6 +90,14 @@ class Cards(QWidget):
                 room.moveBottom(other.geometry().top() - _MARGIN)
         self.move(room.left(), max(room.top(), _MARGIN))
         self.raise_()
+
+    def _fold(self, shown: Sequence[QWidget]) -> None:
+        """Let cards that can be lower be so, where there is no room for all of them."""
+        room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
+        stiff = [card for card in shown if not isinstance(card, Legend)]
+        for card in shown:
+            if isinstance(card, Legend):
+                card.fit_into(room - sum(other.sizeHint().height() for other in stiff))
 
 
 def _meet(room: QRect, other: QWidget) -> bool:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _LINES = 12  # about so many fit along the longer side of the mesh
 _AROUND = 0.3  # of the size of the mesh
 _APART = 34.0  # px between two figures
+_BETWEEN = 6  # px, the least
 _CORNER, _REACH = 58.0, 30.0  # px: of the axes from the upper right corner, and their length
 _ON_LIGHT, _ON_DARK = (0.74, 0.77, 0.81), (0.33, 0.36, 0.42)
 _COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
@@ -85,8 +86,9 @@ class Ground(RestActor):
         ink = QColor(166, 173, 186) if self._viewport.dark else QColor(90, 98, 112)
         painter.save()
         painter.setPen(ink)
+        taken: list[QRectF] = []
         for axis in (0, 2):
-            self._write_along(painter, axis)
+            self._write_along(painter, axis, taken)
         corner = QPointF(self._viewport.width() - _CORNER, _CORNER)
         text = tr("grid {length}").format(length=self._unit.length(short(self.step)))
         room = QRectF(corner.x() - 70, corner.y() + _REACH + 8, _CORNER + 70 - 12, 18)
@@ -94,8 +96,11 @@ class Ground(RestActor):
         self._draw_axes(painter, corner)
         painter.restore()
 
-    def _write_along(self, painter: QPainter, axis: int) -> None:
-        """Write where the lines are at the side of the grid that is nearer to the eye."""
+    def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
+        """Write where the lines are at the side of the grid that is nearer to the eye.
+
+        No figure is written over one that was ``taken`` down before: both sides have one at their corner.
+        """
         eye, other, ticks = self._viewport.eye, 2 - axis, self._ticks(axis)
         side = 0 if eye.position[other] < self._ends[:, other].mean() else 1
         points = np.tile(self._ends[side], (len(ticks), 1))
@@ -109,7 +114,11 @@ class Ground(RestActor):
         for value, at, visible in zip(ticks, places, seen, strict=True):
             if every and visible and round(value / self.step) % every == 0:
                 number = short(0.0 if abs(value) < 1e-6 * self.step else float(value)).replace("-", "−")
-                painter.drawText(QRectF(at[0] - 40, at[1] - 9, 80, 18), Qt.AlignmentFlag.AlignCenter, number)
+                width = painter.fontMetrics().horizontalAdvance(number) + _BETWEEN
+                room = QRectF(at[0] - width / 2, at[1] - 9, width, 18)
+                if not any(room.intersects(other) for other in taken):
+                    painter.drawText(room, Qt.AlignmentFlag.AlignCenter, number)
+                    taken.append(room)
 
     def _draw_axes(self, painter: QPainter, corner: QPointF) -> None:
         right, up, forward = self._viewport.eye.axes

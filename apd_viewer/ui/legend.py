@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
@@ -37,6 +37,7 @@ class Legend(QFrame):
         shield(self)
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self._unit = Unit.NONE
+        self._room = 10_000  # px in which it must find room
         self._make_parts()
         self._lay_out()
         self.set_theme(LIGHT)
@@ -72,7 +73,8 @@ class Legend(QFrame):
         head.addWidget(self.close_button)
         self._rows = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._rows.setColumnStretch(1, 1)
-        self._names = {}
+        self._names: dict[QWidget, QLabel] = {}
+        self._lines: list[list[QWidget]] = []
         right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         for row, (text, value, button) in enumerate(
             (
@@ -87,6 +89,7 @@ class Legend(QFrame):
             self._rows.addWidget(value, row, 1, right)
             if button is not None:
                 self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
+            self._lines.append([w for w in (self._names[value], value, button) if w is not None])
         column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(head)
@@ -115,9 +118,27 @@ class Legend(QFrame):
             field.setSuffix(suffix)
             field.setValue(factor * value)
             field.blockSignals(False)
-        for widget in (self.neutral, self._names[self.neutral]):
-            widget.setVisible(scale.measure.is_signed)
+        self._show_lines()
         self.show()
+
+    def fit_into(self, room: int) -> None:
+        """Leave out lines, the last ones first, as far as it would be higher than ``room`` otherwise."""
+        self._room = room
+        self._show_lines()
+
+    def _show_lines(self) -> None:
+        heights = [self._height(line) for line in self._lines]
+        height = self.sizeHint().height()
+        height -= sum(h for h, line in zip(heights, self._lines, strict=True) if not line[0].isHidden())
+        for h, line in zip(heights, self._lines, strict=True):
+            wanted = self._scale.measure.is_signed or self.neutral not in line
+            height += h if wanted else 0
+            for widget in line:
+                if widget.isHidden() == (wanted and height <= self._room):
+                    widget.setVisible(widget.isHidden())
+
+    def _height(self, line: list[QWidget]) -> int:
+        return max(widget.sizeHint().height() for widget in line) + self._rows.verticalSpacing()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
         """Show the least and the largest value, and the one under the cursor; None shows none."""

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QDialog,
     QGridLayout,
@@ -20,6 +20,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.far_run import FarRun
 from apd_viewer.ui.figure_view import FigureView
 from apd_viewer.ui.figures import signed
+from apd_viewer.ui.on_screen import resize_on_screen
 
 if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
@@ -78,7 +79,7 @@ class PaperDialog(QDialog):
         self._column.setContentsMargins(20, 16, 20, 16)
         self._column.addWidget(QLabel(_about(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
-        self.resize(640, self._column.totalHeightForWidth(640))
+        resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
     def _show(self, folder: Path, said: str) -> None:
         with (folder / "tables.csv").open(encoding="utf-8") as stream:
@@ -104,7 +105,7 @@ class PaperDialog(QDialog):
         self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._area.setWidget(page)
         self._column.insertWidget(1, self._area, 1)
-        self.resize(max(self.width(), 940), max(self.height(), 660))
+        resize_on_screen(self, self.size().expandedTo(QSize(940, 660)))
 
     def done(self, result: int) -> None:
         """Close, and end what is under way."""

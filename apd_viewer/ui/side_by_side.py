@@ -20,6 +20,7 @@ from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.fields import Check
 from apd_viewer.ui.icons import application_icon
 from apd_viewer.ui.linked_views import LinkedViews
+from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.outcome_table import OutcomeTable
 from apd_viewer.ui.outcomes import columns, readings, write_outcomes
 from apd_viewer.ui.readout import METHOD_NAMES, METHOD_WORDS
@@ -78,7 +79,7 @@ class SideBySide(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
         self.setMinimumSize(960, 600)
-        self.resize(_SIZE)
+        resize_on_screen(self, _SIZE)
         self._memory, self._eye, self._theme = memory, eye, LIGHT
         self.comparison: Comparison | None = None
         self._state: State | None = None

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtWidgets import (
     QDialog,
     QGridLayout,
@@ -24,6 +25,7 @@ from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, swee
 from apd_viewer.ui.far_run import FarRun
 from apd_viewer.ui.fields import Check, Choice, Number
 from apd_viewer.ui.figure_view import FigureView
+from apd_viewer.ui.on_screen import resize_on_screen
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
@@ -162,10 +164,14 @@ class SweepDialog(QDialog):
 
     def _show_busy(self, on: bool) -> None:
         self._asks.setEnabled(not on)
+        # The bar comes above the button: without room of its own it would take that of the fields.
+        self._column.activate()
+        if self._column.totalHeightForWidth(self.width()) > self.height():
+            self._fit(self.width())
 
     def _show(self, folder: Path, said: str) -> None:
         # The first line names a folder that is about to go.
-        self.summary.setText("\n".join(said.splitlines()[1:]))
+        self.summary.setText(re.sub(r"-(?=\d)", "−", "\n".join(said.splitlines()[1:])))
         self.summary.show()
         if self.figure is not None:
             self._column.removeWidget(self.figure)
@@ -178,7 +184,7 @@ class SweepDialog(QDialog):
     def _fit(self, width: int) -> None:
         """Be so wide, and as high as that needs."""
         self._column.activate()
-        self.resize(width, self._column.totalHeightForWidth(width))
+        resize_on_screen(self, QSize(width, self._column.totalHeightForWidth(width)))
 
     def done(self, result: int) -> None:
         """Close, and end what is under way."""

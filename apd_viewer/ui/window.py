@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QSettings, Qt, QTimer, Signal, Slot
+from PySide6.QtCore import QEvent, QSettings, QSize, Qt, QTimer, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QMainWindow, QPushButton
 
@@ -28,6 +28,7 @@ from apd_viewer.ui.looks import Looks
 from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.offer import Offer
+from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.plots import Plots
@@ -86,7 +87,7 @@ class Window(QMainWindow):
         self.setAcceptDrops(True)
         self.setMinimumSize(800, 640)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
-        self.resize(1280, 800)
+        resize_on_screen(self, QSize(1280, 800))
         self._started = self._closed = False
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
@@ -352,8 +353,8 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing, self.docks
-        for part in (self.actions_, self.panel, self.plots, self.canvas, *over):
+        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing, self.way_bar
+        for part in (self.actions_, self.panel, self.plots, self.canvas, self.docks, *over):
             part.set_theme(colors)
 
     # Events

@@ -1,0 +1,19 @@
+"""Windows that become larger, and stay on the screen: what they end with are their buttons."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, QSize
+from PySide6.QtWidgets import QWidget
+
+
+def resize_on_screen(window: QWidget, size: QSize) -> None:
+    """Give a window a size, as far as the screen has it, and move it no more than that takes."""
+    room, frame = window.screen().availableGeometry(), window.frameGeometry()
+    border = frame.size() - window.size()
+    window.resize(size.boundedTo(room.size() - border))
+    frame.setSize(window.size() + border)
+    x = max(min(frame.left(), room.right() + 1 - frame.width()), room.left())
+    y = max(min(frame.top(), room.bottom() + 1 - frame.height()), room.top())
+    # Where a window will be that is not shown yet is not known, and is chosen well by then.
+    if window.isVisible() and QPoint(x, y) != frame.topLeft():
+        window.move(x, y)

@@ -1,0 +1,140 @@
+"""Nothing that lies on the canvas covers another, leaves it or is cut; no window grows off the screen."""
+
+import numpy as np
+import pytest
+from driving import settle
+from PySide6.QtCore import QRect, QSize
+from PySide6.QtWidgets import QDialog, QToolButton, QWidget
+
+from apd_viewer.ui.on_screen import resize_on_screen
+from apd_viewer.ui.scales import Measure
+from apd_viewer.ui.toolbox import Tool
+
+
+@pytest.fixture
+def full(qtbot, bottle):
+    """The bottle with a tool that paints, and all that can be switched on."""
+    looks = bottle.actions_.looks
+    bottle.take(Tool.HANDLE)
+    looks.measures[Measure.AREA].trigger()
+    for switch in ("ghost", "compare", "cut", "ground"):
+        looks.switches[switch].trigger()
+    qtbot.wait(20)
+    return bottle
+
+
+def on_canvas(window):
+    """What lies on the canvas, by its name, in the canvas' coordinates."""
+    parts = {
+        "ways": window.way_bar,
+        "invitation": window.invitation,
+        "notice": window.notice,
+        "findings": window.health.list,
+        "compare": window.looks.compare,
+        "cut": window.looks.cut,
+        "legend": window.looks.legend,
+    }
+    view = window.canvas.viewport
+    return {
+        name: QRect(part.mapTo(view, part.rect().topLeft()), part.size())
+        for name, part in parts.items()
+        if part.isVisible()
+    }
+
+
+@pytest.mark.parametrize("plots", [False, True])
+@pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
+def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot, full, size, plots):
+    full.resize(*size)
+    full.docks["plots"].setVisible(plots)
+    full.invitation.say("")
+    qtbot.wait(100)
+    found = on_canvas(full)
+    assert {"ways", "compare", "cut", "legend"} <= set(found)
+    for name, room in found.items():
+        assert full.canvas.viewport.rect().contains(room), name
+        for other, others in found.items():
+            assert name == other or not room.intersects(others), (name, other)
+    for card in (full.looks.compare, full.looks.cut, full.looks.legend):
+        assert card.height() == card.sizeHint().height(), "neither squeezed nor spread"
+        for part in card.findChildren(QWidget):
+            if part.isVisible() and part.parent() is card:
+                assert card.rect().contains(part.geometry())
+
+
+def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
+    legend = full.looks.legend
+    full.resize(1280, 720)
+    full.docks["plots"].show()
+    qtbot.waitUntil(lambda: not legend.neutral.isVisible())
+    assert legend.bar.isVisible()
+    full.docks["plots"].hide()
+    qtbot.waitUntil(legend.neutral.isVisible)
+    legend.chosen.emit(Measure.DISPLACEMENT)
+    qtbot.wait(20)
+    assert not legend.neutral.isVisible(), "there is none on this scale"
+    assert legend.reach.isVisible()
+
+
+def test_a_card_that_comes_back_alone_is_laid_out_for_its_own_size(qtbot, full):
+    looks = full.actions_.looks
+    looks.switches["compare"].trigger()
+    looks.switches["cut"].trigger()
+    qtbot.wait(20)
+    looks.off.trigger()
+    qtbot.wait(20)
+    looks.switches["cut"].trigger()
+    qtbot.wait(20)
+    cut = full.looks.cut
+    assert cut.rect().contains(cut.slider.geometry())
+    assert cut.rect().contains(cut.axes[0].geometry())
+
+
+def test_ways_for_which_there_is_no_room_are_in_a_menu(qtbot, full):
+    more = full.way_bar.findChild(QToolButton, "qt_toolbar_ext_button")
+    full.resize(1280, 720)
+    qtbot.waitUntil(lambda: not more.isVisible())
+    full.docks["plots"].show()
+    qtbot.waitUntil(more.isVisible)
+    assert not more.icon().isNull()
+
+
+def test_no_figure_of_the_grid_is_written_over_another(qtbot, bottle, monkeypatch):
+    bottle.actions_.looks.switches["ground"].trigger()
+    ground, written = bottle.looks.ground, []
+    for axis in ("front", "side", "top", "-front"):
+        bottle.canvas.viewport.look_along(axis)
+        settle(qtbot, bottle.canvas.viewport)
+        taken = []
+        for k in (0, 2):
+            ground._write_along(_Pen(bottle, written), k, taken)
+        assert not any(a.intersects(b) for a in taken for b in taken if a is not b)
+    assert written
+
+
+class _Pen:
+    """What a painter is asked to write, without one."""
+
+    def __init__(self, window, written):
+        self._window, self._written = window, written
+
+    def fontMetrics(self):
+        return self._window.fontMetrics()
+
+    def drawText(self, _room, _flags, text):
+        self._written.append(text)
+
+
+def test_a_window_that_grows_stays_on_the_screen(qtbot):
+    window = QDialog()
+    qtbot.addWidget(window)
+    screen = window.screen().availableGeometry()
+    window.setGeometry(screen.right() - 200, screen.bottom() - 150, 180, 120)
+    window.show()
+    qtbot.waitExposed(window)
+    resize_on_screen(window, QSize(500, 400))
+    qtbot.waitUntil(lambda: screen.contains(window.frameGeometry()))
+    assert window.size() == QSize(500, 400)
+    resize_on_screen(window, 2 * screen.size())
+    qtbot.waitUntil(lambda: screen.contains(window.frameGeometry()))
+    assert np.prod(window.size().toTuple()) > 0.8 * np.prod(screen.size().toTuple())
