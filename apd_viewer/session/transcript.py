@@ -32,6 +32,7 @@ _LEAST = 1e-12  # of what is more than zero
 _MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
 _NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
 _POINTS = ("position", "focal", "up")
+_NO_OVERLAY = "none"
 
 
 def document_said(document: Document) -> dict[str, Any]:
@@ -147,6 +148,7 @@ def view_said(view: View) -> dict[str, Any]:
         "camera": camera,
         "unit": view.unit or None,
         "wall": {name: text or None for name, text in view.wall._asdict().items()},
+        "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
     }
 
 
@@ -156,15 +158,17 @@ def view_of(said: Fields) -> View:
     if unit not in [each.value for each in Unit]:
         raise ValueError(tr("its “unit” is none of this program"))
     wall = _wall(said.part("wall")) if said.says("wall") else Wall()
+    overlay = said.text("overlay") if said.says("overlay") else None
+    overlay = "" if overlay == _NO_OVERLAY else overlay
     if not said.says("camera"):
-        return View(None, unit, wall)
+        return View(None, unit, wall, overlay)
     camera = said.part("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” looks nowhere"))
     angle = camera.number("angle", _LEAST, np.pi - _LEAST)
-    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall)
+    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay)
 
 
 def _wall(said: Fields) -> Wall:

@@ -42,8 +42,12 @@ class View:
         Symbol of the unit of length: the value of a :class:`apd_viewer.session.units.Unit`.
     wall : Wall
         What the surface is made of, as it was typed.
+    overlay : str or None
+        What the colours show, by the value of a :class:`apd_viewer.ui.scales.Measure`; empty where they show
+        what is painted, None where nothing is said of them.
     """
 
     camera: Standpoint | None = None
     unit: str = ""
     wall: Wall = NO_WALL
+    overlay: str | None = None

@@ -35,20 +35,25 @@ class Cards(QWidget):
     def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:
         super().__init__(canvas)
         self._canvas = canvas
-        self._below, self._beside = list(below), list[QWidget]()
+        self._below, self._beside = list[QWidget](), list[QWidget]()
         self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
         self.setFixedWidth(WIDTH)
         canvas.resized.connect(self.place)
-        for other in below:
-            other.installEventFilter(self)
         self.hide()
+        self.stand_above(below)
 
     def add(self, card: QWidget) -> None:
         """Put a card under the others."""
         self._column.addWidget(card)
         card.installEventFilter(self)
+
+    def stand_above(self, others: Sequence[QWidget]) -> None:
+        """Leave more of what is at the bottom of the canvas uncovered."""
+        self._below += others
+        for other in others:
+            other.installEventFilter(self)
 
     def stand_beside(self, column: QWidget) -> None:
         """Leave a column at the left edge of the canvas uncovered too."""

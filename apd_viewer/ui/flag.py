@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QIcon
+from PySide6.QtGui import QIcon, QPixmap
 from PySide6.QtWidgets import QToolButton
 
 from apd_viewer.language import tr
@@ -60,5 +60,9 @@ class Flag(QToolButton):
         theme = self._theme
         if self._symbol == "warning":
             self.setIcon(icon("warning", replace(theme, ink=theme.warm, on_accent=theme.warm)))
-        else:  # what is not known has none
-            self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)) if self._symbol else QIcon())
+        elif self._symbol:
+            self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)))
+        else:  # what is not known has none, and its words stand where they will stand once it is
+            nothing = QPixmap(self.iconSize())
+            nothing.fill(Qt.GlobalColor.transparent)
+            self.setIcon(QIcon(nothing))

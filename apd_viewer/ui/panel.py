@@ -73,7 +73,7 @@ class Panel(QScrollArea):
         super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # it scrolls to what has the keys
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Expanding)
         self.area = AreaSection()
         self.volume = VolumeSection()
         self.measures = SizeSection()

@@ -10,12 +10,14 @@ from PySide6.QtCore import QObject
 
 from apd_viewer.session.wall import NO_WALL, Wall
 from apd_viewer.ui.memory import own_file
+from apd_viewer.ui.scales import Measure
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.session import Session
     from apd_viewer.session.view import View
     from apd_viewer.ui.health import Health
+    from apd_viewer.ui.heat_map import HeatMap
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.panel import Panel
 
@@ -31,13 +33,16 @@ class Room(QObject):
     panel : Panel
     health : Health
     memory : Memory
+    heat : HeatMap
+        What a session says of its overlay is done there.
     """
 
-    def __init__(self, panel: Panel, health: Health, memory: Memory) -> None:
+    def __init__(self, panel: Panel, health: Health, memory: Memory, heat: HeatMap) -> None:
         super().__init__(panel)
         self._panel = panel
         self._health = health
         self._memory = memory
+        self._heat = heat
         self._session: Session | None = None
         self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
         panel.measures.wall_typed.connect(self._type)
@@ -68,14 +73,20 @@ class Room(QObject):
         self._panel.measures.show_wall(self._walls[mesh])
 
     def look_as(self, view: View) -> None:
-        """Have the surface made of what a session says; one that says nothing leaves it alone."""
+        """Have the surface made and coloured as a session says; one that says nothing leaves it alone."""
+        # A later version may show what this one cannot.
+        measure = next((measure for measure in Measure if measure.value == view.overlay), None)
+        if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
+            self._heat.choose(measure)
         if view.wall != NO_WALL:
             self._type(view.wall)
             self._panel.measures.show_wall(view.wall)
 
     def in_view(self, view: View) -> View:
-        """The view with what the surface is made of."""
-        return replace(view, wall=self._panel.measures.wall)
+        """The view with what the surface is made of, and what its colours show."""
+        measure = self._heat.measure
+        overlay = "" if measure is None else measure.value
+        return replace(view, wall=self._panel.measures.wall, overlay=overlay)
 
     def _type(self, wall: Wall) -> None:
         if self._session is None or self._session.state is None:

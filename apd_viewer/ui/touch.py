@@ -38,9 +38,12 @@ class Touch(Selector):
     crease : float
         Where a fill stops, in degrees between the normals of two neighbours; the wheel changes it.
     crease_changed : Signal(float)
+    missed : Signal()
+        There is nothing of the kind that was clicked for.
     """
 
     crease_changed = Signal(float)
+    missed = Signal()
 
     def __init__(self, viewport: Viewport, surface: Surface, reach: Reach) -> None:
         super().__init__(viewport, surface)
@@ -78,6 +81,8 @@ class Touch(Selector):
         vertices = self._under()
         if len(vertices):
             self._apply(self.act, vertices)
+        elif self._hit is not None:
+            self.missed.emit()
         return True
 
     def cancel(self) -> bool:

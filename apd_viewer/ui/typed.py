@@ -69,10 +69,15 @@ class Typed:
         self.pivot.entered.connect(self._take_pivot)
         self.pivot.closed.connect(lambda: self._mark(None))
 
+    @property
+    def cards(self) -> tuple[TypedCard, ...]:
+        """All of them."""
+        return self.vertices, self.brush, self.pivot
+
     def open(self, card: TypedCard) -> None:
         """Show a card, and put the others away."""
         if self._session.state is not None:
-            for other in (self.vertices, self.brush, self.pivot):
+            for other in self.cards:
                 if other is not card and other.isVisible():
                     other.close_card()
             card.open_card()

@@ -171,7 +171,7 @@ class Window(QMainWindow):
     def _make_panel(self) -> None:
         self.panel = Panel()
         self.panel.folded = self._memory.folded
-        self.room = Room(self.panel, self.health, self._memory)
+        self.room = Room(self.panel, self.health, self._memory, self.looks.heat)
         self._history = HistoryList()
         self.docks = Docks(self)
         self.docks.add("readings", tr("Readings"), self.panel)
@@ -200,7 +200,7 @@ class Window(QMainWindow):
     def _connect_canvas(self) -> None:
         canvas = self.canvas
         canvas.stroke_began.connect(self._begin_stroke)
-        connect_hand(canvas, self.session, self.parts)
+        connect_hand(canvas, self.session, self.parts, self.notice.tell)
         canvas.stroke_ended.connect(self._end_stroke)
         canvas.drag_began.connect(self._guide.moved)
         canvas.painter.size_changed.connect(self._say_brush)
@@ -210,6 +210,7 @@ class Window(QMainWindow):
         connect_settings(panel, session)
         connect_parts(panel, session, parts)
         self.deeds.start(session, parts)
+        self.looks.cards.stand_above(self.deeds.typed.cards)
         self.room.start(session)
         self._history.chosen.connect(self.deeds.verbs["travel"])
         panel.area.unit.chosen.connect(self._choose_unit)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
+from apd_viewer.ui.toolbox import Way
+from apd_viewer.ui.touch import Touch
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
@@ -50,8 +53,14 @@ def _set_falloff(session: Session, parts: Parts, percent: float) -> None:
         session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
 
-def connect_hand(canvas: Canvas, session: Session, parts: Parts) -> None:
-    """Have the session paint and move what the hand does; a drag is one gesture."""
+def connect_hand(canvas: Canvas, session: Session, parts: Parts, tell: Callable[[str], None]) -> None:
+    """Have the session paint and move what the hand does; a drag is one gesture.
+
+    ``tell`` says a sentence to the user.
+    """
+    loop = canvas.ways[Way.LOOP]
+    assert isinstance(loop, Touch)
+    loop.missed.connect(lambda: tell(tr("This surface is closed: it has no border to choose.")))
     canvas.painted.connect(session.paint)
     canvas.region_painted.connect(session.paint_region)
     canvas.drag_began.connect(session.begin_gesture)

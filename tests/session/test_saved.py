@@ -27,7 +27,11 @@ from apd_viewer.session.saved import open_session, save_session
 from apd_viewer.session.session import Activity, Listener, Session
 from apd_viewer.session.view import Standpoint, View
 
-VIEW = View(Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988), "mm")
+VIEW = View(
+    Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),
+    "mm",
+    overlay="bending",
+)
 # Verbs of the session, and what they are given.
 SETTINGS: dict[str, dict[str, tuple]] = {
     "exact": {},

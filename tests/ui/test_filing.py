@@ -7,7 +7,9 @@ from PySide6.QtCore import QSettings
 
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.session.units import Unit
+from apd_viewer.session.view import View
 from apd_viewer.ui import dialogs
+from apd_viewer.ui.scales import Measure
 from apd_viewer.ui.window import Window
 
 
@@ -113,3 +115,22 @@ def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, ch
     idle(qtbot, bottle)
     assert bottle.session.state is before
     assert "paint.sel" in bottle.notice.text
+
+
+@pytest.mark.parametrize("measure", [None, *Measure])
+def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, measure):
+    heat, path = bottle.looks.heat, tmp_path / "a.apd"
+    heat.choose(measure)
+    bottle.session.save(path, bottle.filing._view(""))
+    idle(qtbot, bottle)
+    heat.choose(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
+    bottle.filing.open_path(path)
+    qtbot.waitUntil(lambda: heat.measure is measure)
+    assert bottle.actions_.looks.off.isChecked() == (measure is None)
+
+
+@pytest.mark.parametrize("said", [None, "what a later version shows"])
+def test_a_session_that_says_no_overlay_that_there_is_leaves_it(bottle, said):
+    bottle.looks.heat.choose(Measure.AREA)
+    bottle.room.look_as(View(overlay=said))
+    assert bottle.looks.heat.measure is Measure.AREA

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from driving import settle
+from driving import Mouse, settle
 from PySide6.QtCore import QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.scales import Measure
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.toolbox import Tool, Way
 
 
 @pytest.fixture
@@ -60,6 +60,26 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
         for part in card.findChildren(QWidget):
             if part.isVisible() and part.parent() is card:
                 assert card.rect().contains(part.geometry())
+
+
+def test_what_is_typed_into_is_not_covered(qtbot, full):
+    full.resize(1280, 720)
+    full.actions_.select.numbers.trigger()
+    card, cards = full.deeds.typed.vertices, full.looks.cards
+    qtbot.waitUntil(lambda: card.isVisible() and not card.geometry().intersects(cards.geometry()))
+    assert full.canvas.viewport.rect().contains(cards.geometry())
+
+
+def test_a_click_for_a_border_where_there_is_none_says_so(full):
+    full.choose_way(Way.LOOP)
+    loop, view = full.canvas.ways[Way.LOOP], full.canvas.viewport
+    x, y = view.project(full.canvas.surface.U[:1])[0]
+    mouse = Mouse(view)
+    full.actions_.looks.switches["cut"].trigger()
+    mouse.move((x, y - 60))
+    mouse.drag((x, y - 60), (x, y - 60))
+    assert loop._hit is not None
+    assert "no border" in full.notice.text
 
 
 def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
