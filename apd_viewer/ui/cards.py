@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QEvent, QObject, QRect
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from apd_viewer.ui.legend import Legend
 from apd_viewer.ui.viewport import Viewport
 
 _MARGIN, _GAP = 12, 8
@@ -36,6 +35,7 @@ class Cards(QWidget):
         super().__init__(canvas)
         self._canvas = canvas
         self._below, self._beside = list[QWidget](), list[QWidget]()
+        self._fits: dict[QWidget, Callable[[int], None]] = {}
         self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
@@ -44,8 +44,10 @@ class Cards(QWidget):
         self.hide()
         self.stand_above(below)
 
-    def add(self, card: QWidget) -> None:
-        """Put a card under the others."""
+    def add(self, card: QWidget, fit_into: Callable[[int], None] | None = None) -> None:
+        """Put a card under the others; ``fit_into(height)`` has one that can be lower do with that."""
+        if fit_into is not None:
+            self._fits[card] = fit_into
         self._column.addWidget(card)
         card.installEventFilter(self)
 
@@ -99,10 +101,10 @@ class Cards(QWidget):
     def _fold(self, shown: Sequence[QWidget]) -> None:
         """Let cards that can be lower be so, where there is no room for all of them."""
         room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
-        stiff = [card for card in shown if not isinstance(card, Legend)]
+        room -= sum(card.sizeHint().height() for card in shown if card not in self._fits)
         for card in shown:
-            if isinstance(card, Legend):
-                card.fit_into(room - sum(other.sizeHint().height() for other in stiff))
+            if fit_into := self._fits.get(card):
+                fit_into(room)
 
 
 def _meet(room: QRect, other: QWidget) -> bool:

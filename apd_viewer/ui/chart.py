@@ -134,7 +134,7 @@ class _Plot:
         height = room.height() - 2 * metrics.height() - _GAP
         self._y_ticks = y.ticks(max(1, int(height / _BETWEEN_Y)))
         left = max((metrics.horizontalAdvance(text) for _, text in self._y_ticks), default=0.0) + _GAP
-        self._field = room.adjusted(left, metrics.height(), -_GAP, -metrics.height() - _GAP)
+        self._field = room.adjusted(left, metrics.height(), -_GAP, -metrics.height() - 1.5 * _GAP)
         widest = max((metrics.horizontalAdvance(text) for _, text in x.ticks(4)), default=0.0)
         self._x_ticks = x.ticks(max(1, int(self._field.width() / max(_BETWEEN_X, widest + 2 * _PAD))))
 
@@ -178,7 +178,7 @@ class _Plot:
             painter.setPen(words)
             start = field.left() - _GAP - metrics.horizontalAdvance(text)
             painter.drawText(QPointF(start, y + 0.35 * metrics.ascent()), text)
-        baseline = field.bottom() + _GAP / 2 + metrics.ascent()
+        baseline = field.bottom() + _GAP + metrics.ascent()  # clear of the lowest figure at the left
         painter.setPen(words)
         for place, text in self._x_ticks:
             x, half = self._x_of(place), 0.5 * metrics.horizontalAdvance(text)

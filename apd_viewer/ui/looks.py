@@ -58,8 +58,9 @@ class Looks:
         self._canvas, self._memory = canvas, memory
         self.cards = Cards(canvas.viewport, below)
         self.compare, self.cut, self.legend = Compare(canvas), Cut(canvas), Legend()
-        for card in (self.compare, self.cut, self.legend):
-            self.cards.add(card)
+        self.cards.add(self.compare)
+        self.cards.add(self.cut)
+        self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
         self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
         self.turntable = Turntable(canvas.viewport)
