@@ -112,11 +112,16 @@ class Deeds:
 
     def _pick_pivot(self, session: Session, parts: Parts) -> None:
         self._take(Tool.MOVE)
-        self._canvas.picker.ask(1, lambda points: session.set_pivot(points[0], parts.handle))
+        self._canvas.picker.ask(
+            1,
+            lambda points: session.set_pivot(points[0], parts.handle),
+            tr("Click the point of the mesh that the handle is to turn about; Esc calls it off"),
+        )
 
     def _pick_line(self, _: Session, __: Parts) -> None:
         self._take(Tool.MOVE)
-        self._canvas.picker.ask(2, self._keep_line)
+        words = tr("Click two points of the mesh: the line through them is the one to bend about")
+        self._canvas.picker.ask(2, self._keep_line, words)
 
     def _keep_line(self, line: np.ndarray) -> None:
         self._canvas.line = line

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, Qt
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QPen
 
 if TYPE_CHECKING:
@@ -26,7 +26,11 @@ class PointPicker(QObject):
     ----------
     shown : (k, 3) float array
         Points that are marked, joined by a line, whether or not any are asked for.
+    asks : Signal(str)
+        What the user is to do; empty once that is done or called off.
     """
+
+    asks = Signal(str)
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport)
@@ -48,9 +52,10 @@ class PointPicker(QObject):
         self._shown = points
         self._viewport.overlay.update()
 
-    def ask(self, count: int, then: Callable[[np.ndarray], object]) -> None:
-        """Take the next ``count`` clicks, and hand over their points, (count, 3), to ``then``."""
+    def ask(self, count: int, then: Callable[[np.ndarray], object], words: str) -> None:
+        """Take ``count`` clicks, as ``words`` say, and hand over their points, (count, 3), to ``then``."""
         self._wanted, self._then, self._points = count, then, []
+        self.asks.emit(words)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the point under the cursor."""
@@ -89,6 +94,8 @@ class PointPicker(QObject):
     def cancel(self) -> bool:
         """Take no click any more; True if one was waited for."""
         waited, self._wanted, self._points = self._wanted > 0, 0, []
+        if waited:
+            self.asks.emit("")
         self.leave()
         return waited
 

@@ -200,7 +200,7 @@ class Window(QMainWindow):
     def _connect_canvas(self) -> None:
         canvas = self.canvas
         canvas.stroke_began.connect(self._begin_stroke)
-        connect_hand(canvas, self.session, self.parts, self.notice.tell)
+        connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
         canvas.stroke_ended.connect(self._end_stroke)
         canvas.drag_began.connect(self._guide.moved)
         canvas.painter.size_changed.connect(self._say_brush)

@@ -53,14 +53,17 @@ def _set_falloff(session: Session, parts: Parts, percent: float) -> None:
         session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
 
-def connect_hand(canvas: Canvas, session: Session, parts: Parts, tell: Callable[[str], None]) -> None:
+def connect_hand(
+    canvas: Canvas, session: Session, parts: Parts, tell: Callable[[str], None], prompt: Callable[[str], None]
+) -> None:
     """Have the session paint and move what the hand does; a drag is one gesture.
 
-    ``tell`` says a sentence to the user.
+    ``tell`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
     """
     loop = canvas.ways[Way.LOOP]
     assert isinstance(loop, Touch)
     loop.missed.connect(lambda: tell(tr("This surface is closed: it has no border to choose.")))
+    canvas.picker.asks.connect(prompt)
     canvas.painted.connect(session.paint)
     canvas.region_painted.connect(session.paint_region)
     canvas.drag_began.connect(session.begin_gesture)

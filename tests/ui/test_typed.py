@@ -92,6 +92,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
         for at in ((-1.0, 6.0, 3.0), (1.5, 9.0, 3.0))
     ]
     motion.pick.click()
+    assert bottle.status.currentMessage().startswith("Click two points")
     hand = mouse(bottle.canvas.viewport)
     expected = []
     for end in ends:
@@ -100,6 +101,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
         hand.move(at)
         hand.drag(at, at)
     np.testing.assert_allclose(bottle.canvas.picker.shown, expected)
+    assert bottle.status.currentMessage() == ""
     qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
     pose = session.state.document.handles[0].pose
     np.testing.assert_allclose(transform(pose, np.array(expected)), expected, atol=1e-9)
@@ -115,5 +117,6 @@ def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
     at = on_screen(bottle, bottle.session.state.document.mesh.V.mean(axis=0))
     mouse(view).drag(at, at)
     QTest.keyClick(view, Qt.Key.Key_Escape)
+    assert bottle.status.currentMessage() == ""
     mouse(view).drag(at, at)
     assert bottle.canvas.line is None
