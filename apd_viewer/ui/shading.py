@@ -13,38 +13,45 @@ from apd_viewer.ui.palette import FREE_COLOR
 # The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
 # ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:
 # they leave half of it dark or wash out the painted colours, which here stay true where the surface
-# faces the viewer. The rim is light on a dark background and dark on a light one.
+# faces the viewer. The rim is light on a dark background, dark on a light one. Triangles of a fine mesh are
+# smaller than a pixel, and without a graphics card each costs this sixteen times: hence products for powers.
 _SHADING = """
   vec3 n = normalize(normalVCVSOutput);
   vec3 v = normalize(-vertexVC.xyz);
   vec3 key = normalize(vec3(-0.50, 0.62, 0.80));
   float wrapped = clamp((dot(n, key) + 0.35) / 1.35, 0.0, 1.0);
   float sky = 0.5 + 0.5 * n.y;
-  float rim = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
-  float gloss = pow(clamp(dot(n, normalize(key + v)), 0.0, 1.0), 36.0);
+  float turned = 1.0 - clamp(dot(n, v), 0.0, 1.0);
+  float rim = turned * turned * turned;
+  float gloss = clamp(dot(n, normalize(key + v)), 0.0, 1.0);
+  gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
   vec3 shaded = diffuseColor * (0.42 + 0.10 * sky + 0.64 * wrapped);
   shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
                                   - (1.0 - rimOnDark) * 0.30 * diffuseColor);
   gl_FragData[0] = vec4(shaded, OPACITY);
 """
 
+_STRIPE = 9.0  # pixels of the window
+
 # Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
 # are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
-# painted lies over them in stripes, between which the colours are those of the legend; edges of triangles,
-# by which VTK has darkened the paint, darken them too.
+# painted lies over them in stripes, between which the colours are those of the legend.
 _HEAT = """
   float heat = opacity * 255.0;
   float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
   if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
   vec3 paint = vertexColorVSOutput.rgb;
-  float line = clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0);
-  float painted = smoothstep(0.05, 0.15, distance(paint, FREE));
-  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (9.0 * heatPixel)) - 0.5);
-  painted *= smoothstep(0.33, 0.39, stripe);
+  float line = LINE;
+  vec3 away = paint - FREE;
+  float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
+  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) * heatStripe) - 0.5);
+  painted *= clamp(16.7 * stripe - 5.5, 0.0, 1.0);
   diffuseColor = heat < 0.5 ? FREE : COLORS;
   diffuseColor = line * mix(diffuseColor, paint, painted);
 """
 
+# Edges of triangles, by which VTK has darkened the paint, darken the colours too.
+_LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
 
 # Seen through from the front, and at its outline.
 GLASS = """
@@ -60,7 +67,7 @@ _INSIDE = """
 
 
 def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
-    """Give ``actor`` the material.
+    """Give ``actor`` the material, whenever one of these differs, or whether its edges are shown.
 
     With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
     """
@@ -68,8 +75,12 @@ def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -
     if inside:
         code = _INSIDE + code
     if heat is not None:
+        code = _HEAT + code
         free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
-        code = _HEAT.replace("COLORS", heat.glsl("place")).replace("FREE", free) + code
+        line = _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0"
+        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line}
+        for name, value in values.items():
+            code = code.replace(name, value)
     shader = actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
@@ -80,17 +91,17 @@ def scale_heat(actor: vtkActor, neutral: float, pixel: float) -> None:
     """Show ``neutral`` of a scale around its middle as no change; ``pixel`` is the window's in drawn ones."""
     uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
     uniforms.SetUniformf("heatNeutral", neutral)
-    uniforms.SetUniformf("heatPixel", pixel)
+    uniforms.SetUniformf("heatStripe", 1.0 / (_STRIPE * pixel))
 
 
 def thicken_stripes(actor: vtkActor, factor: float) -> None:
     """Draw the stripes of what is painted wider, where there are any."""
     uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
     names = [uniforms.GetNthUniformName(k) for k in range(uniforms.GetNumberOfUniforms())]
-    if "heatPixel" in names:
-        pixel: Any = reference(0.0)
-        uniforms.GetUniformf("heatPixel", pixel)
-        uniforms.SetUniformf("heatPixel", factor * pixel.get())
+    if "heatStripe" in names:
+        stripe: Any = reference(0.0)
+        uniforms.GetUniformf("heatStripe", stripe)
+        uniforms.SetUniformf("heatStripe", stripe.get() / factor)
 
 
 def match_background(actor: vtkActor, dark: bool) -> None:

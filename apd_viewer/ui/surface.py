@@ -147,7 +147,7 @@ class Surface:
             self._plane.SetNormal(*normal)
             self._mapper.AddClippingPlane(self._plane)
         if was_cut != (self._cut is not None):
-            shade(self._actor, self.worn, inside=self._cut is not None)
+            self._shade()
         self._viewport.update()
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
@@ -166,7 +166,7 @@ class Surface:
         """
         if heat is not self.worn:
             self.worn = heat
-            shade(self._actor, heat, inside=self._cut is not None)
+            self._shade()
         if heat is not None:
             scale_heat(self._actor, neutral, sharpness * self._viewport.devicePixelRatioF())
         elif self.skin is not None:
@@ -193,7 +193,11 @@ class Surface:
         prop.SetEdgeVisibility(on)
         prop.SetEdgeColor(0.12, 0.13, 0.15)
         prop.SetEdgeOpacity(0.35)
+        self._shade()
         self._viewport.update()
+
+    def _shade(self) -> None:
+        shade(self._actor, self.worn, inside=self._cut is not None)
 
     @property
     def smooth(self) -> bool:
