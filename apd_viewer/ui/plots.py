@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QRect, QRectF, QSize, Qt, QTimer
-from PySide6.QtGui import QHideEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QColor, QHideEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
     QGridLayout,
@@ -341,6 +341,7 @@ class ChartView(QWidget):
 
     def __init__(self, words: _Words, chart: Callable[[], Chart]) -> None:
         super().__init__(accessibleName=words.title, toolTip=words.tip)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
         self.chart = chart
         self.theme = LIGHT
 
@@ -349,6 +350,7 @@ class ChartView(QWidget):
         from apd_viewer.ui.chart import draw_chart
 
         painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self.theme.panel))
         draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()
 
