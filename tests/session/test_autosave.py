@@ -64,6 +64,9 @@ def session(folder, bar):
     session.autosave.keep_in(folder, lambda: VIEW)
     session.show_now(bar)
     session.paint_ends()
+    session.settle()
+    backup = session.autosave._backup
+    session.until(lambda: backup._done == backup._asked)  # or what is written now surprises a test
     yield session
     session.close()
     assert set(threading.enumerate()) <= others
