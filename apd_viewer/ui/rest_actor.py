@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.viewport import Viewport
 
 
-class RestActor:
+class RestActor(ABC):
     """Can be switched on, follows the mesh, and takes nothing while it is off.
 
     Parameters
@@ -61,10 +62,10 @@ class RestActor:
         self._mapper.SetInputData(None if mesh is None else self._drawn(mesh))
         self._viewport.update()
 
+    @abstractmethod
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
         """What there is to draw; also puts the actor in its place, and says how far it reaches."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _match_background(self, dark: bool) -> None:
         """Stand out from a dark or a light background."""
-        raise NotImplementedError
