@@ -15,7 +15,6 @@ from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.shading import thicken_stripes
 
 if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
@@ -159,7 +158,7 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
 
 @contextmanager
 def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
-    """Draw lines and stripes as thick, against the rest, as they are seen."""
+    """Draw lines as thick, against the rest, as they are seen."""
     _thicken(scene, factor)
     try:
         yield
@@ -171,4 +170,3 @@ def _thicken(scene: vtkRenderer, factor: float) -> None:
     for actor in scene.GetActors():
         look = actor.GetProperty()
         look.SetLineWidth(factor * look.GetLineWidth())
-        thicken_stripes(actor, factor)

@@ -116,17 +116,10 @@ class MethodView(QWidget):
         view = self.viewport
         wide, high = view.ren_win.GetSize()
         view.set_theme("#ffffff")
-        self._wear(sharpness)
-        # Not VTK's own way to more pixels, in tiles: the stripes would not meet.
         view.ren_win.GetInteractor().UpdateSize(sharpness * wide, sharpness * high)
         pixels: np.ndarray = view.screenshot(return_img=True)
         view.ren_win.GetInteractor().UpdateSize(wide, high)
-        self._wear()
         return pixels
-
-    def _wear(self, sharpness: int = 1) -> None:
-        if self.values is not None:
-            self.surface.wear(self._scale.measure.colors, self._scale.neutral_share, sharpness)
 
     def _refresh(self) -> None:
         """Measure the shape that is about to be drawn, and colour it."""
@@ -138,7 +131,7 @@ class MethodView(QWidget):
         self.values = change.area(surface.shape)
         write(self.values, True, self._scale.end, surface.shades)
         surface.shades_changed()
-        self._wear()
+        surface.wear(self._scale.measure.colors, self._scale.neutral_share)
         self.measured.emit()
 
     @property

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from vtkmodules.vtkCommonCore import reference
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
 
 from apd_viewer.ui.color_maps import ColorMap
@@ -31,11 +28,13 @@ _SHADING = """
   gl_FragData[0] = vec4(shaded, OPACITY);
 """
 
-_STRIPE = 9.0  # pixels of the window
+# Of the distance: some sixty of them are seen above each other, in a picture of any size.
+_STRIPE = 0.0084
 
 # Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
 # are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
-# painted lies over them in stripes, between which the colours are those of the legend.
+# painted lies over them in stripes, between which the colours are those of the legend. The place of a pixel
+# in the picture would say as well where they are, but a software renderer takes long to tell it.
 _HEAT = """
   float heat = opacity * 255.0;
   float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
@@ -44,7 +43,7 @@ _HEAT = """
   float line = LINE;
   vec3 away = paint - FREE;
   float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
-  float stripe = abs(fract((gl_FragCoord.x + gl_FragCoord.y) * heatStripe) - 0.5);
+  float stripe = abs(fract((vertexVC.x + vertexVC.y) / (STRIPE * vertexVC.z)) - 0.5);
   painted *= clamp(16.7 * stripe - 5.5, 0.0, 1.0);
   diffuseColor = heat < 0.5 ? FREE : COLORS;
   diffuseColor = line * mix(diffuseColor, paint, painted);
@@ -78,7 +77,7 @@ def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -
         code = _HEAT + code
         free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
         line = _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0"
-        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line}
+        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line, "STRIPE": str(_STRIPE)}
         for name, value in values.items():
             code = code.replace(name, value)
     shader = actor.GetShaderProperty()
@@ -87,21 +86,9 @@ def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -
     match_background(actor, dark=False)
 
 
-def scale_heat(actor: vtkActor, neutral: float, pixel: float) -> None:
-    """Show ``neutral`` of a scale around its middle as no change; ``pixel`` is the window's in drawn ones."""
-    uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
-    uniforms.SetUniformf("heatNeutral", neutral)
-    uniforms.SetUniformf("heatStripe", 1.0 / (_STRIPE * pixel))
-
-
-def thicken_stripes(actor: vtkActor, factor: float) -> None:
-    """Draw the stripes of what is painted wider, where there are any."""
-    uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
-    names = [uniforms.GetNthUniformName(k) for k in range(uniforms.GetNumberOfUniforms())]
-    if "heatStripe" in names:
-        stripe: Any = reference(0.0)
-        uniforms.GetUniformf("heatStripe", stripe)
-        uniforms.SetUniformf("heatStripe", stripe.get() / factor)
+def scale_heat(actor: vtkActor, neutral: float) -> None:
+    """Show ``neutral`` of a scale, around its middle, as no change."""
+    actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("heatNeutral", neutral)
 
 
 def match_background(actor: vtkActor, dark: bool) -> None:

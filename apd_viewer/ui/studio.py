@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from apd_viewer.ui.viewport import Viewport
 
 _LONGER = 1000  # px
-_STRIPES = 2.5  # pixels of a picture for each in which it is shown
 _ROOM = 0.02  # of the picture, around the shapes
 
 
@@ -38,10 +37,6 @@ class _Set:
 
     def update(self) -> None:
         """There is no screen."""
-
-    def devicePixelRatioF(self) -> float:
-        """How much finer it is drawn than it is seen."""
-        return _STRIPES
 
 
 class Studio:

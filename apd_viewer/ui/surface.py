@@ -156,11 +156,10 @@ class Surface:
         self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
         self._viewport.update()
 
-    def wear(self, heat: ColorMap | None, neutral: float = 0.0, sharpness: float = 1.0) -> None:
+    def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
         """Show values on a scale instead of the paint, which is seen in stripes; None shows the paint.
 
-        ``neutral`` is how much of the scale, around its middle, is shown as no change; a picture has
-        ``sharpness`` pixels for each on the screen. What the values are
+        ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
         is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
         ask: it may be called while one is made ready.
         """
@@ -168,7 +167,7 @@ class Surface:
             self.worn = heat
             self._shade()
         if heat is not None:
-            scale_heat(self._actor, neutral, sharpness * self._viewport.devicePixelRatioF())
+            scale_heat(self._actor, neutral)
         elif self.skin is not None:
             self.shades[:] = 255
             self.shades_changed()

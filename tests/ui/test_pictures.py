@@ -97,6 +97,22 @@ def test_all_that_is_seen_is_in_a_picture_of_any_size(still, size):
     assert np.abs(box(pixels(image)[:, :, 3] > 127) - expected).max() <= 1.5 + scale
 
 
+def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
+    """Also in a picture of another size."""
+    view = still.canvas.viewport
+    still.looks.heat.choose(Measure.AREA)
+    qtbot.waitUntil(lambda: still.looks.heat.values is not None, timeout=20_000)
+    seen = exposed(view, view.size(), transparent=True)
+    for times in (2.0, 0.5):
+        size = view.size() * times
+        scaled = seen.scaled(size, mode=Qt.TransformationMode.SmoothTransformation)
+        picture, same = pixels(exposed(view, size, transparent=True)), pixels(scaled)
+        inside = inner(same[:, :, 3] == 255)
+        orange = inside & (same[:, :, 0] - same[:, :, 2] > 60)
+        assert orange.sum() > 0.005 * inside.sum()
+        assert np.abs(picture - same)[orange].mean() < 12
+
+
 def test_the_screen_stays_as_it_is(still):
     view = still.canvas.viewport
     before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.eye.angle
