@@ -32,10 +32,10 @@ else
 	@echo "Its shape is in out/bottle.obj, a picture in out/bottle.png, the measurements in out/report.json."
 endif
 
-# pytest-xvfb starts a display of its own, but Qt would still prefer the one of a Wayland session.
+# pytest-xvfb starts displays of its own, but Qt would still prefer the one of a Wayland session.
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@echo "== pytest"
-	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest
+	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
 lint: .venv/.tools ## the checks that do not run the program
 	@echo "== ruff check"
