@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 from contextlib import ExitStack
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.replacing import replacing
 from apd_viewer.files.report import room_of, write_report
@@ -28,6 +30,7 @@ from apd_viewer.geometry.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     METHODS,
+    SHORT_NAMES,
 )
 from apd_viewer.language import tr
 from apd_viewer.paper_command import paper_parser
@@ -35,14 +38,17 @@ from apd_viewer.parser import Parser
 from apd_viewer.session.replaying import replay
 from apd_viewer.session.sentences import about_caps, of_crossings
 from apd_viewer.sweep_command import sweep_parser
+from apd_viewer.ui.palette import label_colors
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
 
+    from apd_viewer.files.selection import Selection
     from apd_viewer.geometry.mesh import Mesh
 
 _MOST_VERTICES = 100  # of a finding in a report
+_PICTURE = (1600, 1000)  # pixels
 _ROUNDED = 1e-6  # relative change of the area by the digits of a file that is worth a word
 
 
@@ -160,12 +166,10 @@ def _replay_parser() -> Parser:
 def _deform(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     if options.picture:
-        from apd_viewer.ui.picture import check_picture, draw
-
         check_picture(options.picture)
     mesh = open_mesh(options.mesh)
-    labels = read_selection_file(options.selection, mesh).labels
-    held = constraints(labels, mesh.V, [read_transform(path) for path in options.transform])
+    selection = read_selection_file(options.selection, mesh)
+    held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
     result = deform(
         mesh.V,
         mesh.F,
@@ -183,11 +187,24 @@ def _deform(options: argparse.Namespace) -> None:
         regions=[_region(words, len(mesh.V)) for words in options.region],
         progress=_progress(options.iterations) if sys.stderr.isatty() else None,
     )
+    picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has
-        if options.picture:
-            draw(mesh, labels, result, beside.enter_context(replacing(options.picture)))
+        if picture:
+            beside.enter_context(replacing(options.picture)).write_bytes(picture)
         written = _written(beside, mesh, result, options.report, output)
     print(_summary(mesh, result, output, written))
+    if options.picture and not picture:
+        print(no_pictures())
+
+
+def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
+    """The mesh at rest as it is painted, and what has changed; None where nothing can draw."""
+    with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
+        path = Path(folder) / "picture.png"
+        readings = [" ".join(line.split()) for line in _readings(result)]
+        words = [[tr("Rest")], [SHORT_NAMES[result.method], *readings]]
+        shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
+        return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None
 
 
 def _written(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
@@ -233,17 +250,7 @@ def _summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
     state = tr("{output}: {method}, converged after {effort}")
     if not result.converged:
         state = tr("{output}: {method}, not converged after {effort}")
-    lines = [
-        state.format(output=output, method=result.method, effort=effort),
-        tr("area    {reading}").format(reading=_reading(result.area, result.area_rest)),
-    ]
-    if result.volume is not None and result.volume_rest:
-        lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
-    elif result.volume_capped is not None and result.volume_capped_rest:
-        reading = _reading(result.volume_capped, result.volume_capped_rest)
-        lines.append(
-            tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
-        )
+    lines = [state.format(output=output, method=result.method, effort=effort), *_readings(result)]
     lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
     lines.append(tr("triangles change by up to {change:.3g} %").format(change=100 * result.local_change))
@@ -262,6 +269,18 @@ def _summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
             )
         )
     return "\n".join([*lines, *result.warnings])
+
+
+def _readings(result: Result) -> list[str]:
+    lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
+    if result.volume is not None and result.volume_rest:
+        lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
+    elif result.volume_capped is not None and result.volume_capped_rest:
+        reading = _reading(result.volume_capped, result.volume_capped_rest)
+        lines.append(
+            tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
+        )
+    return lines
 
 
 def _reading(value: float, rest: float) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer import papertables
+from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.filling import filling
 from apd_viewer.files.samples import open_sample
 from apd_viewer.files.tables import write_table
@@ -15,7 +16,7 @@ from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
 from apd_viewer.session.document import opened
 from apd_viewer.session.papercurves import Held, Loss, holds, losses
-from apd_viewer.sweep_command import no_pictures
+from apd_viewer.ui.palette import label_colors
 
 if TYPE_CHECKING:
     import argparse
@@ -79,20 +80,19 @@ def _write_curves(folder: Path, progress: Progress) -> None:
 
 def _draw_shapes(table: Sequence[Row], folder: Path, progress: Progress) -> bool:
     """Draw the shapes of each table side by side, like the paper's Figs. 3 and 5; False if nothing can."""
-    from apd_viewer.figures.shapes import Picture, draw_shapes
-
     samples = list(dict.fromkeys(row.case.sample for row in table))
     for number, sample in enumerate(samples):
         progress.show(1 - 0.05 * (1 - number / len(samples)), tr("drawing"))
-        mesh, _ = open_sample(sample)
+        mesh, labels = open_sample(sample)
         own = [row for row in table if row.case.sample == sample]
-        shapes, words = [mesh.V], [[tr("rest")]]
+        shapes, words = [mesh.V], [[tr("Rest")]]
         for row in own:
             for name, result in ((tr("ARAP"), row.arap), (tr("APD"), row.paper)):
                 shapes.append(result.U)
                 words.append([f"{_amount(row)}, {name}", *_readings(result)])
         size, look = _PICTURES[sample]
-        if not draw_shapes(mesh, [Picture(folder / f"{sample}.png", shapes, words)], size, look=look):
+        picture = Picture(folder / f"{sample}.png", shapes, words, label_colors(labels))
+        if not draw_shapes(mesh, [picture], size, look=look):
             return False
     return True
 

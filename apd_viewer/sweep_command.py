@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
+from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.filling import filling
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.selection_files import read_selection_file
@@ -216,7 +217,6 @@ def _film(
 ) -> bool:
     """Draw the shapes of all methods side by side, step by step, as a film; False where nothing can draw."""
     from apd_viewer.figures.films import write_film
-    from apd_viewer.figures.shapes import Picture, draw_shapes
 
     count, methods = len(sweep.parts), sweep.methods
     pictures = []
@@ -251,11 +251,6 @@ def _words(step: Step, abscissa: str) -> list[str]:
     if step.volume_error is not None:
         lines.append(tr("volume {change} %").format(change=_signed(100 * step.volume_error)))
     return lines
-
-
-def no_pictures() -> str:
-    """Why there are no pictures of shapes, as a sentence."""
-    return tr("Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1).")
 
 
 def _signed(value: float) -> str:

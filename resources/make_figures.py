@@ -22,6 +22,7 @@ from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.methods import SHORT_NAMES
 from apd_viewer.geometry.operators import face_areas
 from apd_viewer.session.sweep import SWEPT
+from apd_viewer.ui.palette import label_colors
 
 ITERATIONS = 400
 SIZE = (2000, 1000)
@@ -46,7 +47,7 @@ def methods(folder: Path) -> None:
                 f"handle drift {result.handle_drift:.2f} cm",
             ]
         )
-    assert draw_shapes(mesh, [Picture(folder / "methods.png", shapes, words)], SIZE)
+    assert draw_shapes(mesh, [Picture(folder / "methods.png", shapes, words, label_colors(labels))], SIZE)
 
 
 def sweep(folder: Path) -> None:

@@ -31,7 +31,6 @@ DRAWS = {
     "ui/exposure.py",
     "ui/ghost.py",
     "ui/ground.py",
-    "ui/picture.py",
     "ui/rest_actor.py",
     "ui/shading.py",
     "ui/studio.py",
@@ -143,7 +142,7 @@ def test_the_rules_look_at_the_whole_program():
     assert set(CONFINED) - {"qtpy", "vtk"} <= {target.partition(".")[0] for target in targets}
     # Each room is imported by another, within functions and for type checking too.
     assert {
-        f"{PACKAGE}.ui.picture",
+        f"{PACKAGE}.ui.application",
         f"{PACKAGE}.geometry.deformation",
         f"{PACKAGE}.session.session",
     } <= targets

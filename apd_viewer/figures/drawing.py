@@ -1,4 +1,4 @@
-"""Shapes side by side, coloured by local area change: drawn in a process of its own.
+"""Shapes side by side, as they are painted or coloured by local area change: drawn in a process of its own.
 
 Where there is no OpenGL, VTK takes the process with it that asks for a picture.
 """
@@ -15,6 +15,7 @@ import numpy as np
 
 from apd_viewer.geometry.operators import face_areas
 from apd_viewer.ui.color_maps import DIVERGING
+from apd_viewer.ui.shading import headlight, shade
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,10 +52,10 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
     import pyvista as pv
 
     count, size = len(said["pictures"][0]["shapes"]), said["size"]
-    plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size)
+    plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size, lighting=None)
     plotter.set_background("white")
-    for light in (light for renderer in plotter.renderers for light in renderer.lights):
-        light.SetDiffuseColor(1.0, 1.0, 1.0)  # a warm one would tint what has not changed
+    for renderer in plotter.renderers:
+        renderer.AddLight(headlight())
     plotter.enable_anti_aliasing("ssaa")
     look, up = np.array(said["look"]), np.array(said["up"])
     fit = _fit(shapes, look, up, size[0] / count / size[1])
@@ -63,7 +64,12 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
         for column in range(count):
             plotter.subplot(0, column)
             plotter.renderer.clear_actors()
-            _panel(plotter, F, areas, shapes[number * count + column], picture["words"][column], size)
+            U, paint = shapes[number * count + column], None if column else picture["paint"]
+            if paint is not None:
+                _show(plotter, F, U, np.load(paint), rgb=True)
+            else:
+                _show_change(plotter, F, U, areas)
+            _write(plotter, picture["words"][column], size[1])
             _aim(plotter, look, up, *fit)
         plotter.subplot(0, 0)
         _legend(plotter, said["legend"])
@@ -72,30 +78,26 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
     plotter.close()
 
 
-def _panel(
-    plotter: Any, F: np.ndarray, areas: np.ndarray, U: np.ndarray, words: Sequence[str], size: Sequence[int]
-) -> None:
+def _show(plotter: Any, F: np.ndarray, U: np.ndarray, scalars: np.ndarray, **looks: Any) -> None:
     import pyvista as pv
 
     surface = pv.PolyData.from_regular_faces(U, F)
+    shade(plotter.add_mesh(surface, scalars=scalars, smooth_shading=True, show_scalar_bar=False, **looks))
+
+
+def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
-        surface.cell_data["change"] = np.nan_to_num(100 * np.log(face_areas(U, F) / areas))
-    plotter.add_mesh(
-        surface,
-        scalars="change",
-        cmap=_color_map(),
-        clim=(-_LIMIT, _LIMIT),
-        show_scalar_bar=False,
-        smooth_shading=True,
-        ambient=0.25,
-        specular=0.1,
-    )
-    letters = size[1] / _LETTERS
-    left, top = 0.03 * size[1], size[1] * (1 - 0.8 * _ABOVE)
+        change = np.nan_to_num(100 * np.log(face_areas(U, F) / areas))
+    _show(plotter, F, U, change, cmap=_color_map(), clim=(-_LIMIT, _LIMIT))
+
+
+def _write(plotter: Any, words: Sequence[str], high: int) -> None:
+    letters = high / _LETTERS
+    left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
     title, *lines = words
     plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, font="arial")
     if lines:
-        low = (left, 0.035 * size[1])
+        low = (left, 0.035 * high)
         plotter.add_text("\n".join(lines), position=low, font_size=0.66 * letters, color=_QUIET, font="arial")
 
 

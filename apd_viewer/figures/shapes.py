@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.replacing import replacing
 from apd_viewer.language import tr
 
@@ -40,11 +41,25 @@ class Picture(NamedTuple):
     shapes : sequence of (n, 3) float array, or of paths of .npy files
     words : sequence of sequence of str
         For each shape a title, and what stands below it.
+    paint : (n, 3) uint8 array or None
+        Colours of the first shape instead of what has changed: of one at rest, where nothing has.
     """
 
     path: Path
     shapes: Sequence[np.ndarray | Path]
     words: Sequence[Sequence[str]]
+    paint: np.ndarray | None = None
+
+
+def check_picture(path: Path) -> None:
+    """Raise InputError unless ``path`` names a picture."""
+    if path.suffix.lower() != ".png":
+        raise InputError(tr("{name} is no name for a picture; end it in .png.").format(name=path.name))
+
+
+def no_pictures() -> str:
+    """Why there are no pictures of shapes, as a sentence."""
+    return tr("Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1).")
 
 
 def keep_shape(U: np.ndarray, path: Path) -> None:
@@ -109,7 +124,16 @@ def _said(picture: Picture, number: int, folder: Path) -> dict[str, object]:
         if not isinstance(shape, Path):
             np.save(path, shape)
         paths.append(str(path))
-    return {"path": str(folder / f"{number}.png"), "shapes": paths, "words": picture.words}
+    paint = None
+    if picture.paint is not None:
+        paint = str(folder / f"{number}-paint.npy")
+        np.save(paint, picture.paint)
+    return {
+        "path": str(folder / f"{number}.png"),
+        "shapes": paths,
+        "words": picture.words,
+        "paint": paint,
+    }
 
 
 def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:
