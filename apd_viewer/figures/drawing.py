@@ -69,10 +69,10 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
                 _show(plotter, F, U, np.load(paint), rgb=True)
             else:
                 _show_change(plotter, F, U, areas)
-            _write(plotter, picture["words"][column], size[1])
+            _write(plotter, picture["words"][column], max(map(len, picture["words"])), size[1])
             _aim(plotter, look, up, *fit)
         plotter.subplot(0, 0)
-        _legend(plotter, said["legend"])
+        _legend(plotter, said["legend"], size[0] / count)
         plotter.screenshot(picture["path"])
         print(number, flush=True)  # noqa: T201
     plotter.close()
@@ -91,22 +91,25 @@ def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) 
     _show(plotter, F, U, change, cmap=_color_map(), clim=(-_LIMIT, _LIMIT))
 
 
-def _write(plotter: Any, words: Sequence[str], high: int) -> None:
+def _write(plotter: Any, words: Sequence[str], most: int, high: int) -> None:
+    """Write a title above, and below it as many lines as others have ``most``, or less."""
     letters = high / _LETTERS
     left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
     title, *lines = words
+    lines += [" "] * (most - len(words))  # lines begin at one height, beside each other
     plotter.add_text(title, position=(left, top), font_size=letters, color=_INK, font="arial")
     if lines:
         low = (left, 0.035 * high)
         plotter.add_text("\n".join(lines), position=low, font_size=0.66 * letters, color=_QUIET, font="arial")
 
 
-def _legend(plotter: Any, title: str) -> None:
+def _legend(plotter: Any, title: str, wide: float) -> None:
     """Say what the colours mean, below the shape at rest, where there are no readings."""
     if not title:
         return
     high = plotter.window_size[1]
     letters = 0.66 * high / _LETTERS
+    left = (0.03 * high + 1.5 * letters) / wide  # the bar is as far in as the first number needs
     plotter.add_text(
         title,
         position=(0.03 * high, 0.11 * high),
@@ -117,9 +120,9 @@ def _legend(plotter: Any, title: str) -> None:
     )
     plotter.add_scalar_bar(
         "",
-        position_x=0.08,
+        position_x=left,
         position_y=0.03,
-        width=0.8,
+        width=1.0 - 2 * left,
         height=0.075,
         n_labels=3,
         fmt="%.0f",
