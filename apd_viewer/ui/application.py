@@ -13,6 +13,9 @@ from apd_viewer.language import LANGUAGE, tr
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"
+# Qt would share every translucent line of the gizmo among threads: to wake them takes several times as long
+# as the line, and longest while the solver has the cores.
+os.environ.setdefault("QT_NO_GUI_THREADPOOL", "1")
 
 from PySide6.QtCore import (
     QCoreApplication,
