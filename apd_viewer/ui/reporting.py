@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.view import View
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.looks import Looks
+    from apd_viewer.ui.measuring import Measuring
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.notice import Notice
     from apd_viewer.ui.report import Evidence, Subject
-    from apd_viewer.ui.room import Room
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px
 _LONGEST = 24_000_000  # bytes of a session; in a page it takes a third more
@@ -56,7 +56,7 @@ class Reporting:
         Over which to ask.
     canvas : Canvas
     looks : Looks
-    room : Room
+    measuring : Measuring
     memory : Memory
     notice : Notice
 
@@ -66,10 +66,16 @@ class Reporting:
     """
 
     def __init__(
-        self, window: QWidget, canvas: Canvas, looks: Looks, room: Room, memory: Memory, notice: Notice
+        self,
+        window: QWidget,
+        canvas: Canvas,
+        looks: Looks,
+        measuring: Measuring,
+        memory: Memory,
+        notice: Notice,
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, looks
-        self._room, self._memory, self._notice = room, memory, notice
+        self._measuring, self._memory, self._notice = measuring, memory, notice
         self._session: Session | None = None
         self.pictures = Pictures(canvas, looks, notice)
         self._wish: Wish | None = None
@@ -118,7 +124,7 @@ class Reporting:
         from apd_viewer.ui.report import Subject
 
         session, state = self._session, self._session.state
-        view = self._room.in_view(self._canvas.view(session.unit.value))
+        view = self._measuring.in_view(self._canvas.view(session.unit.value))
         examining = session.examining
         subject = Subject(
             state, session.unit, view.wall, examining.found, examining.at_rest, datetime.now().astimezone()

@@ -13,8 +13,8 @@ from apd_viewer.ui.typed_card import TypedCard
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
+    from apd_viewer.ui.active_parts import ActiveParts
     from apd_viewer.ui.canvas import Canvas
-    from apd_viewer.ui.parts import Parts
     from apd_viewer.ui.selector import Act
 
 _PIXELS = "px"
@@ -27,7 +27,7 @@ class Typed:
     ----------
     canvas : Canvas
     session : Session
-    parts : Parts
+    parts : ActiveParts
     give_up : callable
         Takes back the drag that is under way; True if there was one.
 
@@ -36,7 +36,9 @@ class Typed:
     vertices, brush, pivot : TypedCard
     """
 
-    def __init__(self, canvas: Canvas, session: Session, parts: Parts, give_up: Callable[[], bool]) -> None:
+    def __init__(
+        self, canvas: Canvas, session: Session, parts: ActiveParts, give_up: Callable[[], bool]
+    ) -> None:
         self._canvas, self._session, self._parts = canvas, session, parts
         self._give_up = give_up
         self.vertices = TypedCard(

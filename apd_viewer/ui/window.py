@@ -14,26 +14,26 @@ from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.ui import dialogs, theme
 from apd_viewer.ui.actions import Actions
+from apd_viewer.ui.active_parts import ActiveParts
 from apd_viewer.ui.canvas import Canvas
 from apd_viewer.ui.comparing import Comparing
-from apd_viewer.ui.deeds import Deeds
 from apd_viewer.ui.docks import Docks
+from apd_viewer.ui.editing import Editing
 from apd_viewer.ui.filing import Filing
-from apd_viewer.ui.guide import Guide
 from apd_viewer.ui.health import Health
 from apd_viewer.ui.help import Help
 from apd_viewer.ui.history_list import HistoryList
 from apd_viewer.ui.icons import application_icon
 from apd_viewer.ui.looks import Looks
+from apd_viewer.ui.measuring import Measuring
 from apd_viewer.ui.memory import Memory
+from apd_viewer.ui.next_step import NextStep
 from apd_viewer.ui.notice import Empty, Invitation, Notice
 from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.panel import Panel
-from apd_viewer.ui.parts import Parts
 from apd_viewer.ui.plots import Plots
 from apd_viewer.ui.reporting import Reporting
-from apd_viewer.ui.room import Room
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.studies import Studies
 from apd_viewer.ui.toolbox import Tool, Way
@@ -66,12 +66,12 @@ class Window(QMainWindow):
     ----------
     docks : Docks
     session : Session
-    parts : Parts
+    parts : ActiveParts
         Both from the start on.
     """
 
     session: Session
-    parts: Parts
+    parts: ActiveParts
 
     _woken = Signal()
 
@@ -80,7 +80,7 @@ class Window(QMainWindow):
         self._memory = Memory(settings)
         self._units = Units(self._memory)
         self.filing = Filing(
-            self, self._memory, lambda unit: self.room.in_view(self.canvas.view(unit)), recovery
+            self, self._memory, lambda unit: self.measuring.in_view(self.canvas.view(unit)), recovery
         )
         self.setWindowTitle("APD Viewer")
         self.setWindowIcon(application_icon())
@@ -95,14 +95,14 @@ class Window(QMainWindow):
         self.looks = Looks(self.canvas, self._memory, (self.invitation, self.offer, self.health.list))
         self.comparing = Comparing(self.canvas, self.looks, self._memory, self.notice)
         self._make_panel()
-        self.reporting = Reporting(self, self.canvas, self.looks, self.room, self._memory, self.notice)
-        self.deeds = Deeds(self.canvas, self.panel, self.take)
+        self.reporting = Reporting(self, self.canvas, self.looks, self.measuring, self._memory, self.notice)
+        self.editing = Editing(self.canvas, self.panel, self.take)
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
         self.studies = Studies(self, self._memory, self._studied, self.notice.fail)
         self.actions_ = Actions(self, self._verbs())
         self.looks.start(self.actions_.looks)
-        self._guide = Guide(self.invitation, self.actions_.tools)
+        self._next_step = NextStep(self.invitation, self.actions_.tools)
         self.panel.name_keys(self.actions_.pose)
         self.health.badge.name_keys(self.actions_.findings)
         self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
@@ -138,11 +138,11 @@ class Window(QMainWindow):
                 told=self.notice.tell,
                 failed=self.notice.fail,
                 viewed=self._look_as,
-                examined=self.room.show,
+                examined=self.measuring.show,
             )
         )
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.parts = Parts(self.session, self)
+        self.parts = ActiveParts(self.session, self)
         self.parts.changed.connect(self._parts_changed)
         self.status.cancel_asked.connect(self.session.cancel_errand)
         self._connect_canvas()
@@ -171,7 +171,7 @@ class Window(QMainWindow):
     def _make_panel(self) -> None:
         self.panel = Panel()
         self.panel.folded = self._memory.folded
-        self.room = Room(self.panel, self.health, self._memory, self.looks.heat)
+        self.measuring = Measuring(self.panel, self.health, self._memory, self.looks.heat)
         self._history = HistoryList()
         self.docks = Docks(self)
         self.docks.add("readings", tr("Readings"), self.panel)
@@ -183,9 +183,9 @@ class Window(QMainWindow):
         )
 
     def _verbs(self) -> dict[str, Callable[..., object]]:
-        parts = self.filing, self.deeds, self.canvas, self.looks, self.studies, self.comparing, self.reporting
+        who = self.filing, self.editing, self.canvas, self.looks, self.studies, self.comparing, self.reporting
         return {
-            **{name: verb for part in parts for name, verb in part.verbs.items()},
+            **{name: verb for one in who for name, verb in one.verbs.items()},
             "quit": self.close,
             "take": self.take,
             "way": self.choose_way,
@@ -202,17 +202,17 @@ class Window(QMainWindow):
         canvas.stroke_began.connect(self._begin_stroke)
         connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
         canvas.stroke_ended.connect(self._end_stroke)
-        canvas.drag_began.connect(self._guide.moved)
+        canvas.drag_began.connect(self._next_step.moved)
         canvas.painter.size_changed.connect(self._say_brush)
 
     def _connect_panel(self) -> None:
         panel, session, parts = self.panel, self.session, self.parts
         connect_settings(panel, session)
         connect_parts(panel, session, parts)
-        self.deeds.start(session, parts)
-        self.looks.cards.stand_above(self.deeds.typed.cards)
-        self.room.start(session)
-        self._history.chosen.connect(self.deeds.verbs["travel"])
+        self.editing.start(session, parts)
+        self.looks.cards.stand_above(self.editing.typed.cards)
+        self.measuring.start(session)
+        self._history.chosen.connect(self.editing.verbs["travel"])
         panel.area.unit.chosen.connect(self._choose_unit)
 
     # The user's verbs that need a word with the user
@@ -290,7 +290,7 @@ class Window(QMainWindow):
 
     def _look_as(self, view: View) -> None:
         self.canvas.look_as(view)
-        self.room.look_as(view)
+        self.measuring.look_as(view)
         self._choose_unit(type(self.session.unit)(view.unit))
         self.filing.viewed()
         self.actions_.fill_recent(self._memory.recent)
@@ -308,7 +308,7 @@ class Window(QMainWindow):
         self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.unit = self.panel.unit = self._units.of(mesh)
-        self.room.welcome(mesh)
+        self.measuring.welcome(mesh)
         self.looks.measure_in(self.session.unit)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
@@ -343,7 +343,7 @@ class Window(QMainWindow):
         if self.help.tour.active:
             self.invitation.say("")  # the card says it
         elif state is not None:
-            self._guide.say_next(state.document, self.canvas.tool, self.parts.handle)
+            self._next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
 
     def _set_scheme(self, scheme: Qt.ColorScheme) -> None:
         self._memory.scheme = scheme

@@ -12,9 +12,9 @@ from apd_viewer.ui.touch import Touch
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
+    from apd_viewer.ui.active_parts import ActiveParts
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.panel import Panel
-    from apd_viewer.ui.parts import Parts
 
 
 def connect_settings(panel: Panel, session: Session) -> None:
@@ -35,7 +35,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
         dial.sweep_given_up.connect(session.cancel_gesture)
 
 
-def connect_parts(panel: Panel, session: Session, parts: Parts) -> None:
+def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
     """Have the session and the hand do what is asked in the lists of handles and regions."""
     panel.handles.list.chosen.connect(parts.choose_handle)
     panel.handles.list.renamed.connect(session.parts.rename_handle)
@@ -47,14 +47,18 @@ def connect_parts(panel: Panel, session: Session, parts: Parts) -> None:
     panel.regions.kept.connect(session.settings.set_region_area)
 
 
-def _set_falloff(session: Session, parts: Parts, percent: float) -> None:
+def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
     state = session.state
     if state is not None:
         session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
 
 def connect_hand(
-    canvas: Canvas, session: Session, parts: Parts, tell: Callable[[str], None], prompt: Callable[[str], None]
+    canvas: Canvas,
+    session: Session,
+    parts: ActiveParts,
+    tell: Callable[[str], None],
+    prompt: Callable[[str], None],
 ) -> None:
     """Have the session paint and move what the hand does; a drag is one gesture.
 

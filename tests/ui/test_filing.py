@@ -132,5 +132,5 @@ def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, mea
 @pytest.mark.parametrize("said", [None, "what a later version shows"])
 def test_a_session_that_says_no_overlay_that_there_is_leaves_it(bottle, said):
     bottle.looks.heat.choose(Measure.AREA)
-    bottle.room.look_as(View(overlay=said))
+    bottle.measuring.look_as(View(overlay=said))
     assert bottle.looks.heat.measure is Measure.AREA

@@ -16,7 +16,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 def card(bottle):
     bottle.take(Tool.BASE)
     bottle.actions_.select.numbers.trigger()
-    return bottle.deeds.typed.vertices
+    return bottle.editing.typed.vertices
 
 
 def base_of(window):

@@ -65,7 +65,7 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
 def test_what_is_typed_into_is_not_covered(qtbot, full):
     full.resize(1280, 720)
     full.actions_.select.numbers.trigger()
-    card, cards = full.deeds.typed.vertices, full.looks.cards
+    card, cards = full.editing.typed.vertices, full.looks.cards
     qtbot.waitUntil(lambda: card.isVisible() and not card.geometry().intersects(cards.geometry()))
     assert full.canvas.viewport.rect().contains(cards.geometry())
 

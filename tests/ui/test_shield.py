@@ -10,7 +10,7 @@ from apd_viewer.ui.toolbox import Tool, Way
 
 def number_card(window):
     window.actions_.select.numbers.trigger()
-    return window.deeds.typed.vertices
+    return window.editing.typed.vertices
 
 
 def notice(window):

@@ -20,7 +20,7 @@ def on_screen(window, point):
 
 
 def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
-    brush, typed = bottle.canvas.painter, bottle.deeds.typed.brush
+    brush, typed = bottle.canvas.painter, bottle.editing.typed.brush
     bottle.actions_.select.sizes[2].trigger()
     assert bottle.canvas.tool is Tool.HANDLE
     entered(qtbot, typed, "31 px")
@@ -35,7 +35,7 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
 
 @pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
 def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
-    brush, typed = bottle.canvas.painter, bottle.deeds.typed.brush
+    brush, typed = bottle.canvas.painter, bottle.editing.typed.brush
     before = brush.radius, brush.length
     bottle.actions_.select.sizes[2].trigger()
     entered(qtbot, typed, text)
@@ -46,7 +46,7 @@ def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
 
 
 def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
-    session, typed = bottle.session, bottle.deeds.typed.pivot
+    session, typed = bottle.session, bottle.editing.typed.pivot
     before = session.state
     bottle.actions_.pose.pivots[1].trigger()
     QTest.keyClicks(typed.text, "1, 0.5Y, -2")
@@ -65,7 +65,7 @@ def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, b
 
 @pytest.mark.parametrize("text", ["1, 2", "1, 2, 3, 4", "a, b, c"])
 def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
-    before, typed = bottle.session.state, bottle.deeds.typed.pivot
+    before, typed = bottle.session.state, bottle.editing.typed.pivot
     bottle.actions_.pose.pivots[1].trigger()
     entered(qtbot, typed, text)
     assert bottle.session.state is before
@@ -75,8 +75,8 @@ def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
 def test_one_card_at_a_time(bottle):
     bottle.actions_.pose.pivots[1].trigger()
     bottle.actions_.select.numbers.trigger()
-    assert bottle.deeds.typed.pivot.isHidden()
-    assert not bottle.deeds.typed.vertices.isHidden()
+    assert bottle.editing.typed.pivot.isHidden()
+    assert not bottle.editing.typed.vertices.isHidden()
 
 
 def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
@@ -113,7 +113,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
 
 def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
     view = bottle.canvas.viewport
-    bottle.deeds.verbs["pick_line"]()
+    bottle.editing.verbs["pick_line"]()
     at = on_screen(bottle, bottle.session.state.document.mesh.V.mean(axis=0))
     mouse(view).drag(at, at)
     QTest.keyClick(view, Qt.Key.Key_Escape)

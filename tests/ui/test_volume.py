@@ -205,7 +205,7 @@ def test_settings_that_somebody_has_broken_say_nothing_of_walls(settings):
     assert list(Memory(settings).walls.values()) == [Wall("1mm", "2")]
 
 
-def test_size_and_mass_are_folded_away_at_first(bottle):
+def test_measuring_are_folded_away_at_first(bottle):
     assert bottle.panel.folded == ["Size and mass"]
     assert bottle.panel.measures.heading.isVisible()
     assert not bottle.panel.measures.mass.isVisible()

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.panel import Panel
 
 
-class Room(QObject):
+class Measuring(QObject):
     """Keeps panel, findings and what is remembered in step with the examination of the shape.
 
     What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only

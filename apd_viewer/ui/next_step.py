@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _TWIST = tr("Drag a ring around the handle to twist, an arrow to bend")
 
 
-class Guide:
+class NextStep:
     """Chooses the sentence for the invitation.
 
     Parameters
@@ -46,14 +46,14 @@ class Guide:
     def say_next(self, document: Document, tool: Tool, handle: int) -> None:
         """Say what to do next with ``tool`` in the hand and ``handle`` active, by its number."""
         self._asked = document, tool, handle
-        self._invitation.say(self._next_step(document, tool, handle))
+        self._invitation.say(self._sentence(document, tool, handle))
 
     def _say_again(self) -> None:
         """Name the keys that a tool has now."""
         if self._asked is not None and not self._invitation.isHidden():
-            self._invitation.say(self._next_step(*self._asked))
+            self._invitation.say(self._sentence(*self._asked))
 
-    def _next_step(self, document: Document, tool: Tool, handle: int) -> str:
+    def _sentence(self, document: Document, tool: Tool, handle: int) -> str:
         if not document.counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.counts[HANDLE:].any():

@@ -15,12 +15,12 @@ from apd_viewer.ui.typed import Typed
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
+    from apd_viewer.ui.active_parts import ActiveParts
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.panel import Panel
-    from apd_viewer.ui.parts import Parts
 
 
-class Deeds:
+class Editing:
     """The verbs of a window that change what is open; before there is something they do nothing.
 
     Parameters
@@ -35,9 +35,9 @@ class Deeds:
         self._canvas = canvas
         self._panel = panel
         self._take = take
-        self._at_work: tuple[Session, Parts] | None = None
+        self._at_work: tuple[Session, ActiveParts] | None = None
 
-    def start(self, session: Session, parts: Parts) -> None:
+    def start(self, session: Session, parts: ActiveParts) -> None:
         """Begin to work."""
         self._at_work = session, parts
         handles = self._panel.handles
@@ -89,19 +89,19 @@ class Deeds:
         """Take back the drag or the sweep that is under way; True if there was one."""
         return self._canvas.viewport.cancel() or self._panel.give_up_sweep()
 
-    def _reset(self, session: Session, _: Parts) -> None:
+    def _reset(self, session: Session, _: ActiveParts) -> None:
         self.give_up()
         session.reset_handle()
 
-    def _add_handle(self, _: Session, parts: Parts) -> None:
+    def _add_handle(self, _: Session, parts: ActiveParts) -> None:
         parts.add_handle()
         self._take(Tool.HANDLE)
 
-    def _add_region(self, _: Session, parts: Parts) -> None:
+    def _add_region(self, _: Session, parts: ActiveParts) -> None:
         parts.add_region()
         self._take(Tool.REGION)
 
-    def _move_by(self, session: Session, parts: Parts, motion: str, text: str) -> None:
+    def _move_by(self, session: Session, parts: ActiveParts, motion: str, text: str) -> None:
         field = self._panel.handles.motion
         try:
             session.type_motion(motion, text, parts.handle, self._canvas.line)
@@ -110,7 +110,7 @@ class Deeds:
         else:
             field.done()
 
-    def _pick_pivot(self, session: Session, parts: Parts) -> None:
+    def _pick_pivot(self, session: Session, parts: ActiveParts) -> None:
         self._take(Tool.MOVE)
         self._canvas.picker.ask(
             1,
@@ -118,7 +118,7 @@ class Deeds:
             tr("Click the point of the mesh that the handle is to turn about; Esc calls it off"),
         )
 
-    def _pick_line(self, _: Session, __: Parts) -> None:
+    def _pick_line(self, _: Session, __: ActiveParts) -> None:
         self._take(Tool.MOVE)
         words = tr("Click two points of the mesh: the line through them is the one to bend about")
         self._canvas.picker.ask(2, self._keep_line, words)
@@ -132,12 +132,12 @@ class Deeds:
         line = self._canvas.line if self._panel.handles.motion.about_line else None
         self._canvas.picker.shown = np.empty((0, 3)) if line is None else line
 
-    def _type_brush(self, _: Session, __: Parts) -> None:
+    def _type_brush(self, _: Session, __: ActiveParts) -> None:
         if not self._canvas.tool.words.is_brush:
             self._take(Tool.HANDLE)
         self.typed.open(self.typed.brush)
 
-    def _nudge(self, session: Session, parts: Parts, step: tuple[int, int, int]) -> None:
+    def _nudge(self, session: Session, parts: ActiveParts, step: tuple[int, int, int]) -> None:
         pose = self._canvas.nudged(step)
         if pose is not None:
             session.pose_handle(pose, parts.handle, tr("Nudge handle"), repeats=True)

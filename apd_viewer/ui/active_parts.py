@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
 
 
-class Parts(QObject):
+class ActiveParts(QObject):
     """The active handle and the active region.
 
     Parameters
