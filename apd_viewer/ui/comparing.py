@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.actions import Actions
     from apd_viewer.ui.canvas import Canvas
+    from apd_viewer.ui.comparison_window import ComparisonWindow
     from apd_viewer.ui.looks import Looks
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.notice import Notice
-    from apd_viewer.ui.side_by_side import SideBySide
 
 _AT_REST = tr("All methods agree on a mesh at rest: move a handle first, then compare.")
 
@@ -37,14 +37,14 @@ class Comparing:
 
     Attributes
     ----------
-    window : SideBySide or None
+    window : ComparisonWindow or None
     """
 
     def __init__(self, canvas: Canvas, looks: Looks, memory: Memory, notice: Notice) -> None:
         self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
         self._at_work: tuple[Session, Actions] | None = None
         self._theme = LIGHT
-        self.window: SideBySide | None = None
+        self.window: ComparisonWindow | None = None
 
     @property
     def verbs(self) -> dict[str, Callable[[], None]]:
@@ -72,11 +72,11 @@ class Comparing:
         window.raise_()
         window.activateWindow()
 
-    def _made(self, actions: Actions) -> SideBySide:
-        from apd_viewer.ui.side_by_side import SideBySide
+    def _made(self, actions: Actions) -> ComparisonWindow:
+        from apd_viewer.ui.comparison_window import ComparisonWindow
 
         scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
-        window = SideBySide(self._memory, scale, self._canvas.viewport.eye)
+        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.eye)
         window.set_theme(self._theme)
         window.again_asked.connect(self._again)
         window.closed.connect(self._forget)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from apd_viewer.ui.before_after import BeforeAfter
 from apd_viewer.ui.cards import Cards
-from apd_viewer.ui.compare import Compare
-from apd_viewer.ui.cut import Cut
+from apd_viewer.ui.cutting_plane import CuttingPlane
 from apd_viewer.ui.ghost import Ghost
 from apd_viewer.ui.ground import Ground
 from apd_viewer.ui.heat_map import HeatMap
@@ -47,8 +47,8 @@ class Looks:
     cards : Cards
     legend : Legend
     heat : HeatMap
-    compare : Compare
-    cut : Cut
+    before_after : BeforeAfter
+    cut : CuttingPlane
     ghost : Ghost
     ground : Ground
     turntable : Turntable
@@ -57,8 +57,8 @@ class Looks:
     def __init__(self, canvas: Canvas, memory: Memory, below: Sequence[QWidget]) -> None:
         self._canvas, self._memory = canvas, memory
         self.cards = Cards(canvas.viewport, below)
-        self.compare, self.cut, self.legend = Compare(canvas), Cut(canvas), Legend()
-        self.cards.add(self.compare)
+        self.before_after, self.cut, self.legend = BeforeAfter(canvas), CuttingPlane(canvas), Legend()
+        self.cards.add(self.before_after)
         self.cards.add(self.cut)
         self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
@@ -75,7 +75,7 @@ class Looks:
             "worst": self.heat.next_worst,
             "ghost": partial(self._switch, self.ghost),
             "ground": partial(self._switch, self.ground),
-            "compare": self.compare.show_card,
+            "compare": self.before_after.show_card,
             "cut": self.cut.show_card,
             "turntable": partial(setattr, self.turntable, "on"),
         }
@@ -92,14 +92,14 @@ class Looks:
         name_keys(self.legend.worst, actions.worst[0])
         name_keys(self.cut.close_button, actions.switches["cut"])
         self.heat.changed.connect(self._keep)
-        self.compare.dismissed.connect(partial(actions.switches["compare"].setChecked, False))
+        self.before_after.dismissed.connect(partial(actions.switches["compare"].setChecked, False))
         self.cut.dismissed.connect(partial(actions.switches["cut"].setChecked, False))
         self.turntable.stopped.connect(partial(actions.switches["turntable"].setChecked, False))
         self._keep()
 
     def follow(self, state: State) -> None:
         """Look at another mesh."""
-        for part in (self.heat, self.ghost, self.ground, self.compare, self.cut):
+        for part in (self.heat, self.ghost, self.ground, self.before_after, self.cut):
             part.follow(state.document.mesh)
 
     def measure_in(self, unit: Unit) -> None:
@@ -109,7 +109,7 @@ class Looks:
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw what the style sheet does not reach."""
-        for part in (self.legend, self.compare, self.cut):
+        for part in (self.legend, self.before_after, self.cut):
             part.set_theme(theme)
 
     def close(self) -> None:

@@ -46,7 +46,7 @@ class Measuring(QObject):
         self._session: Session | None = None
         self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
         panel.measures.wall_typed.connect(self._type)
-        panel.volume.flag.clicked.connect(health.open_last)
+        panel.volume.crossings.clicked.connect(health.open_last)
 
     def start(self, session: Session) -> None:
         """Follow what is examined from now on."""

@@ -17,10 +17,10 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.far_run import FarRun
 from apd_viewer.ui.figure_view import FigureView
 from apd_viewer.ui.figures import signed
 from apd_viewer.ui.on_screen import resize_on_screen
+from apd_viewer.ui.run_bar import RunBar
 
 if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
@@ -60,7 +60,7 @@ class PaperDialog(QDialog):
 
     Attributes
     ----------
-    run : FarRun
+    run : RunBar
     table : QGridLayout or None
     figures : list of FigureView
     """
@@ -69,7 +69,7 @@ class PaperDialog(QDialog):
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("The paper's tables"))
-        self.run = FarRun(tr("Run"), "paper", memory)
+        self.run = RunBar(tr("Run"), "paper", memory)
         self.run.asked.connect(lambda: self.run.begin(lambda _, __: ["paper"]))
         self.run.ended.connect(self._show)
         self.table: QGridLayout | None = None

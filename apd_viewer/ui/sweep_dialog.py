@@ -22,10 +22,10 @@ from apd_viewer.geometry.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.session.saved import save_session
 from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
-from apd_viewer.ui.far_run import FarRun
 from apd_viewer.ui.fields import Check, Choice, Number
 from apd_viewer.ui.figure_view import FigureView
 from apd_viewer.ui.on_screen import resize_on_screen
+from apd_viewer.ui.run_bar import RunBar
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
@@ -50,7 +50,7 @@ class SweepDialog(QDialog):
 
     Attributes
     ----------
-    run : FarRun
+    run : RunBar
     figure : FigureView or None
     """
 
@@ -59,7 +59,7 @@ class SweepDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Sweep – {name}").format(name=state.document.mesh.name))
         self._state, self._handle, self._view = state, handle, view
-        self.run = FarRun(tr("Sweep"), f"{state.document.mesh.stem}-sweep", memory)
+        self.run = RunBar(tr("Sweep"), f"{state.document.mesh.stem}-sweep", memory)
         self.run.asked.connect(self.begin)
         self.run.busy.connect(self._show_busy)
         self.run.ended.connect(self._show)

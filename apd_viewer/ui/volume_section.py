@@ -8,9 +8,9 @@ from PySide6.QtCore import Signal
 
 from apd_viewer.language import tr
 from apd_viewer.ui import readout
+from apd_viewer.ui.crossings_button import CrossingsButton
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
-from apd_viewer.ui.flag import Flag
 from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
@@ -32,7 +32,7 @@ class VolumeSection(Section):
     kept : Signal(object)
         The volume to keep in percent, or None to leave it free.
     volume, litres : QLabel
-    flag : Flag
+    crossings : CrossingsButton
     """
 
     kept = Signal(object)
@@ -44,8 +44,8 @@ class VolumeSection(Section):
         self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Target of the volume"))
         self.why_not = quiet(tr("Why the volume cannot be kept"))
         self.litres = quiet(tr("Volume in litres, and how it was closed"))
-        self.flag = Flag()
-        for part in (self.volume, self.litres, self.flag, self.target, self.why_not):
+        self.crossings = CrossingsButton()
+        for part in (self.volume, self.litres, self.crossings, self.target, self.why_not):
             self.column.addWidget(part)
         for later in (self.target.field, self.target.slider, self.why_not):
             later.hide()  # until there is something to keep
@@ -55,7 +55,7 @@ class VolumeSection(Section):
         """Recolour what the style sheet does not reach."""
         super().set_theme(theme)
         self.target.set_theme(theme)
-        self.flag.set_theme(theme)
+        self.crossings.set_theme(theme)
 
     @property
     def change(self) -> str:
@@ -92,8 +92,8 @@ class VolumeSection(Section):
     def show_examination(self, found: Examination | None, under_way: bool) -> None:
         """Say whether the surface passes through itself, as far as that is known."""
         if found is not None:
-            self.flag.show_count(None if found.crossing is None else len(found.crossing))
+            self.crossings.show_count(None if found.crossing is None else len(found.crossing))
         elif under_way:
-            self.flag.show_checking()
+            self.crossings.show_checking()
         else:
-            self.flag.show_moving()
+            self.crossings.show_moving()

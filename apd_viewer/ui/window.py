@@ -29,10 +29,10 @@ from apd_viewer.ui.measuring import Measuring
 from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.next_step import NextStep
 from apd_viewer.ui.notice import Empty, Invitation, Notice
-from apd_viewer.ui.offer import Offer
 from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.panel import Panel
 from apd_viewer.ui.plots import Plots
+from apd_viewer.ui.recovery_bar import RecoveryBar
 from apd_viewer.ui.reporting import Reporting
 from apd_viewer.ui.statusbar import StatusBar
 from apd_viewer.ui.studies import Studies
@@ -92,7 +92,7 @@ class Window(QMainWindow):
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
         self._make_overlays()
-        self.looks = Looks(self.canvas, self._memory, (self.invitation, self.offer, self.health.list))
+        self.looks = Looks(self.canvas, self._memory, (self.invitation, self.recovery, self.health.list))
         self.comparing = Comparing(self.canvas, self.looks, self._memory, self.notice)
         self._make_panel()
         self.reporting = Reporting(self, self.canvas, self.looks, self.measuring, self._memory, self.notice)
@@ -152,7 +152,7 @@ class Window(QMainWindow):
         self.reporting.start(self.session)
         self._started = True
         self.filing.start(self.session)
-        self.offer.start()
+        self.recovery.start()
         self._status_changed()
 
     # Building
@@ -161,7 +161,7 @@ class Window(QMainWindow):
         view = self.canvas.viewport
         self.notice = Notice(view)
         self.invitation = Invitation(view)
-        self.offer = Offer(view, self.filing)
+        self.recovery = RecoveryBar(view, self.filing)
         self.health = Health(self.canvas)
         buttons = [QPushButton(tr("Open a mesh…"), objectName="primary", clicked=self.filing.ask_for_file)]
         for name, title in SAMPLES.items():
@@ -321,7 +321,7 @@ class Window(QMainWindow):
         self._show_state(session.state)
         self._empty.setVisible(session.state is None and session.errand is None)
         self.status.show_session(session)
-        self.offer.follow(session)
+        self.recovery.follow(session)
         self.help.follow(session)
 
     def _show_state(self, state: State | None) -> None:
@@ -354,7 +354,7 @@ class Window(QMainWindow):
     def _dress(self) -> None:
         colors = theme.theme_for(self._memory.scheme)
         theme.apply(colors)
-        over = self.notice, self.offer, self.health, self.help, self.looks, self.comparing, self.way_bar
+        over = self.notice, self.recovery, self.health, self.help, self.looks, self.comparing, self.way_bar
         for part in (self.actions_, self.panel, self.plots, self.canvas, self.docks, *over):
             part.set_theme(colors)
 
@@ -390,7 +390,7 @@ class Window(QMainWindow):
         self._memory.folded = self.panel.folded
         self._closed = True
         self.help.tour.end()
-        closing = self.health.close, self.offer.close_all, self.plots.end, self.looks.close
+        closing = self.health.close, self.recovery.close_all, self.plots.end, self.looks.close
         for close in (*closing, self.studies.close_all, self.comparing.close):
             close()
         if self._started:

@@ -179,7 +179,7 @@ def start(driver):
     window.start()
     driver.wait()
     driver.scene("no mesh, and work that was left")
-    window.offer.later.click()
+    window.recovery.later.click()
     window.filing.open_sample("bottle")
     driver.scene("opening")
     driver.idle()

@@ -111,7 +111,7 @@ def test_tab_goes_as_one_reads(qtbot, active):
     active.canvas.viewport.setFocus()
     way = walked(qtbot, active)
     legend = active.looks.legend
-    for part in (active.panel.widget(), legend, active.looks.cut, active.looks.compare, active.plots):
+    for part in (active.panel.widget(), legend, active.looks.cut, active.looks.before_after, active.plots):
         inside = [widget for widget in way if part.isAncestorOf(widget)]
         assert len(inside) > 1
         at = [way.index(widget) for widget in inside]

@@ -91,7 +91,7 @@ def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
     V = document(globe).mesh.V
     answer(qtbot, globe, V * [2.0, 1.0, 1.0])
     qtbot.keyClick(globe.canvas.viewport, Qt.Key.Key_A, SHIFT)
-    compare, surface = globe.looks.compare, globe.canvas.surface
+    compare, surface = globe.looks.before_after, globe.canvas.surface
     assert compare.isVisible()
     slider = compare.slider
     mouse, knob = Mouse(slider), slider._x_of(slider.value())
@@ -120,7 +120,7 @@ def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
 
 def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):
     switch(globe, "compare").trigger()
-    slider = globe.looks.compare.slider
+    slider = globe.looks.before_after.slider
     slider.setFocus()
     qtbot.keyClick(slider, Qt.Key.Key_PageDown)
     assert slider.value() < slider.maximum()
@@ -131,9 +131,9 @@ def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):
     idle(qtbot, globe)
     assert len(globe.canvas.surface.U) == len(document(globe).mesh.V)
     assert slider.value() == slider.maximum()
-    qtbot.mouseClick(globe.looks.compare.close_button, LEFT)
+    qtbot.mouseClick(globe.looks.before_after.close_button, LEFT)
     assert not switch(globe, "compare").isChecked()
-    assert not globe.looks.compare.isVisible()
+    assert not globe.looks.before_after.isVisible()
 
 
 # Sections
@@ -262,6 +262,6 @@ def test_the_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
     for other in (bottle.way_bar, bottle.invitation):
         assert not cards.intersects(other.geometry())
     assert bottle.canvas.viewport.rect().contains(cards)
-    tops = [card.geometry() for card in (bottle.looks.compare, bottle.looks.cut, bottle.looks.legend)]
+    tops = [card.geometry() for card in (bottle.looks.before_after, bottle.looks.cut, bottle.looks.legend)]
     for above, below in pairwise(tops):
         assert above.bottom() < below.top()

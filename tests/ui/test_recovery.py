@@ -66,7 +66,7 @@ def click(button):
 
 
 def restore(qtbot, window):
-    click(window.offer.restore)
+    click(window.recovery.restore)
     idle(qtbot, window)
 
 
@@ -78,7 +78,7 @@ def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, st
     drag(qtbot, bottle, ring_grip(bottle, 1), (25, 0), steps=4)
     idle(qtbot, bottle)
     assert not folder.exists()
-    assert not bottle.offer.text
+    assert not bottle.recovery.text
     window = started()
     drag(qtbot, window, ring_grip(window, 1), (25, 0), steps=4)
     idle(qtbot, window)
@@ -102,7 +102,7 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     asked, answers = [], []
     monkeypatch.setattr(dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
     window = started()
-    assert window.offer.text == "Unsaved when the program ended: my duck.obj, 3 minutes ago"
+    assert window.recovery.text == "Unsaved when the program ended: my duck.obj, 3 minutes ago"
     window.filing.open_path(tmp_path / "earlier.apd")
     idle(qtbot, window)
     assert not window.filing.worth_asking
@@ -139,15 +139,15 @@ def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder,
     leave(folder, duck, "4-1", age=31 * 86400.0)
     window = started()
     assert files(folder) == ["1-1.apd", "2-1.apd", "3-1.apd"]
-    assert window.offer.text.endswith("bottle.obj, 1 minute ago")
-    click(window.offer.discard)
-    assert window.offer.text.endswith("my duck.obj, 2 hours ago")
+    assert window.recovery.text.endswith("bottle.obj, 1 minute ago")
+    click(window.recovery.discard)
+    assert window.recovery.text.endswith("my duck.obj, 2 hours ago")
     restore(qtbot, window)
-    assert not window.offer.text
+    assert not window.recovery.text
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     window.close()
     assert files(folder) == ["3-1.apd"]
-    assert started().offer.text.endswith("my duck.obj, 3 days ago")
+    assert started().recovery.text.endswith("my duck.obj, 3 days ago")
 
 
 def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, started, folder, duck):
@@ -155,17 +155,17 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
     path.write_bytes(path.read_bytes()[:1000])
     window = started()
     before = window.session.state
-    assert "a damaged session" in window.offer.text
+    assert "a damaged session" in window.recovery.text
     restore(qtbot, window)
     assert window.notice.text.startswith("What was left of a damaged session cannot be restored: ")
     assert window.session.state is before
-    assert window.offer.restore.isVisible()
+    assert window.recovery.restore.isVisible()
     assert path.exists()
     window.close()
     assert path.exists()
     window = started()
-    click(window.offer.discard)
-    assert not window.offer.text
+    click(window.recovery.discard)
+    assert not window.recovery.text
     assert not path.exists()
 
 
@@ -173,7 +173,7 @@ def test_the_bar_does_not_take_the_keys(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
     focus = window.focusWidget()
-    click(window.offer.discard)
+    click(window.recovery.discard)
     assert window.focusWidget() is focus
 
 
@@ -184,8 +184,8 @@ def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, start
     window = started()
     window.resize(window.minimumSize())
     qtbot.wait(50)
-    assert window.canvas.viewport.rect().contains(window.offer.geometry())
-    assert not window.offer.geometry().intersects(window.invitation.geometry())
+    assert window.canvas.viewport.rect().contains(window.recovery.geometry())
+    assert not window.recovery.geometry().intersects(window.invitation.geometry())
 
 
 def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
@@ -210,14 +210,14 @@ def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, s
             qtbot.waitUntil(lambda: files(folder) != [] or program.poll() is not None, timeout=60_000)
             assert leftovers(folder) == [], "it lives"
             first = started()
-            assert not first.offer.text
+            assert not first.recovery.text
         finally:
             program.send_signal(signal.SIGKILL)
     first.close()
     window = started()
-    assert window.offer.text.endswith("bottle.obj, just now")
+    assert window.recovery.text.endswith("bottle.obj, just now")
     restore(qtbot, window)
-    assert not window.offer.text
+    assert not window.recovery.text
     assert window.session.moved
 
 

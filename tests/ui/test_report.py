@@ -88,7 +88,9 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     volume = rows["Volume"]
     assert volume["Volume"] == f"{panel.volume.change}\n{panel.volume.volume.text()}"
     assert volume[""] == panel.volume.litres.text()
-    assert (volume["Self-intersections"] == "none") == (panel.volume.flag.text() == "no self-intersections")
+    assert (volume["Self-intersections"] == "none") == (
+        panel.volume.crossings.text() == "no self-intersections"
+    )
     size, shown = rows["Size and mass"], panel.measures
     assert size["Box"] == shown.extent.text()
     assert size["Box volume"] == f"{shown.box.text()}\n{shown._box_change.text()}"

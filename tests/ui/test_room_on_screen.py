@@ -30,7 +30,7 @@ def on_canvas(window):
         "invitation": window.invitation,
         "notice": window.notice,
         "findings": window.health.list,
-        "compare": window.looks.compare,
+        "compare": window.looks.before_after,
         "cut": window.looks.cut,
         "legend": window.looks.legend,
     }
@@ -55,7 +55,7 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
         assert full.canvas.viewport.rect().contains(room), name
         for other, others in found.items():
             assert name == other or not room.intersects(others), (name, other)
-    for card in (full.looks.compare, full.looks.cut, full.looks.legend):
+    for card in (full.looks.before_after, full.looks.cut, full.looks.legend):
         assert card.height() == card.sizeHint().height(), "neither squeezed nor spread"
         for part in card.findChildren(QWidget):
             if part.isVisible() and part.parent() is card:

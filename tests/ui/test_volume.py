@@ -91,18 +91,18 @@ def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(
 
 
 def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crushed):
-    flag, health, state = crushed.panel.volume.flag, crushed.health, crushed.session.state
+    button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.state
     crossing = crossings(state.frame.U, state.document.mesh.F)
     assert len(crossing) > 20
-    assert flag.text() == f"self-intersecting: {len(crossing):,} triangles"
+    assert button.text() == f"self-intersecting: {len(crossing):,} triangles"
     assert health.badge.text() == "1 finding"
-    Mouse(flag).drag(QPointF(flag.width() / 3, flag.height() / 2))
+    Mouse(button).drag(QPointF(button.width() / 3, button.height() / 2))
     assert np.array_equal(crushed.canvas.marks.ids, np.unique(state.document.mesh.F[crossing]))
     assert health.list.isVisible()
     crushed.actions_.undo.trigger()
     known(qtbot, crushed)
-    assert flag.text() == "no self-intersections"
-    assert not flag.isEnabled()
+    assert button.text() == "no self-intersections"
+    assert not button.isEnabled()
     assert crushed.canvas.marks.ids is None
     assert health.badge.text() == "No findings"
 
@@ -110,7 +110,7 @@ def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crus
 def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
     coarse_bottle(qtbot, window)
     known(qtbot, window)
-    room, flag = window.panel.measures, window.panel.volume.flag
+    room, button = window.panel.measures, window.panel.volume.crossings
     assert room.packed.text() != "…"
     window.session.begin_gesture()
     pose = np.eye(4)
@@ -118,11 +118,11 @@ def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
     window.session.move_handle(pose)
     idle(qtbot, window)
     assert [room.extent.text(), room.box.text(), room.packed.text()] == ["…"] * 3
-    assert flag.text() == "self-intersections: not while it moves"
+    assert button.text() == "self-intersections: not while it moves"
     window.session.end_gesture("Move handle")
-    assert flag.text() == "checking for self-intersections…"
+    assert button.text() == "checking for self-intersections…"
     known(qtbot, window)
-    assert flag.text() == "no self-intersections"
+    assert button.text() == "no self-intersections"
 
 
 def filled(U, F):

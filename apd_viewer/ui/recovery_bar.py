@@ -29,7 +29,7 @@ _NARROWEST = 120  # px, of the words
 _BESIDE_WORDS = 80  # px, for the symbol and the edges, where the buttons stand below
 
 
-class Offer(QFrame):
+class RecoveryBar(QFrame):
     """Offers the leftovers one after another, the newest first, until one is restored.
 
     Parameters

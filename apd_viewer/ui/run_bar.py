@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.session.errand import Errand, Outcome
-from apd_viewer.ui.far_command import FarCommand
+from apd_viewer.ui.command_process import CommandProcess
 
 if TYPE_CHECKING:
     from apd_viewer.ui.memory import Memory
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _SCALE = 1000
 
 
-class FarRun(QWidget):
+class RunBar(QWidget):
     """Runs a command into a folder of its own, from which the results can be saved.
 
     Parameters
@@ -64,7 +64,7 @@ class FarRun(QWidget):
         self._scratch: Path | None = None
         self._errand: Errand | None = None
         self._saved: Path | None = None
-        self._command = FarCommand(self)
+        self._command = CommandProcess(self)
         self._command.progressed.connect(self._show_progress)
         self._command.ended.connect(self._end)
         self._command.failed.connect(self.fail)

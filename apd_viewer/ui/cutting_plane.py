@@ -25,7 +25,7 @@ _STEPS = 400
 _WAY = Scale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
 
 
-class Cut(QFrame):
+class CuttingPlane(QFrame):
     """A card with the axis of the plane, where it is, and which side of it is left out.
 
     Parameters

@@ -13,11 +13,13 @@ from apd_viewer.ui.icons import icon
 from apd_viewer.ui.theme import LIGHT, Theme
 
 
-class Flag(QToolButton):
+class CrossingsButton(QToolButton):
     """One line under the volume, which says nothing there."""
 
     def __init__(self) -> None:
-        super().__init__(objectName="flag", iconSize=QSize(16, 16), focusPolicy=Qt.FocusPolicy.StrongFocus)
+        super().__init__(
+            objectName="crossings", iconSize=QSize(16, 16), focusPolicy=Qt.FocusPolicy.StrongFocus
+        )
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self._theme, self._symbol = LIGHT, ""
         self.show_moving()

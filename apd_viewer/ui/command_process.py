@@ -24,7 +24,7 @@ _ERROR = "error: "
 _PATIENCE = 5000  # ms
 
 
-class FarCommand(QObject):
+class CommandProcess(QObject):
     """Runs one command at a time.
 
     Attributes

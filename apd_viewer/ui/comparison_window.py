@@ -48,7 +48,7 @@ class _Ready(NamedTuple):
     write: Callable[..., None]
 
 
-class SideBySide(QWidget):
+class ComparisonWindow(QWidget):
     """Views beside each other, a legend and a table below them.
 
     Parameters

@@ -43,7 +43,7 @@ class _Held(Slider):
         self.go_back()
 
 
-class Compare(QFrame):
+class BeforeAfter(QFrame):
     """A card with the slider.
 
     Parameters

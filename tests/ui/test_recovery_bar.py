@@ -29,13 +29,13 @@ def click(qtbot, button):
 
 def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, folder, left):
     window = started()
-    assert "duck.obj" in window.offer.text
+    assert "duck.obj" in window.recovery.text
     before = window.session.state
-    click(qtbot, window.offer.restore)
+    click(qtbot, window.recovery.restore)
     qtbot.waitUntil(lambda: window.session.state is not before, timeout=10_000)
     idle(qtbot, window)
     np.testing.assert_array_equal(window.session.state.document.labels, left.labels)
-    assert window.offer.isHidden()
+    assert window.recovery.isHidden()
     window.session.undo()
     assert window.session.state is before
     window.close()
@@ -44,29 +44,29 @@ def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, fol
 
 def test_what_is_discarded_is_gone(qtbot, started, folder, left):
     window = started()
-    click(qtbot, window.offer.discard)
-    assert window.offer.isHidden()
+    click(qtbot, window.recovery.discard)
+    assert window.recovery.isHidden()
     assert list(folder.iterdir()) == []
 
 
 def test_what_is_put_off_is_offered_again(qtbot, started, left):
     window = started()
-    click(qtbot, window.offer.later)
-    assert window.offer.isHidden()
+    click(qtbot, window.recovery.later)
+    assert window.recovery.isHidden()
     window.close()
-    assert "duck.obj" in started().offer.text
+    assert "duck.obj" in started().recovery.text
 
 
 def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
     first = started()
     first.session.type_motion("TWIST", "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
-    assert started().offer.isHidden()
+    assert started().recovery.isHidden()
 
 
 def test_a_clean_end_leaves_nothing(qtbot, started, folder):
     window = started()
-    assert window.offer.isHidden()
+    assert window.recovery.isHidden()
     window.session.type_motion("TWIST", "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     idle(qtbot, window)
