@@ -28,7 +28,7 @@ LIBRARIES = {
 # Libraries that only the named files may touch.
 DRAWS = {
     "figures/drawing.py",
-    "ui/exposure.py",
+    "ui/scene_picture.py",
     "ui/ghost.py",
     "ui/ground.py",
     "ui/rest_actor.py",

@@ -9,7 +9,7 @@ from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel
 
 from apd_viewer.language import tr
-from apd_viewer.ui.dial import Scale, Slider
+from apd_viewer.ui.dial import Slider, SliderScale
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.shield import shield
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.canvas import Canvas
 
 _WHOLE = 200
-_WAY = Scale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
+_WAY = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WHOLE, _WHOLE)
 
 
 class _Held(Slider):

@@ -17,23 +17,23 @@ from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.language import tr
 from apd_viewer.session.part import Part
 from apd_viewer.session.view import Standpoint, View
+from apd_viewer.ui.best_view import aside, facing, in_view, surroundings
+from apd_viewer.ui.click_selector import ClickSelector, Reach
 from apd_viewer.ui.coloring import Coloring
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.gizmo_drag import nice_step, translated
 from apd_viewer.ui.gizmo_geometry import SIZE
 from apd_viewer.ui.marks import Marks
-from apd_viewer.ui.outline import Kind, Outline
+from apd_viewer.ui.outline_selector import Kind, OutlineSelector
 from apd_viewer.ui.painter import Painter
 from apd_viewer.ui.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.ui.pivots import Pivot, Pivots
 from apd_viewer.ui.point_picker import PointPicker
 from apd_viewer.ui.selector import Act, Selector
-from apd_viewer.ui.sight import aside, facing, in_view, surroundings
-from apd_viewer.ui.slab import Slab
+from apd_viewer.ui.slab_selector import SlabSelector
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.toolbox import Tool, Way
-from apd_viewer.ui.touch import Reach, Touch
 from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -104,13 +104,13 @@ class Canvas(QObject):
         stage = self.viewport, self.surface
         return {
             Way.BRUSH: self.painter,
-            Way.BOX: Outline(*stage, Kind.BOX),
-            Way.LASSO: Outline(*stage, Kind.LASSO),
-            Way.POLYGON: Outline(*stage, Kind.POLYGON),
-            Way.FILL: Touch(*stage, Reach.CREASE),
-            Way.PIECE: Touch(*stage, Reach.PIECE),
-            Way.LOOP: Touch(*stage, Reach.LOOP),
-            Way.SLAB: Slab(*stage),
+            Way.BOX: OutlineSelector(*stage, Kind.BOX),
+            Way.LASSO: OutlineSelector(*stage, Kind.LASSO),
+            Way.POLYGON: OutlineSelector(*stage, Kind.POLYGON),
+            Way.FILL: ClickSelector(*stage, Reach.CREASE),
+            Way.PIECE: ClickSelector(*stage, Reach.PIECE),
+            Way.LOOP: ClickSelector(*stage, Reach.LOOP),
+            Way.SLAB: SlabSelector(*stage),
         }
 
     def _connect(self) -> None:
@@ -202,7 +202,7 @@ class Canvas(QObject):
     def select_through(self, on: bool) -> None:
         """Choose what the surface hides too, or only what is seen."""
         for selector in self.ways.values():
-            if isinstance(selector, Outline):
+            if isinstance(selector, OutlineSelector):
                 selector.through = on
 
     def _put_into_hand(self) -> None:

@@ -15,7 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.comparison import COMPARED, Comparison, Outcome
 from apd_viewer.ui import dialogs
-from apd_viewer.ui.chore import Chore
+from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.fields import Check
 from apd_viewer.ui.icons import application_icon
@@ -83,8 +83,8 @@ class ComparisonWindow(QWidget):
         self._memory, self._eye, self._theme = memory, eye, LIGHT
         self.comparison: Comparison | None = None
         self._state: State | None = None
-        self._chore = Chore(self)
-        self._chore.done.connect(self._take)
+        self._task = BackgroundTask(self)
+        self._task.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         self.room = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
         self.views = self.room.views
@@ -185,7 +185,7 @@ class ComparisonWindow(QWidget):
             warm_up()
             return _Ready(Change(mesh.V, skin.joined, skin.source), write_shades)
 
-        self._chore.begin(work)
+        self._task.begin(work)
 
     def _take(self, result: object) -> None:
         if not isinstance(result, _Ready):
@@ -309,7 +309,7 @@ class ComparisonWindow(QWidget):
         if self.comparison is not None:
             self.comparison.stop()
             self.comparison = None
-        self._chore.close()
+        self._task.close()
         self.room.close_all()
         self.closed.emit()
         super().closeEvent(event)

@@ -10,10 +10,10 @@ from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QL
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
-from apd_viewer.ui.dial import Scale, Slider
+from apd_viewer.ui.dial import Slider, SliderScale
 from apd_viewer.ui.fields import small_button
-from apd_viewer.ui.figures import short
 from apd_viewer.ui.icons import icon
+from apd_viewer.ui.number_format import short
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.canvas import Canvas
 
 _STEPS = 400
-_WAY = Scale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
+_WAY = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
 
 
 class CuttingPlane(QFrame):

@@ -19,7 +19,7 @@ _KNOB = 14
 _MAGNET = 3  # pixels around the neutral value within which the knob falls into it
 
 
-class Scale(NamedTuple):
+class SliderScale(NamedTuple):
     """How the steps of a slider stand for values.
 
     Attributes
@@ -40,9 +40,9 @@ class Scale(NamedTuple):
 
 
 # Half a percent a step, from nothing or around 100 %; and three decades above nothing at all.
-SHARE = Scale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
-PERCENT = Scale(200, lambda step: 50.0 + step / 2.0, lambda percent: 2.0 * (percent - 50.0), 100)
-DECADES = Scale(
+SHARE = SliderScale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
+PERCENT = SliderScale(200, lambda step: 50.0 + step / 2.0, lambda percent: 2.0 * (percent - 50.0), 100)
+DECADES = SliderScale(
     91,
     lambda step: float(f"{1e-4 * 10.0 ** ((step - 1) / 30.0):.2g}") if step else 0.0,
     lambda value: 1.0 + 30.0 * math.log10(value / 1e-4) if value > 0.0 else 0.0,
@@ -64,7 +64,7 @@ class Slider(QSlider):
     neutral_asked = Signal()
     given_up = Signal()
 
-    def __init__(self, scale: Scale, **properties: Any) -> None:
+    def __init__(self, scale: SliderScale, **properties: Any) -> None:
         super().__init__(Qt.Orientation.Horizontal, **properties)
         self._neutral = scale.neutral
         self._grip = 0.0
@@ -166,7 +166,7 @@ class Dial(QWidget):
     ----------
     title : QLabel or QCheckBox
         Before the field; a check box also says whether the value counts at all.
-    scale : Scale
+    scale : SliderScale
     field : Number
     name : str
         For those who cannot see the title.
@@ -186,7 +186,12 @@ class Dial(QWidget):
     sweep_given_up = Signal()
 
     def __init__(
-        self, title: QWidget, scale: Scale, field: Number, name: str, ends: tuple[str, str] | None = None
+        self,
+        title: QWidget,
+        scale: SliderScale,
+        field: Number,
+        name: str,
+        ends: tuple[str, str] | None = None,
     ) -> None:
         super().__init__()
         self._scale = scale

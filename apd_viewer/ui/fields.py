@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.ui.figures import short
+from apd_viewer.ui.number_format import short
 
 
 class Choice(QComboBox):

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
-from apd_viewer.ui.figures import short
+from apd_viewer.ui.number_format import short
 from apd_viewer.ui.rest_actor import RestActor
 from apd_viewer.ui.scales import nice
 

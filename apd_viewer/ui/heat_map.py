@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
-from apd_viewer.ui.chore import Chore
+from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.place_mark import PlaceMark
 from apd_viewer.ui.scales import Measure, Scale, nice, usual
 
@@ -85,8 +85,8 @@ class HeatMap(QObject):
         self._cursor: QPointF | None = None
         self._places: np.ndarray | None = None
         self._mark = PlaceMark(canvas.viewport, canvas.surface)
-        self._chore = Chore(self)
-        self._chore.done.connect(self._take)
+        self._task = BackgroundTask(self)
+        self._task.done.connect(self._take)
         self._reading = QTimer(self, singleShot=True, interval=_READ)
         self._reading.timeout.connect(self._read)
         self._resting = QTimer(self, singleShot=True, interval=_REST)
@@ -116,7 +116,7 @@ class HeatMap(QObject):
         """Show another measure; None shows the paint."""
         self.measure = measure
         self._forget()
-        self._chore.give_up()
+        self._task.give_up()
         self._canvas.surface.wear(None)
         self._canvas.viewport.update()
         if measure is None or self._mesh is None:
@@ -144,7 +144,7 @@ class HeatMap(QObject):
         """End what is under way."""
         self._reading.stop()
         self._resting.stop()
-        self._chore.close()
+        self._task.close()
 
     def _rescale(self, reach: float, neutral: float) -> None:
         if self.measure is not None:
@@ -184,7 +184,7 @@ class HeatMap(QObject):
             warm_up()
             return _Ready(mesh, Change(mesh.V, skin.joined, skin.source), write_shades)
 
-        self._chore.begin(work)
+        self._task.begin(work)
 
     def _refresh(self) -> None:
         """Measure the shape that is about to be drawn, if it is another one."""
@@ -197,7 +197,7 @@ class HeatMap(QObject):
         self._forget()
         self._seen = now
         if measure.waits:
-            self._chore.give_up()
+            self._task.give_up()
             self._legend.say(tr("Measured once the shape has come to rest."))
             if surface.worn is not None:
                 surface.wear(None)
@@ -213,7 +213,7 @@ class HeatMap(QObject):
         if change is None or self.measure is None:
             return
         method = getattr(change, self.measure.words.method)
-        self._chore.begin(lambda enough: _Slow(seen, method(U, enough)))
+        self._task.begin(lambda enough: _Slow(seen, method(U, enough)))
 
     def _take(self, result: object) -> None:
         """Take what the thread has found."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.language import tr
-from apd_viewer.ui.figures import figures, length, signed
+from apd_viewer.ui.number_format import length, signed, significant
 from apd_viewer.ui.readout import volumes
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Column(NamedTuple):
 def columns(state: State, unit: Unit) -> list[Column]:
     """The columns for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
-    asked = figures(state.document.area, 4).rstrip("0").rstrip(".")
+    asked = significant(state.document.area, 4).rstrip("0").rstrip(".")
     energy = tr(
         "How far the shape is from as rigid as possible: Eq. 1 of the paper for all methods alike, each edge "
         "counted twice, whatever the method itself brings down"
@@ -82,7 +82,7 @@ def columns(state: State, unit: Unit) -> list[Column]:
             _about_volume(state),
             lambda x: _known(x["volume"] / x["volume_rest"], lambda v: f"{100.0 * v:.3f}\u00a0%"),
         ),
-        Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(figures(v, 5)))),
+        Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(significant(v, 5)))),
         Column(
             tr("Handle drift"),
             tr("How far the handle is from where you put it"),

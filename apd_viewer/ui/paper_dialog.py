@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.language import tr
 from apd_viewer.ui.figure_view import FigureView
-from apd_viewer.ui.figures import signed
+from apd_viewer.ui.number_format import signed
 from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.run_bar import RunBar
 

@@ -111,12 +111,12 @@ class Pictures:
 
     def taken(self, wish: Wish) -> QImage:
         """The picture; raises InputError where it is too large to be drawn."""
-        from apd_viewer.ui.exposure import exposed, grown
+        from apd_viewer.ui.scene_picture import grown, scene_picture
 
         view = self._canvas.viewport
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
-            image = exposed(view, wish.size, wish.transparent)
+            image = scene_picture(view, wish.size, wish.transparent)
         finally:
             QGuiApplication.restoreOverrideCursor()
         scale = grown(view.size(), wish.size)

@@ -241,20 +241,20 @@ class Plots(QWidget):
 
     def _chart(self, name: str) -> Chart:
         """What a view shows, as things are now."""
-        from apd_viewer.ui import readings
+        from apd_viewer.ui import reading_charts
 
         session, state = self._session, self._state
         if name == "error":
-            return readings.area_error(state, self._trace)
+            return reading_charts.area_error(state, self._trace)
         if name == "energy":
-            return readings.energy(self._trace, Unit.NONE if session is None else session.unit)
+            return reading_charts.energy(self._trace, Unit.NONE if session is None else session.unit)
         if name == "area":
-            return readings.area_and_volume(state, self._trace)
+            return reading_charts.area_and_volume(state, self._trace)
         if state is None:
-            return readings.local_change(None, tr("Open a mesh to see here how its triangles change."))
+            return reading_charts.local_change(None, tr("Open a mesh to see here how its triangles change."))
         if not self._ready():
-            return readings.local_change(None, tr("Preparing…"))
-        return readings.local_change(self._local_change(state))
+            return reading_charts.local_change(None, tr("Preparing…"))
+        return reading_charts.local_change(self._local_change(state))
 
     def _ready(self) -> bool:
         """Whether the histogram can be found; the very first time it is compiled, which takes seconds."""

@@ -12,7 +12,7 @@ from apd_viewer.geometry.frame import MET
 from apd_viewer.geometry.room import compactness
 from apd_viewer.language import tr, trc
 from apd_viewer.session.sentences import about_caps
-from apd_viewer.ui.figures import figures, length, short, signed
+from apd_viewer.ui.number_format import length, short, signed, significant
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.examination import Examination
@@ -54,7 +54,7 @@ def area_percent(state: State) -> str:
 
 def area(state: State, unit: Unit) -> str:
     """The area, and that at rest."""
-    now, rest = figures(state.frame.area), figures(state.inspection.area)
+    now, rest = significant(state.frame.area), significant(state.inspection.area)
     return unit.area(tr("{now} of {rest}").format(now=now, rest=rest))
 
 
@@ -120,11 +120,11 @@ def volume(state: State, unit: Unit) -> Volume:
     litres, at_rest = unit.litres(now), unit.litres(rest)
     if litres is not None and at_rest is not None:
         factor, symbol = (1.0, "l") if abs(at_rest) >= _LITRE else (1e3, "ml")
-        now_, rest_ = figures(factor * litres, 4), figures(factor * at_rest, 4)
+        now_, rest_ = significant(factor * litres, 4), significant(factor * at_rest, 4)
         lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
     return Volume(
         tr("{change}, capped").format(change=said) if capped else said,
-        unit.volume(tr("{now} of {rest}").format(now=figures(now), rest=figures(rest))),
+        unit.volume(tr("{now} of {rest}").format(now=significant(now), rest=significant(rest))),
         tuple(lines),
     )
 
@@ -149,7 +149,7 @@ def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, 
     """The volume of a box around the shape, and how it has changed; None where it is not known yet."""
     if volume is None:
         return LATER, ""
-    written = NOTHING if math.isnan(volume) else unit.volume(figures(volume, 4))
+    written = NOTHING if math.isnan(volume) else unit.volume(significant(volume, 4))
     return written, "" if at_rest is None else change_of(volume, at_rest)
 
 
@@ -165,7 +165,7 @@ def weight(grams: float | None) -> str:
     if grams is None:
         return NOTHING
     size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
-    return f"{figures(grams * size, 4)}\u00a0{symbol}"
+    return f"{significant(grams * size, 4)}\u00a0{symbol}"
 
 
 def drift(state: State, unit: Unit) -> str:
@@ -197,6 +197,6 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and document.method != "paper":
             part = tr("{area}, kept").format(area=part)
-        sizes = tr("{now} of {rest}").format(now=figures(now), rest=figures(at_rest))
+        sizes = tr("{now} of {rest}").format(now=significant(now), rest=significant(at_rest))
         said.append((part, unit.area(sizes)))
     return said

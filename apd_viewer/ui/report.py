@@ -21,7 +21,7 @@ from apd_viewer.session.sentences import of_crossings
 from apd_viewer.session.units import Unit
 from apd_viewer.session.wall import Wall, mass
 from apd_viewer.ui import readout
-from apd_viewer.ui.figures import figures, short
+from apd_viewer.ui.number_format import short, significant
 
 if TYPE_CHECKING:
     from apd_viewer.files.fingerprint import Fingerprint
@@ -200,7 +200,7 @@ def _handles(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
         if handle.pivot is not None and pivot is not None:
             said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
         if handle.falloff:
-            said.append(tr("falloff {length}").format(length=unit.length(figures(handle.falloff, 4))))
+            said.append(tr("falloff {length}").format(length=unit.length(significant(handle.falloff, 4))))
         yield handle.name, readout.motion(document, k, unit, size), "; ".join(said)
     yield tr("Drift"), readout.drift(state, unit), ""
     counts = document.counts

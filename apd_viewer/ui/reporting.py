@@ -187,7 +187,7 @@ class Reporting:
 
     def _histogram(self, change: LocalChange) -> page.Drawing:
         from apd_viewer.files import page
-        from apd_viewer.ui.readings import local_change
+        from apd_viewer.ui.reading_charts import local_change
 
         chart = replace(local_change(change), title="", readings=())
         font = QFont(self._window.font())

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL, ColorMap
-from apd_viewer.ui.figures import short
+from apd_viewer.ui.number_format import short
 
 _NOTHING = 5e-5  # of the scale, what is written as zero
 

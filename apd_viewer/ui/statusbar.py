@@ -9,7 +9,7 @@ from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from apd_viewer.language import tr, trn
-from apd_viewer.ui.figures import short
+from apd_viewer.ui.number_format import short
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State

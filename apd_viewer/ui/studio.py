@@ -12,7 +12,7 @@ from PySide6.QtGui import QImage
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from apd_viewer.ui.coloring import colors_of
-from apd_viewer.ui.exposure import exposed
+from apd_viewer.ui.scene_picture import scene_picture
 from apd_viewer.ui.surface import Surface
 
 if TYPE_CHECKING:
@@ -96,4 +96,4 @@ class Studio:
             self._set.renderer.ResetCameraClippingRange(list(self._set.box()))
         for prepare in self._set.pre_draw:
             prepare()
-        return exposed(self._viewport, self.size, transparent=True, renderer=self._set.renderer)
+        return scene_picture(self._viewport, self.size, transparent=True, renderer=self._set.renderer)

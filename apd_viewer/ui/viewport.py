@@ -12,9 +12,9 @@ from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
 from apd_viewer.ui.camera import UP, Camera
+from apd_viewer.ui.mouse_dispatcher import MouseDispatcher
 from apd_viewer.ui.navigation import Navigation
 from apd_viewer.ui.overlay import Overlay
-from apd_viewer.ui.tools import Dispatcher
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -35,8 +35,8 @@ FARTHEST = 50.0
 class Viewport(QtInteractor):
     """Widget that shows a scene and hands mouse events to tools.
 
-    What a tool may have is said in :mod:`apd_viewer.ui.tools`, and how the mouse moves the camera in
-    :mod:`apd_viewer.ui.navigation`.
+    What a tool may have is said in :mod:`apd_viewer.ui.mouse_dispatcher`, and how the mouse moves the camera
+    in :mod:`apd_viewer.ui.navigation`.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Viewport(QtInteractor):
         self.ren_win.GetInteractor().EnableRenderOff()
         # They would ask everything for its bounds, to leave out what the camera does not see.
         self.renderer.GetCullers().RemoveAllItems()
-        self._dispatcher = Dispatcher(self, self.tools, Navigation(self))
+        self._dispatcher = MouseDispatcher(self, self.tools, Navigation(self))
         self._still = QTimer(self, singleShot=True, interval=STILL)
         self._still.timeout.connect(self._draw_smooth)
         self.overlay = Overlay(self, self.tools)

@@ -7,8 +7,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
+from apd_viewer.ui.click_selector import ClickSelector
 from apd_viewer.ui.toolbox import Way
-from apd_viewer.ui.touch import Touch
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
@@ -65,7 +65,7 @@ def connect_hand(
     ``tell`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
     """
     loop = canvas.ways[Way.LOOP]
-    assert isinstance(loop, Touch)
+    assert isinstance(loop, ClickSelector)
     loop.missed.connect(lambda: tell(tr("This surface is closed: it has no border to choose.")))
     canvas.picker.asks.connect(prompt)
     canvas.painted.connect(session.paint)

@@ -13,10 +13,10 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session.document import opened
 from apd_viewer.ui import dialogs
-from apd_viewer.ui.exposure import exposed, grown
 from apd_viewer.ui.picture_dialog import PictureDialog
 from apd_viewer.ui.pictures import Wish
 from apd_viewer.ui.scales import Measure
+from apd_viewer.ui.scene_picture import grown, scene_picture
 
 SIZE = QSize(400, 300)
 
@@ -58,14 +58,14 @@ def test_the_colours_are_those_of_the_screen_and_the_corners_are_empty(still):
     view = still.canvas.viewport
     screen = np.asarray(view.screenshot(return_img=True)).astype(int)
     size = QSize(screen.shape[1], screen.shape[0])
-    empty = pixels(exposed(view, size, transparent=True))
+    empty = pixels(scene_picture(view, size, transparent=True))
     assert (empty[[0, 0, -1, -1], [0, -1, 0, -1]] == 0).all()
     mesh = inner(empty[:, :, 3] == 255)
     assert mesh.mean() > 0.05
     differs = np.abs(empty[:, :, :3] - screen).max(axis=2)[mesh]
     assert np.percentile(differs, 99) <= 12, "but for edges within the shape, which are smoothed in two ways"
     assert np.median(differs) <= 1
-    seen = pixels(exposed(view, size))
+    seen = pixels(scene_picture(view, size))
     away = ~inner(empty[:, :, 3] == 0)
     assert (seen[:, :, 3] == 255).all()
     assert np.abs(seen[:, :, :3] - screen).max(axis=2)[~away].max() <= 1
@@ -75,8 +75,8 @@ def test_an_edge_is_as_bright_as_what_it_covers(still):
     """No dark fringe: over a plain ground it is the same picture as one drawn on that."""
     view = still.canvas.viewport
     view.set_theme("#40c080")
-    drawn = pixels(exposed(view, SIZE))[:, :, :3]
-    empty = exposed(view, SIZE, transparent=True)
+    drawn = pixels(scene_picture(view, SIZE))[:, :, :3]
+    empty = scene_picture(view, SIZE, transparent=True)
     ground = QImage(SIZE, QImage.Format.Format_RGBA8888)
     ground.fill(QColor("#40c080"))
     with QPainter(ground) as painter:
@@ -88,8 +88,8 @@ def test_an_edge_is_as_bright_as_what_it_covers(still):
 def test_all_that_is_seen_is_in_a_picture_of_any_size(still, size):
     view, size = still.canvas.viewport, QSize(*size)
     ratio = view.devicePixelRatioF()
-    own = box(pixels(exposed(view, view.size() * ratio, True))[:, :, 3] > 127) / ratio
-    image = exposed(view, size, transparent=True)
+    own = box(pixels(scene_picture(view, view.size() * ratio, True))[:, :, 3] > 127) / ratio
+    image = scene_picture(view, size, transparent=True)
     assert image.size() == size
     scale = grown(view.size(), size)
     middle = np.repeat([size.width() / 2, size.height() / 2], 2)
@@ -102,11 +102,11 @@ def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
     view = still.canvas.viewport
     still.looks.heat.choose(Measure.AREA)
     qtbot.waitUntil(lambda: still.looks.heat.values is not None, timeout=20_000)
-    seen = exposed(view, view.size(), transparent=True)
+    seen = scene_picture(view, view.size(), transparent=True)
     for times in (2.0, 0.5):
         size = view.size() * times
         scaled = seen.scaled(size, mode=Qt.TransformationMode.SmoothTransformation)
-        picture, same = pixels(exposed(view, size, transparent=True)), pixels(scaled)
+        picture, same = pixels(scene_picture(view, size, transparent=True)), pixels(scaled)
         inside = inner(same[:, :, 3] == 255)
         orange = inside & (same[:, :, 0] - same[:, :, 2] > 60)
         assert orange.sum() > 0.005 * inside.sum()
@@ -119,7 +119,7 @@ def test_the_screen_stays_as_it_is(still):
     still.canvas.surface.edges = True
     edged = view.screenshot(return_img=True)
     for transparent in (True, False):
-        exposed(view, QSize(321, 654), transparent)
+        scene_picture(view, QSize(321, 654), transparent)
     assert np.array_equal(view.screenshot(return_img=True), edged)
     still.canvas.surface.edges = False
     assert np.array_equal(view.screenshot(return_img=True), before)
@@ -129,9 +129,9 @@ def test_the_screen_stays_as_it_is(still):
 def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):
     view = still.canvas.viewport
     with pytest.raises(InputError, match=r"up to [\d,]+ pixels a side on this computer"):
-        exposed(view, QSize(1_000_000, 10))
+        scene_picture(view, QSize(1_000_000, 10))
     with pytest.raises(InputError, match="up to 200 million pixels"):
-        exposed(view, QSize(15_000, 15_000))
+        scene_picture(view, QSize(15_000, 15_000))
     before = view.screenshot(return_img=True)
     still.reporting.pictures.save(tmp_path / "huge.png", Wish(QSize(1_000_000, 10)))
     assert "choose a smaller one" in still.notice.text
@@ -206,7 +206,7 @@ def test_the_clipboard_has_the_view(qtbot, still):
     qtbot.waitUntil(lambda: not QGuiApplication.clipboard().image().isNull())
     image = QGuiApplication.clipboard().image()
     assert image.size() == view.size() * view.devicePixelRatioF()
-    assert np.abs(pixels(image) - pixels(exposed(view, image.size()))).max() <= 1
+    assert np.abs(pixels(image) - pixels(scene_picture(view, image.size()))).max() <= 1
     assert still.notice.text.startswith("Copied a picture of")
 
 

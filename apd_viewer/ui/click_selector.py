@@ -30,7 +30,7 @@ class Reach(Enum):
     LOOP = "loop"
 
 
-class Touch(Selector):
+class ClickSelector(Selector):
     """Tool that chooses what belongs to the place under the cursor; it is previewed before the click.
 
     Attributes

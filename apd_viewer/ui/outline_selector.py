@@ -33,7 +33,7 @@ class Kind(Enum):
     POLYGON = "polygon"
 
 
-class Outline(Selector):
+class OutlineSelector(Selector):
     """Tool that chooses the vertices within an outline: those that are seen, or all.
 
     A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a

@@ -10,7 +10,7 @@ from apd_viewer.geometry.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.ui.axis import Axis, decades, linear, power, ratios, rounded
 from apd_viewer.ui.chart import Bars, Chart, Curve, Mark
-from apd_viewer.ui.figures import figures, short, signed
+from apd_viewer.ui.number_format import short, signed, significant
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.local_change import LocalChange
@@ -66,7 +66,9 @@ def energy(trace: Trace, unit: Unit) -> Chart:
     known = E[np.isfinite(E)]
     if len(trace) < 2 or len(known) == 0:
         return Chart(title, empty=tr("Move a handle to see here what the deformation costs."))
-    last = unit.area(figures(float(E[-1]), 5)) if np.isfinite(E[-1]) else tr("known once the preview ends")
+    last = (
+        unit.area(significant(float(E[-1]), 5)) if np.isfinite(E[-1]) else tr("known once the preview ends")
+    )
     axis = rounded(0.0, float(known.max()))
     return Chart(
         title, ((last, "ink"),), _seconds(trace), axis, (Curve(trace["seconds"], E),), upright=_let_go(trace)

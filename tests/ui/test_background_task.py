@@ -10,22 +10,22 @@ from PySide6.QtCore import QObject
 
 from apd_viewer.geometry.change import Change
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.ui.chore import Chore
+from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.scales import Measure
 
 
 @pytest.fixture
-def chore(qapp):
+def task(qapp):
     parent = QObject()
-    chore = Chore(parent)
-    yield chore
-    chore.close()
+    task = BackgroundTask(parent)
+    yield task
+    task.close()
 
 
 @pytest.fixture
-def told(chore):
+def told(task):
     results = []
-    chore.done.connect(results.append)
+    task.done.connect(results.append)
     return results
 
 
@@ -41,44 +41,44 @@ def patient(started, result):
     return work
 
 
-def test_a_result_is_told_on_the_thread_of_the_window(qtbot, chore):
+def test_a_result_is_told_on_the_thread_of_the_window(qtbot, task):
     threads = []
-    chore.done.connect(lambda result: threads.append((result, threading.get_ident())))
-    chore.begin(lambda _: threading.get_ident())
-    assert chore.busy
-    qtbot.waitUntil(lambda: not chore.busy)
+    task.done.connect(lambda result: threads.append((result, threading.get_ident())))
+    task.begin(lambda _: threading.get_ident())
+    assert task.busy
+    qtbot.waitUntil(lambda: not task.busy)
     ((worked, told),) = threads
     assert told == threading.get_ident() != worked
 
 
-def test_what_is_asked_for_last_counts(qtbot, chore, told):
+def test_what_is_asked_for_last_counts(qtbot, task, told):
     started = threading.Event()
-    chore.begin(patient(started, "old"))
+    task.begin(patient(started, "old"))
     assert started.wait(5)
-    chore.begin(lambda _: "older than the next")
-    chore.begin(lambda _: "new")
-    qtbot.waitUntil(lambda: not chore.busy)
+    task.begin(lambda _: "older than the next")
+    task.begin(lambda _: "new")
+    qtbot.waitUntil(lambda: not task.busy)
     assert told == ["new"]
 
 
-def test_what_is_given_up_is_not_told(qtbot, chore, told):
+def test_what_is_given_up_is_not_told(qtbot, task, told):
     started = threading.Event()
-    chore.begin(patient(started, "old"))
+    task.begin(patient(started, "old"))
     assert started.wait(5)
-    chore.give_up()
-    assert not chore.busy
-    qtbot.waitUntil(lambda: chore._thread is None)
-    chore.begin(lambda _: "new")
-    qtbot.waitUntil(lambda: not chore.busy)
+    task.give_up()
+    assert not task.busy
+    qtbot.waitUntil(lambda: task._thread is None)
+    task.begin(lambda _: "new")
+    qtbot.waitUntil(lambda: not task.busy)
     assert told == ["new"]
 
 
-def test_a_lack_of_memory_is_told_as_one(qtbot, chore, told):
+def test_a_lack_of_memory_is_told_as_one(qtbot, task, told):
     def work(_):
         raise MemoryError
 
-    chore.begin(work)
-    qtbot.waitUntil(lambda: not chore.busy)
+    task.begin(work)
+    qtbot.waitUntil(lambda: not task.busy)
     assert told == [None]
 
 
@@ -94,7 +94,7 @@ def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeyp
     window.actions_.looks.measures[Measure.DISTANCE].trigger()
     qtbot.waitUntil(started.is_set, timeout=60_000)
     window.close()
-    assert window.looks.heat._chore._thread is None
+    assert window.looks.heat._task._thread is None
 
 
 def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):

@@ -27,7 +27,7 @@ _MOST_DRAWN = 24_000_000
 _MOST = 200_000_000
 
 
-def exposed(
+def scene_picture(
     viewport: Viewport, size: QSize, transparent: bool = False, renderer: vtkRenderer | None = None
 ) -> QImage:
     """What a viewport shows, without its tools: all of it, whatever the shape of the picture is.

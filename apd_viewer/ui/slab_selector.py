@@ -23,7 +23,7 @@ _SMALLEST = 3.0  # pixels; a shorter way of the cursor is a click
 _MARGIN = 0.06  # of the planes around the mesh, in its extent
 
 
-class Slab(Selector):
+class SlabSelector(Selector):
     """Tool that chooses the vertices between the plane where a drag begins and that where it ends.
 
     The planes are perpendicular to an axis, which the wheel changes. A drag begins on the mesh and may end

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 Work = Callable[[Callable[[], bool]], object]
 
 
-class Chore(QObject):
+class BackgroundTask(QObject):
     """Does one thing at a time, and tells the result on the thread of the window.
 
     Attributes

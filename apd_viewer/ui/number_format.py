@@ -5,14 +5,14 @@ from __future__ import annotations
 _NOTHING = 1e-7
 
 
-def figures(value: float, digits: int = 6) -> str:
+def significant(value: float, digits: int = 6) -> str:
     """The number with so many digits that count."""
     return f"{value:#.{digits}g}".rstrip(".") if value else "0"
 
 
 def length(value: float, size: float) -> str:
     """A length on a mesh of this size; what is nothing but rounding is zero."""
-    return figures(value, 4) if value > _NOTHING * size else "0"
+    return significant(value, 4) if value > _NOTHING * size else "0"
 
 
 def signed(value: float, decimals: int) -> str:

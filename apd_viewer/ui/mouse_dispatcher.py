@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.navigation import Navigation
 
 
-class Dispatcher:
+class MouseDispatcher:
     """Hands events to the tools of a viewport, and to the camera what no tool wants.
 
     Parameters
