@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.bounding_boxes import packed_volume
 from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.room import packed_volume
 
 
 class Examination(NamedTuple):

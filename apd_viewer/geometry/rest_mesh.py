@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.attached import Attached
 from apd_viewer.geometry.caps import Caps, capped_volume
 from apd_viewer.geometry.cores import cores_for
 from apd_viewer.geometry.measures import survey
@@ -17,6 +16,7 @@ from apd_viewer.geometry.mesh import Weld
 from apd_viewer.geometry.operators import face_areas, why_no_volume
 from apd_viewer.geometry.rest_shape import RestShape
 from apd_viewer.geometry.thinning import Thinning
+from apd_viewer.geometry.unreferenced import UnreferencedVertices
 from apd_viewer.language import tr
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.
@@ -100,18 +100,18 @@ class RestMesh:
             return self.survey(self.shape.V).volume_capped
 
     @cached_property
-    def _attached(self) -> Attached | None:
+    def _unreferenced(self) -> UnreferencedVertices | None:
         shape = self.shape
         used = np.zeros(len(shape.V), dtype=bool)
         used[shape.F.ravel()] = True
-        return None if used.all() else Attached(shape.V, shape.F, np.flatnonzero(~used))
+        return None if used.all() else UnreferencedVertices(shape.V, shape.F, np.flatnonzero(~used))
 
     def spread(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
         """The positions ``U`` (k, 3) of the vertices of the solve for all vertices of the file, (n, 3).
 
         A vertex without a face goes along with the surface, unless it is one of the ``held``, of the solve.
         """
-        return self.weld.spread(U if self._attached is None else self._attached.carried(U, held))
+        return self.weld.spread(U if self._unreferenced is None else self._unreferenced.carried(U, held))
 
     def survey(self, U: np.ndarray) -> Survey:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import BASE, transform
-from apd_viewer.geometry.courses import Course, Turn, course_of
 from apd_viewer.geometry.methods import METHODS
+from apd_viewer.geometry.motion_paths import ScrewPath, Turn, path_of
 from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.deforming import deformation_of
@@ -77,7 +77,7 @@ class Sweep:
     ----------
     document : Document
         Its paint, its settings, and its grip, from which the handles start.
-    courses : tuple of Course or Turn
+    paths : tuple of ScrewPath or Turn
         The way of each handle.
     parts : tuple of float
         Of the motion, one for each step.
@@ -87,7 +87,7 @@ class Sweep:
     """
 
     document: Document
-    courses: tuple[Course | Turn, ...]
+    paths: tuple[ScrewPath | Turn, ...]
     parts: tuple[float, ...]
     methods: tuple[str, ...]
     iterations: int = DEFAULT_ITERATIONS
@@ -95,19 +95,19 @@ class Sweep:
     @property
     def leading(self) -> int:
         """The first handle that moves."""
-        return next(k for k, course in enumerate(self.courses) if _moves(course))
+        return next(k for k, path in enumerate(self.paths) if _moves(path))
 
     @property
     def abscissa(self) -> str:
         """What tells the steps apart best: "degrees" of a turn, the "way" of a shift, or the "part"."""
-        course = self.courses[self.leading]
-        if sum(map(_moves, self.courses)) > 1 or course.stretched:
+        path = self.paths[self.leading]
+        if sum(map(_moves, self.paths)) > 1 or path.stretched:
             return "part"
-        if isinstance(course, Turn):
+        if isinstance(path, Turn):
             return "degrees"
-        if course.angle == 0.0:
+        if path.angle == 0.0:
             return "way"
-        return "part" if np.linalg.norm(course.along) > _NO_WAY * self._diagonal else "degrees"
+        return "part" if np.linalg.norm(path.along) > _NO_WAY * self._diagonal else "degrees"
 
     @property
     def _diagonal(self) -> float:
@@ -116,8 +116,8 @@ class Sweep:
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""
         document = self.document
-        for k, course in enumerate(self.courses):
-            document = document.moved(k, course.at(part))
+        for k, path in enumerate(self.paths):
+            document = document.moved(k, path.at(part))
         return document
 
     def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Step]:
@@ -152,14 +152,14 @@ class Sweep:
 
     def _step(self, solver: Deformation, method: str, number: int, part: float) -> Step:
         k, frame = self.leading, solver.frame()
-        course, pivot = self.courses[k], self.document.pivot(k)
+        path, pivot = self.paths[k], self.document.pivot(k)
         assert pivot is not None
-        away = transform(course.at(part), pivot[None])[0] - pivot
+        away = transform(path.at(part), pivot[None])[0] - pivot
         return Step(
             method,
             number,
             part,
-            float(np.degrees(part * course.angle)),
+            float(np.degrees(part * path.angle)),
             float(np.linalg.norm(away)),
             frame,
             solver.rest.volume,
@@ -212,13 +212,13 @@ def sweep_of(
         raise InputError(tr("Name every method once, and at least one."))
     if document.problem:
         raise InputError(document.problem)
-    courses = _twisting(document, twists) if twists else _posed(document)
-    if not any(map(_moves, courses)):
+    paths = _twisting(document, twists) if twists else _posed(document)
+    if not any(map(_moves, paths)):
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move one, or give a twist.")
         )
     parts = tuple(to * k / steps for k in range(steps + 1))
-    return Sweep(document, courses, parts, tuple(methods), iterations)
+    return Sweep(document, paths, parts, tuple(methods), iterations)
 
 
 def twist_of(text: str) -> float:
@@ -226,15 +226,15 @@ def twist_of(text: str) -> float:
     return angle(text, {})
 
 
-def _posed(document: Document) -> tuple[Course | Turn, ...]:
+def _posed(document: Document) -> tuple[ScrewPath | Turn, ...]:
     pivots = [document.pivot(k) for k in range(len(document.handles))]
     return tuple(
-        course_of(IDENTITY, np.zeros(3)) if pivot is None else course_of(handle.pose, pivot)
+        path_of(IDENTITY, np.zeros(3)) if pivot is None else path_of(handle.pose, pivot)
         for handle, pivot in zip(document.handles, pivots, strict=True)
     )
 
 
-def _twisting(document: Document, twists: Sequence[float]) -> tuple[Course | Turn, ...]:
+def _twisting(document: Document, twists: Sequence[float]) -> tuple[ScrewPath | Turn, ...]:
     if len(twists) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {twists} twists; give one for each handle.").format(
@@ -260,7 +260,7 @@ def _line(document: Document, k: int, base: np.ndarray) -> np.ndarray:
     return line
 
 
-def _moves(course: Course | Turn) -> bool:
-    if isinstance(course, Turn):
-        return course.angle != 0.0
-    return course.angle != 0.0 or course.stretched or bool(course.along.any() or course.across.any())
+def _moves(path: ScrewPath | Turn) -> bool:
+    if isinstance(path, Turn):
+        return path.angle != 0.0
+    return path.angle != 0.0 or path.stretched or bool(path.along.any() or path.across.any())

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.bounding_boxes import compactness
 from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.geometry.frame import MET
-from apd_viewer.geometry.room import compactness
 from apd_viewer.language import tr, trc
 from apd_viewer.session.sentences import about_caps
 from apd_viewer.ui.number_format import length, short, signed, significant

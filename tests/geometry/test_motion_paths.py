@@ -8,7 +8,7 @@ from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.courses import Turn, course_of
+from apd_viewer.geometry.motion_paths import Turn, path_of
 from apd_viewer.geometry.motions import composed, scaled_about, shifted, turned_about
 
 coordinates = st.floats(-10, 10)
@@ -26,27 +26,27 @@ def close(actual, expected, atol=1e-9):
 @given(rigid, points, st.floats(0.2, 5))
 def test_it_begins_with_nothing_and_ends_with_the_motion(pose, pivot, factor):
     for whole in (pose, pose @ scaled_about(pivot, factor), pose @ scaled_about(pivot, [factor, 1, 0.5])):
-        course = course_of(whole, pivot)
-        close(course.at(0.0), np.eye(4), 1e-7)
-        close(course.at(1.0), whole, 1e-8)
+        path = path_of(whole, pivot)
+        close(path.at(0.0), np.eye(4), 1e-7)
+        close(path.at(1.0), whole, 1e-8)
 
 
 @given(rigid, points, parts, parts)
 def test_rigid_parts_that_follow_each_other_are_their_sum(pose, pivot, s, t):
-    course = course_of(pose, pivot)
-    close(course.at(s) @ course.at(t), course.at(s + t), 1e-6)
+    path = path_of(pose, pivot)
+    close(path.at(s) @ path.at(t), path.at(s + t), 1e-6)
 
 
 @given(st.builds(composed, points, axes, st.floats(0.01, 3.0), points), points, parts)
 def test_a_rigid_part_is_the_exponential_of_that_part_of_the_logarithm(pose, pivot, part):
-    close(course_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
+    close(path_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
 
 
 @given(points, axes, angles.filter(lambda a: a > 1e-3), points, parts)
 def test_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
     """Not along the chord, which would come nearer to the line that is turned about."""
     close(
-        course_of(turned_about(point, axis, angle), pivot).at(part),
+        path_of(turned_about(point, axis, angle), pivot).at(part),
         turned_about(point, axis, part * angle),
         1e-6,
     )
@@ -54,12 +54,12 @@ def test_a_bend_goes_along_its_arc(point, axis, angle, pivot, part):
 
 @given(points, points, parts)
 def test_a_shift_goes_straight(way, pivot, part):
-    close(course_of(shifted(way), pivot).at(part), shifted(part * way))
+    close(path_of(shifted(way), pivot).at(part), shifted(part * way))
 
 
 @given(points, st.floats(0.1, 8), st.floats(0, 1.5))
 def test_a_stretch_grows_by_equal_factors_about_the_pivot(pivot, factor, part):
-    close(course_of(scaled_about(pivot, factor), pivot).at(part), scaled_about(pivot, factor**part), 1e-7)
+    close(path_of(scaled_about(pivot, factor), pivot).at(part), scaled_about(pivot, factor**part), 1e-7)
 
 
 @given(points, axes, st.floats(-20, 20), parts)
@@ -80,4 +80,4 @@ def test_a_turn_may_go_around_more_than_once(point, axis, angle, part):
 )
 def test_what_has_no_one_way_is_refused(pose, words):
     with pytest.raises(InputError, match=words):
-        course_of(pose, np.ones(3))
+        path_of(pose, np.ones(3))

@@ -24,7 +24,7 @@ _FLAT = 1e-9
 _STRAIGHT = 1e-9
 
 
-class Course(NamedTuple):
+class ScrewPath(NamedTuple):
     """The way of an affine motion: a stretch about a pivot, then a turn and a shift along a screw.
 
     Attributes
@@ -93,7 +93,7 @@ class Turn(NamedTuple):
         return False
 
 
-def course_of(pose: np.ndarray, pivot: npt.ArrayLike) -> Course:
+def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
     """The way to ``pose`` (4, 4) of what has its middle at ``pivot`` (3,); it turns by less than half a turn.
 
     Raises
@@ -116,7 +116,7 @@ def course_of(pose: np.ndarray, pivot: npt.ArrayLike) -> Course:
         raise InputError("The motion is half a turn, which has two ways round; give it as a twist of 180deg.")
     along = (motion.displacement @ motion.axis) * motion.axis
     across = motion.displacement - along
-    return Course(centre, motion.axis, motion.angle, along, across, sizes, right.T)
+    return ScrewPath(centre, motion.axis, motion.angle, along, across, sizes, right.T)
 
 
 def _about(point: np.ndarray, A: np.ndarray) -> np.ndarray:

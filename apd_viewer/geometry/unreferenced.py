@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 from apd_viewer.geometry.triangle_frames import triangle_frames
 
 
-class Attached:
+class UnreferencedVertices:
     """Vertices that keep their place beside a triangle, as if fastened to it.
 
     Parameters
