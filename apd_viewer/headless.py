@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
+from apd_viewer.files.atomic_file import replacing
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
-from apd_viewer.files.replacing import replacing
 from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
-from apd_viewer.files.selections import read_region, read_transform
+from apd_viewer.files.survey_formats import read_region, read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.crossings import crossings
 from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform

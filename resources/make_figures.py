@@ -16,7 +16,7 @@ import numpy as np
 from apd_viewer.__main__ import main
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.samples import open_sample, resource
-from apd_viewer.files.selections import read_transform
+from apd_viewer.files.survey_formats import read_transform
 from apd_viewer.geometry.constraints import constraints
 from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.methods import SHORT_NAMES

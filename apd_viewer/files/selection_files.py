@@ -19,13 +19,13 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.replacing import replacing
+from apd_viewer.files.atomic_file import replacing
 from apd_viewer.files.selection import Selection
 from apd_viewer.files.selection_dmat import dmat_of, read_dmat
 from apd_viewer.files.selection_json import json_of, read_json
 from apd_viewer.files.selection_npz import npz_of, read_npz
 from apd_viewer.files.selection_ply import ply_of, read_selection_ply
-from apd_viewer.files.selections import read_selection, sel_of
+from apd_viewer.files.survey_formats import read_selection, sel_of
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -14,7 +14,7 @@ from pathlib import Path, PurePath
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive
-from apd_viewer.files.fields import Fields
+from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.lock import Lock, take
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr, trn

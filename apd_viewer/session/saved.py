@@ -19,8 +19,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive, npy, write_archive
-from apd_viewer.files.fields import Fields
-from apd_viewer.files.whereabouts import copy_of, find_mesh, is_there, whereabouts
+from apd_viewer.files.json_fields import Fields
+from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened

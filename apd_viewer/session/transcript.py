@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.files.fields import Fields
+from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.selection import MOST_REGIONS
 from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.cores import cores_for

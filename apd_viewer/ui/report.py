@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.page import Attached, Block, Command, Note, Page, Part, Pictures, Table
+from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Part, Pictures, Table
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.motions import decomposed
 from apd_viewer.language import tr, trn
@@ -25,7 +25,7 @@ from apd_viewer.ui.number_format import short, significant
 
 if TYPE_CHECKING:
     from apd_viewer.files.fingerprint import Fingerprint
-    from apd_viewer.files.page import Drawing
+    from apd_viewer.files.html_page import Drawing
     from apd_viewer.geometry.examination import Examination
     from apd_viewer.geometry.local_change import LocalChange
     from apd_viewer.session.document import State

@@ -22,7 +22,7 @@ from apd_viewer.ui.scales import Measure, Scale, usual
 from apd_viewer.ui.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.files import page
+    from apd_viewer.files import html_page
     from apd_viewer.geometry.local_change import LocalChange
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
@@ -161,7 +161,7 @@ class Reporting:
         legend = self._legend(subject, measured, scale)
 
         def work() -> str:
-            from apd_viewer.files.page import write_page
+            from apd_viewer.files.html_page import write_page
             from apd_viewer.ui.report import page_of
 
             write_page(path, page_of(subject, measured.evidence, _encoded(images, legend), histogram))
@@ -185,8 +185,8 @@ class Reporting:
         span = (float(values.min()), float(values.max())) if len(values) else None
         return legend_svg(scale, subject.unit, span)
 
-    def _histogram(self, change: LocalChange) -> page.Drawing:
-        from apd_viewer.files import page
+    def _histogram(self, change: LocalChange) -> html_page.Drawing:
+        from apd_viewer.files import html_page
         from apd_viewer.ui.reading_charts import local_change
 
         chart = replace(local_change(change), title="", readings=())
@@ -205,7 +205,7 @@ class Reporting:
             return svg_of(_CHART, draw)
 
         caption = tr("Share of the surface, by how much its triangles have shrunk or grown")
-        return page.Drawing(drawn(LIGHT), drawn(DARK), caption)
+        return html_page.Drawing(drawn(LIGHT), drawn(DARK), caption)
 
 
 def _measured(state: State, view: View, scale: Scale) -> _Measured:
@@ -240,12 +240,14 @@ def _session_of(state: State, view: View) -> bytes:
         return path.read_bytes() if path.stat().st_size <= _LONGEST else b""
 
 
-def _encoded(images: list[QImage], legend: str) -> page.Pictures:
-    from apd_viewer.files import page
+def _encoded(images: list[QImage], legend: str) -> html_page.Pictures:
+    from apd_viewer.files import html_page
 
     captions = tr("Rest shape"), tr("Shape now"), tr("Local area change")
-    pictures = [page.Picture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)]
-    return page.Pictures(tuple(pictures), legend)
+    pictures = [
+        html_page.Picture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
+    ]
+    return html_page.Pictures(tuple(pictures), legend)
 
 
 def png_of(image: QImage) -> bytes:

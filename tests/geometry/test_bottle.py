@@ -6,7 +6,7 @@ from meshes import moved, rotation, sample_bottle
 from scipy.spatial import cKDTree
 
 from apd_viewer.files.samples import open_sample, resource
-from apd_viewer.files.selections import read_transform
+from apd_viewer.files.survey_formats import read_transform
 from apd_viewer.geometry.constraints import HANDLE, constraints
 from apd_viewer.geometry.deform import deform
 from apd_viewer.geometry.deformation import Deformation

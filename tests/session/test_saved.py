@@ -14,9 +14,9 @@ from meshes import box, ends, rotation, soup
 from test_session import BENT, Driven, pose
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_location import whereabouts
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.files.whereabouts import whereabouts
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.methods import METHODS

@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive, npy
-from apd_viewer.files.fields import Fields
+from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.geometry.mesh import Baked, Mesh, check_mesh, frozen

@@ -11,7 +11,7 @@ from page_parts import PageParts
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.fingerprint import fingerprint, place_of
-from apd_viewer.files.page import (
+from apd_viewer.files.html_page import (
     Attached,
     Command,
     Drawing,
