@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer import papertables
+from apd_viewer import paper_tables
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.atomic_folder import filling
 from apd_viewer.files.samples import open_sample
@@ -15,7 +15,7 @@ from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
 from apd_viewer.session.document import opened
-from apd_viewer.session.papercurves import Held, Loss, holds, losses
+from apd_viewer.session.paper_curves import Held, Loss, holds, losses
 from apd_viewer.ui.palette import label_colors
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from apd_viewer.geometry.deform import Result
-    from apd_viewer.papertables import Row
+    from apd_viewer.paper_tables import Row
 
 # Pixels, and from where to look.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
@@ -47,16 +47,16 @@ def _paper(options: argparse.Namespace) -> None:
     with ExitStack() as stack:
         folder = stack.enter_context(filling(options.output)) if options.output else None
         share = _TABLES if folder else 1.0
-        table = list(papertables.rows(lambda done, doing: progress.show(share * done, doing)))
+        table = list(paper_tables.rows(lambda done, doing: progress.show(share * done, doing)))
         if folder is not None:
-            papertables.write_csv(table, folder / "tables.csv")
-            (folder / "tables.md").write_text(papertables.tables(table) + "\n", encoding="utf-8")
+            paper_tables.write_csv(table, folder / "tables.csv")
+            (folder / "tables.md").write_text(paper_tables.tables(table) + "\n", encoding="utf-8")
             _write_curves(folder, progress)
             drawn = _draw_shapes(table, folder, progress)
         progress.end()
-    print(papertables.tables(table))
+    print(paper_tables.tables(table))
     print()
-    print(papertables.verdict(table))
+    print(paper_tables.verdict(table))
     if not drawn:
         print(no_pictures())
 
@@ -68,7 +68,7 @@ def _write_curves(folder: Path, progress: Progress) -> None:
     doing = tr("the loss against the angle")
     lost = losses(document, tick=lambda done, _: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
-    cases = [(degrees, papertables.CASES[name]) for degrees, name in said if name in papertables.CASES]
+    cases = [(degrees, paper_tables.CASES[name]) for degrees, name in said if name in paper_tables.CASES]
     draw_losses(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
     write_table(folder / "loss-against-angle.csv", Loss._fields, lost)
     where = tr("what Eq. 8 does to the handle")

@@ -13,7 +13,7 @@ PACKAGE = "apd_viewer"
 
 # What lies on the right may be imported by what lies on the left, and not the other way around.
 ROOMS = ["top", "figures", "ui", "session", "files", "geometry", "errors", "language"]
-TOP = {"__main__", "api", "headless", "paper_command", "papertables", "parser", "progress", "sweep_command"}
+TOP = {"__main__", "api", "headless", "paper_command", "paper_tables", "parser", "progress", "sweep_command"}
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
 LIBRARIES = {
     "top": set(),

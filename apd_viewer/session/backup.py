@@ -17,9 +17,9 @@ from apd_viewer.files.atomic_file import flush_to_disk
 from apd_viewer.files.lock import Lock
 from apd_viewer.language import tr
 from apd_viewer.session.document import State
+from apd_viewer.session.mailbox import Mailbox
 from apd_viewer.session.recovery import Leftover, owned, remove
 from apd_viewer.session.saved import save_session
-from apd_viewer.session.slot import Slot
 from apd_viewer.session.view import View
 
 _PATIENCE = 10.0  # s, for the disk, when the program ends
@@ -49,11 +49,11 @@ class Backup:
     def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
         self._folder = folder
         self._wake = wake
-        self._slot: Slot[tuple[int, Copy]] = Slot()
+        self._mailbox: Mailbox[tuple[int, Copy]] = Mailbox()
         self._asked = self._done = 0
         self._pace = 0.0
         self._doing = threading.Condition()
-        self._failures: Slot[str] = Slot()
+        self._failures: Mailbox[str] = Mailbox()
         self._failing = False
         self._mine: tuple[Path, Lock] | None = None
         self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
@@ -67,7 +67,7 @@ class Backup:
         """
         with self._doing:
             self._asked += 1
-            self._slot.put((self._asked, copy))
+            self._mailbox.put((self._asked, copy))
             if self._pace < patience:
                 done = self._doing.wait_for(lambda: self._done == self._asked, patience)
                 self._pace = self._pace if done else patience
@@ -78,13 +78,13 @@ class Backup:
 
     def close(self) -> None:
         """Remove the file: what is in it has been saved, or is not wanted."""
-        self._slot.close()
+        self._mailbox.close()
         self._thread.join(_PATIENCE)
 
     # The thread "backup"
 
     def _run(self) -> None:
-        while (put := self._slot.wait()) is not None:
+        while (put := self._mailbox.wait()) is not None:
             number, copy = put
             self._try(number, copy)
         if self._mine is not None:

@@ -16,7 +16,7 @@ from apd_viewer.session import wire
 from apd_viewer.session.messages import Answer, Found, Message, Order, Step
 from apd_viewer.session.processes import START, Process, started
 from apd_viewer.session.requests import Reply, Request, alike, factored_for
-from apd_viewer.session.sharing import Tray
+from apd_viewer.session.shared_memory import Tray
 
 _START = START.format(module="solver_process")
 

@@ -13,8 +13,8 @@ import numpy as np
 from apd_viewer.geometry.examination import Examination
 from apd_viewer.session import wire
 from apd_viewer.session.examining_process import NOBODY_LOOKED
+from apd_viewer.session.mailbox import Mailbox
 from apd_viewer.session.processes import START, Process, started
-from apd_viewer.session.slot import Slot
 
 _START = START.format(module="examining_process")
 # A shape that has settled is often moved again at once, and what starts has more urgent things to do.
@@ -42,8 +42,8 @@ class Examiner:
 
     def __init__(self, wake: Callable[[], object]) -> None:
         self._wake = wake
-        self._shapes: Slot[Shape] = Slot()
-        self._found: Slot[tuple[Shape, Examination]] = Slot()
+        self._shapes: Mailbox[Shape] = Mailbox()
+        self._found: Mailbox[tuple[Shape, Examination]] = Mailbox()
         self._wanted: Shape | None = None
         self._process: Process | None = None
         self._busy = False

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import State
-    from apd_viewer.session.part import Part
+    from apd_viewer.session.painted_part import Part
 
 Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 

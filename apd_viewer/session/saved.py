@@ -24,7 +24,7 @@ from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereab
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened
-from apd_viewer.session.transcript import (
+from apd_viewer.session.session_json import (
     document_of,
     document_said,
     frame_of,

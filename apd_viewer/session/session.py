@@ -22,7 +22,7 @@ from apd_viewer.session.files import Files
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.history import History
 from apd_viewer.session.named_parts import IDENTITY
-from apd_viewer.session.part import Part
+from apd_viewer.session.painted_part import Part
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of
 from apd_viewer.session.reshaping import Change, reshaped

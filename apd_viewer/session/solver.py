@@ -27,10 +27,10 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.deforming import deformation_of
 from apd_viewer.session.factoring import FarFactor
+from apd_viewer.session.mailbox import Mailbox
 from apd_viewer.session.messages import Answer, Found, Message, Order, Progress, Step
 from apd_viewer.session.requests import Account, alike, factored_for
-from apd_viewer.session.sharing import Tray
-from apd_viewer.session.slot import Slot
+from apd_viewer.session.shared_memory import Tray
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.linear_solver import Matrix
@@ -48,13 +48,13 @@ class Solver:
 
     Parameters
     ----------
-    orders : Slot of Order
+    orders : Mailbox of Order
         Where the newest order is; its end is the end of :meth:`run`.
     tell : callable
         Called with every message.
     """
 
-    def __init__(self, orders: Slot[Order], tell: Callable[[Message], None]) -> None:
+    def __init__(self, orders: Mailbox[Order], tell: Callable[[Message], None]) -> None:
         self._orders = orders
         self._tell = tell
         self._tray: Tray | None = None

@@ -16,10 +16,10 @@ from typing import BinaryIO
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session import wire
+from apd_viewer.session.mailbox import Mailbox
 from apd_viewer.session.messages import Message, Order, Progress, Step
 from apd_viewer.session.processes import leave_interrupts_to_the_owner
-from apd_viewer.session.sharing import leave_blocks_to_their_owner
-from apd_viewer.session.slot import Slot
+from apd_viewer.session.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.solver import Solver
 
 
@@ -48,7 +48,7 @@ def serve(
     at_leisure : callable
         Called when there is nothing to do: see :meth:`Solver.run`.
     """
-    orders: Slot[Order] = Slot()
+    orders: Mailbox[Order] = Mailbox()
     one_at_a_time = threading.Lock()
 
     def tell(message: Message) -> None:

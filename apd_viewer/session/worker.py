@@ -2,11 +2,11 @@
 
 The process holds whatever would keep the window from answering, and takes nothing with it when it dies:
 
-    ask ──> slot ──> thread "solver" ──> child: envelope, pipe ──> process
-    take <── slot <── thread "answers" of the child: pipe, tray <──
+    ask ──> mailbox ──> thread "solver" ──> child: envelope, pipe ──> process
+    take <── mailbox <── thread "answers" of the child: pipe, tray <──
 
-The thread "solver" alone starts processes and sends. It waits at the slot, where the newest request wins, for
-a request or for the word that the process has ended, and then sees to it that a process has the latest
+The thread "solver" alone starts processes and sends. It waits at the mailbox, where the newest request wins,
+for a request or for the word that the process has ended, and then sees to it that a process has the latest
 request. A process that ended by itself is replaced, and the new one goes on from the last shape that came;
 after a few deaths without a shape the request is given up, in a sentence. What one process has found out
 about a mesh, and would take another one long, is kept here; where there is such a thing, the mesh is a large
@@ -32,8 +32,8 @@ from apd_viewer.geometry.thinning import Thinning
 from apd_viewer.language import tr
 from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document
+from apd_viewer.session.mailbox import Mailbox
 from apd_viewer.session.requests import Reply, Request
-from apd_viewer.session.slot import Slot
 
 MOST_DEATHS = 3  # one after another, without a shape
 _CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
@@ -48,7 +48,7 @@ _NOT_STARTED = tr("The solver cannot be started ({why}); close other programs an
 
 
 class _Call(Enum):
-    """What lies in the slot when it is no request."""
+    """What lies in the mailbox when it is no request."""
 
     LOOK_AFTER_THE_CHILDREN = 1
 
@@ -59,18 +59,18 @@ class Worker:
     Parameters
     ----------
     wake : callable
-        Called on a thread of the worker when a reply lies in the empty slot; must only pass it on.
+        Called on a thread of the worker when a reply lies in the empty mailbox; must only pass it on.
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
         self._wake = wake
-        self._requests: Slot[Request | _Call] = Slot()
-        self._replies: Slot[Published] = Slot()
+        self._requests: Mailbox[Request | _Call] = Mailbox()
+        self._replies: Mailbox[Published] = Mailbox()
         self._turned_to: Request | None = None
         self._finished: tuple[Document, int] | None = None
         self._shape: tuple[int, np.ndarray] | None = None
         self._known: tuple[Mesh | None, tuple[Thinning, ...]] = None, ()
-        self._news: Slot[str] = Slot()
+        self._news: Mailbox[str] = Mailbox()
         self._deaths = 0
         self._last_death = -np.inf
         self._child: Child | None = None

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.sketch import Sketch
 from apd_viewer.language import tr
-from apd_viewer.session.part import Part
+from apd_viewer.session.painted_part import Part
 from apd_viewer.session.view import Standpoint, View
 from apd_viewer.ui.best_view import aside, facing, in_view, surroundings
 from apd_viewer.ui.click_selector import ClickSelector, Reach

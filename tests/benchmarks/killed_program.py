@@ -46,7 +46,7 @@ class Journal:
 
 def digest(document) -> str:
     """A word for all that a document says, the mesh with it."""
-    from apd_viewer.session.transcript import document_said
+    from apd_viewer.session.session_json import document_said
 
     arrays = document.mesh.V, document.mesh.F, document.labels, document.member, document.grip
     said = hashlib.sha1(json.dumps(document_said(document)).encode())

@@ -408,14 +408,14 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
         rest_shape.thinned = thinned
 
         import time
-        from apd_viewer.session.slot import Slot
-        take = Slot.wait
+        from apd_viewer.session.mailbox import Mailbox
+        take = Mailbox.wait
         def late(self):
             while not self.waiting:
                 time.sleep(0.001)
             time.sleep(0.3)  # so the first order of the second process is never looked at
             return take(self)
-        Slot.wait = late
+        Mailbox.wait = late
         """
     )
     empty.show_now(Mesh(*box(20, 20, 40)))

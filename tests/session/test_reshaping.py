@@ -15,7 +15,7 @@ from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.geometry.selecting import RINGS
 from apd_viewer.session.document import Document, opened
 from apd_viewer.session.named_parts import NamedRegion
-from apd_viewer.session.part import Part
+from apd_viewer.session.painted_part import Part
 from apd_viewer.session.reshaping import Change, reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]

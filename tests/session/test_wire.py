@@ -11,7 +11,7 @@ from meshes import box, sphere
 
 from apd_viewer.geometry.constraints import BASE
 from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.session import sharing, wire
+from apd_viewer.session import shared_memory, wire
 from apd_viewer.session.document import opened
 
 
@@ -38,7 +38,7 @@ def line(request, monkeypatch):
         def full(_):
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr(sharing, "_made", full)
+        monkeypatch.setattr(shared_memory, "_made", full)
     return Line()
 
 
@@ -118,8 +118,8 @@ def test_messages_follow_each_other_and_end():
 
 
 def test_a_tray_tells_each_side_what_the_other_has_done():
-    ours = sharing.Tray(4)
-    theirs = sharing.Tray(4, ours.name)
+    ours = shared_memory.Tray(4)
+    theirs = shared_memory.Tray(4, ours.name)
     assert theirs.free
     assert theirs.seen
     U = np.arange(12.0).reshape(4, 3)
@@ -134,22 +134,22 @@ def test_a_tray_tells_each_side_what_the_other_has_done():
     name = ours.name
     del ours, theirs
     with pytest.raises(FileNotFoundError):
-        sharing.Tray(4, name)
+        shared_memory.Tray(4, name)
 
 
 def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    if not hasattr(sharing.os, "posix_fallocate"):
+    if not hasattr(shared_memory.os, "posix_fallocate"):
         pytest.skip("there is no posix_fallocate here, whose failure this is about")
     made = []
-    real = sharing.SharedMemory
+    real = shared_memory.SharedMemory
     monkeypatch.setattr(
-        sharing, "SharedMemory", lambda *given, **how: made.append(real(*given, **how)) or made[-1]
+        shared_memory, "SharedMemory", lambda *given, **how: made.append(real(*given, **how)) or made[-1]
     )
-    monkeypatch.setattr(sharing.os, "posix_fallocate", full)
+    monkeypatch.setattr(shared_memory.os, "posix_fallocate", full)
     with pytest.raises(OSError, match="No space"):
-        sharing.Tray(4)
+        shared_memory.Tray(4)
     with pytest.raises(FileNotFoundError):
         real(name=made[0].name)

@@ -23,7 +23,7 @@ from apd_viewer.session.worker import Worker
 
 
 class Remembering(Worker):
-    """A worker that looks at every reply and keeps it, also those that are overtaken in the slot."""
+    """A worker that looks at every reply and keeps it, also those that are overtaken in the mailbox."""
 
     def __init__(self) -> None:
         self.replies: list[Reply] = []

@@ -19,7 +19,7 @@ from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session import examiner
 from apd_viewer.session.document import opened
-from apd_viewer.session.part import Part
+from apd_viewer.session.painted_part import Part
 from apd_viewer.session.saved import open_session
 from apd_viewer.session.units import Unit
 from apd_viewer.ui import dialogs

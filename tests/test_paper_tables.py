@@ -9,7 +9,7 @@ import trimesh
 from meshes import box, ends
 from PIL import Image
 
-from apd_viewer import paper_command, papertables
+from apd_viewer import paper_command, paper_tables
 from apd_viewer.__main__ import main
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh import Mesh
@@ -17,11 +17,11 @@ from apd_viewer.geometry.mesh import Mesh
 
 @pytest.fixture(scope="module")
 def table():
-    return list(papertables.rows())
+    return list(paper_tables.rows())
 
 
 def test_the_area_is_kept_where_arap_changes_it(table):
-    assert [row.name for row in table] == list(papertables.CASES)
+    assert [row.name for row in table] == list(paper_tables.CASES)
     for row in table:
         assert row.paper.converged
         assert row.arap.converged
@@ -39,9 +39,9 @@ def test_the_areas_are_those_of_the_shapes(table):
 
 
 def test_the_tables_say_what_was_measured_beside_what_the_paper_says(table):
-    text = papertables.tables(table)
+    text = paper_tables.tables(table)
     assert [line for line in text.splitlines() if line.startswith("Table")] == list(
-        papertables.TITLES.values()
+        paper_tables.TITLES.values()
     )
     cells = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if "%" in line
@@ -60,22 +60,22 @@ def test_the_tables_say_what_was_measured_beside_what_the_paper_says(table):
 
 
 def test_the_columns_of_a_table_are_of_equal_width(table):
-    for sample in papertables.TITLES:
+    for sample in paper_tables.TITLES:
         rows = [row for row in table if row.case.sample == sample]
-        assert len({len(line) for line in papertables.markdown(rows).splitlines()}) == 1
+        assert len({len(line) for line in paper_tables.markdown(rows).splitlines()}) == 1
 
 
 def test_a_row_outside_the_tolerance_does_not_pass(table):
     failed = table[0]._replace(paper=table[0].arap)
     assert not failed.passes
     assert failed.lines()[0][-1] == "fail"
-    assert papertables.verdict(table).startswith("Pass")
-    assert "twisted by 60°" in papertables.verdict([failed, *table[1:]])
-    assert papertables.verdict([failed, *table[1:]]).startswith("Fail")
+    assert paper_tables.verdict(table).startswith("Pass")
+    assert "twisted by 60°" in paper_tables.verdict([failed, *table[1:]])
+    assert paper_tables.verdict([failed, *table[1:]]).startswith("Fail")
 
 
 def test_the_csv_holds_all_digits(table, tmp_path):
-    papertables.write_csv(table, tmp_path / "tables.csv")
+    paper_tables.write_csv(table, tmp_path / "tables.csv")
     with (tmp_path / "tables.csv").open(encoding="utf-8") as stream:
         read = list(csv.DictReader(stream))
     results = [result for row in table for result in (row.arap, row.paper)]
@@ -101,9 +101,9 @@ def coarse(monkeypatch):
     base, handle = ends(V, axis=1)
     labels[base], labels[handle] = 0, 2
     name = "bottle-twist-60"
-    for module in (papertables, paper_command):
+    for module in (paper_tables, paper_command):
         monkeypatch.setattr(module, "open_sample", lambda _: (Mesh(V, F), labels))
-    monkeypatch.setattr(papertables, "CASES", {name: papertables.CASES[name]})
+    monkeypatch.setattr(paper_tables, "CASES", {name: paper_tables.CASES[name]})
 
 
 def read(path):

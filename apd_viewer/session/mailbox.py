@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 T = TypeVar("T")
 
 
-class Slot(Generic[T]):
+class Mailbox(Generic[T]):
     """Holds at most one value. Values must be complete, so that overwriting one loses nothing."""
 
     def __init__(self) -> None:
@@ -17,7 +17,7 @@ class Slot(Generic[T]):
         self._closed = False
 
     def put(self, value: T) -> bool:
-        """Leave ``value``; True if the slot was empty, so that the taker must be woken."""
+        """Leave ``value``; True if the mailbox was empty, so that the taker must be woken."""
         with self._filled:
             was_empty = self._value is None
             self._value = value
@@ -40,7 +40,7 @@ class Slot(Generic[T]):
         return value
 
     def wait(self) -> T | None:
-        """Take the value away as soon as there is one; None once the slot is closed."""
+        """Take the value away as soon as there is one; None once the mailbox is closed."""
         with self._filled:
             self._filled.wait_for(lambda: self.waiting)
             value, self._value = self._value, None

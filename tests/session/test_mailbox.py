@@ -1,0 +1,84 @@
+import threading
+import time
+
+from apd_viewer.session.mailbox import Mailbox
+
+
+def test_put_tells_whether_the_slot_was_empty():
+    mailbox = Mailbox()
+    assert [mailbox.put(1), mailbox.put(2)] == [True, False]
+    assert mailbox.take() == 2
+    assert mailbox.put(3)
+
+
+def test_the_newest_value_wins_and_is_given_once():
+    mailbox = Mailbox()
+    for value in range(1, 100):
+        mailbox.put(value)
+    assert [mailbox.take(), mailbox.take()] == [99, None]
+
+
+def test_waiting_tells_of_a_value_and_of_the_end():
+    mailbox = Mailbox()
+    assert not mailbox.waiting
+    mailbox.put("value")
+    assert mailbox.waiting
+    mailbox.take()
+    assert not mailbox.waiting
+    mailbox.close()
+    assert mailbox.waiting
+
+
+def _waiter(mailbox: Mailbox, got: list) -> threading.Thread:
+    thread = threading.Thread(target=lambda: got.append(mailbox.wait()))
+    thread.start()
+    return thread
+
+
+def test_wait_wakes_for_a_value():
+    mailbox, got = Mailbox(), []
+    thread = _waiter(mailbox, got)
+    time.sleep(0.02)
+    assert got == []
+    mailbox.put("value")
+    thread.join(5.0)
+    assert got == ["value"]
+    assert mailbox.take() is None
+
+
+def test_wait_ends_when_the_slot_is_closed():
+    mailbox, got = Mailbox(), []
+    thread = _waiter(mailbox, got)
+    time.sleep(0.02)
+    mailbox.close()
+    thread.join(5.0)
+    assert got == [None]
+
+
+def test_a_closed_slot_gives_nothing_more_to_who_waits():
+    mailbox = Mailbox()
+    mailbox.put("unread")
+    mailbox.close()
+    assert mailbox.wait() is None
+
+
+def test_one_wake_a_batch_is_enough_to_see_the_last_value():
+    """Who is woken only when put says so, and then takes, never misses the last value."""
+    mailbox, woken, seen = Mailbox(), threading.Semaphore(0), []
+
+    def taker() -> None:
+        while True:
+            woken.acquire()
+            seen.append(mailbox.take())
+            if seen[-1] == 20_000:
+                return
+
+    thread = threading.Thread(target=taker)
+    thread.start()
+    for value in range(1, 20_001):
+        if mailbox.put(value):
+            woken.release()
+    thread.join(10.0)
+    assert not thread.is_alive()
+    assert None not in seen
+    assert seen == sorted(seen)
