@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.constraints import transform
-from apd_viewer.geometry.motions import decomposed, shifted, turned_about
+from apd_viewer.geometry.motions import decomposed, linear_about, shifted, turned_about
+from apd_viewer.language import tr
 
 # Radians. Nearer to half a turn than this, rounding decides which way round it goes.
 _HALF_TURN = 1e-6
@@ -51,7 +52,7 @@ class ScrewPath(NamedTuple):
 
     def at(self, part: float) -> np.ndarray:
         """The motion (4, 4) of a ``part`` of the way: 0 is none of it, 1 all, and more goes past the end."""
-        stretch = _about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
+        stretch = linear_about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
         # The arc of the pivot. Where nothing turns it is straight, and its centre would be at infinity.
         half = self.angle / 2
         share = np.sin(part * half) / np.sin(half) if half > _STRAIGHT else part
@@ -106,21 +107,16 @@ def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
     R = left @ right
     if sizes[-1] <= _FLAT * sizes[0] or np.linalg.det(R) < 0:
         raise InputError(
-            "The motion mirrors or flattens the handle, which no way leads to; give another one."
+            tr("The motion mirrors or flattens the handle, which no way leads to; give another one.")
         )
     rigid = np.eye(4)
     rigid[:3, :3] = R
     rigid[:3, 3] = transform(pose, centre[None])[0] - R @ centre
     motion = decomposed(rigid, centre)
     if np.pi - motion.angle < _HALF_TURN:
-        raise InputError("The motion is half a turn, which has two ways round; give it as a twist of 180deg.")
+        raise InputError(
+            tr("The motion is half a turn, which has two ways round; give it as a twist of 180deg.")
+        )
     along = (motion.displacement @ motion.axis) * motion.axis
     across = motion.displacement - along
     return ScrewPath(centre, motion.axis, motion.angle, along, across, sizes, right.T)
-
-
-def _about(point: np.ndarray, A: np.ndarray) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3] = A
-    pose[:3, 3] = point - A @ point
-    return pose

@@ -13,8 +13,6 @@ import numpy.typing as npt
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-# Of the matrix of a rigid pose: far more than products of many rotations lose, far less than can be seen.
-_RIGID = 1e-9
 # Of the coordinates: the difference of two centres that are nearer is rounding, and so is its direction.
 _APART = 1e-12
 
@@ -46,7 +44,7 @@ def shifted(vector: npt.ArrayLike) -> np.ndarray:
 
 def turned_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
     """The rotation about the line through ``point`` (3,) along ``axis`` (3,) of any length but zero."""
-    return _about(point, _rotation(_direction(axis), angle))
+    return linear_about(point, _rotation(_direction(axis), angle))
 
 
 def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
@@ -54,7 +52,7 @@ def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
     each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
     if not np.isfinite(each).all() or not each.all():
         raise InputError(tr("A scale must be a finite number other than 0; give one such as 1.5."))
-    return _about(point, np.diag(each))
+    return linear_about(point, np.diag(each))
 
 
 def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarray:
@@ -75,15 +73,8 @@ def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
     return turned_about(base, axis, angle)
 
 
-def composed(
-    displacement: npt.ArrayLike, axis: npt.ArrayLike, angle: float, centre: npt.ArrayLike
-) -> np.ndarray:
-    """The rotation about ``centre`` (3,) followed by the translation: what :func:`decomposed` undoes."""
-    return shifted(displacement) @ turned_about(centre, axis, angle)
-
-
 def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
-    """The rigid ``pose`` (4, 4) as a rotation about ``centre`` (3,) and a translation.
+    """The rigid ``pose`` (4, 4) as a rotation about ``centre`` (3,), and the translation that follows it.
 
     The axis of half a turn may be either of two.
     """
@@ -96,18 +87,7 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
     return Motion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
 
 
-def is_rigid(pose: np.ndarray) -> bool:
-    """Whether the (4, 4) matrix is a rotation and a translation and nothing else."""
-    if not np.isfinite(pose).all() or not np.array_equal(pose[3], [0.0, 0.0, 0.0, 1.0]):
-        return False
-    R = pose[:3, :3]
-    # Before the product, which could overflow.
-    if np.abs(R).max() > 2.0:
-        return False
-    return bool(np.abs(R.T @ R - np.eye(3)).max() <= _RIGID and np.linalg.det(R) > 0)
-
-
-def _about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
+def linear_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
     """The pose with the linear part ``A`` (3, 3) that ``point`` (3,) stays at."""
     place = np.asarray(point, dtype=float)
     pose = np.eye(4)

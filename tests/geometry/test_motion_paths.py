@@ -9,13 +9,20 @@ from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.motion_paths import Turn, path_of
-from apd_viewer.geometry.motions import composed, scaled_about, shifted, turned_about
+from apd_viewer.geometry.motions import scaled_about, shifted, turned_about
 
 coordinates = st.floats(-10, 10)
 points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
+plain = points.map(lambda v: v.round(6))  # SciPy's logarithm divides by entries that are all but nothing
 axes = points.filter(lambda v: np.linalg.norm(v) > 0.1)
 angles = st.floats(0, 3.1)
 parts = st.floats(-0.5, 1.6)
+
+
+def composed(displacement, axis, angle, centre):
+    return shifted(displacement) @ turned_about(centre, axis, angle)
+
+
 rigid = st.builds(composed, points, axes, angles, points)
 
 
@@ -37,7 +44,7 @@ def test_rigid_parts_that_follow_each_other_are_their_sum(pose, pivot, s, t):
     close(path.at(s) @ path.at(t), path.at(s + t), 1e-6)
 
 
-@given(st.builds(composed, points, axes, st.floats(0.01, 3.0), points), points, parts)
+@given(st.builds(composed, plain, plain.filter(np.any), st.floats(0.01, 3.0), plain), points, parts)
 def test_a_rigid_part_is_the_exponential_of_that_part_of_the_logarithm(pose, pivot, part):
     close(path_of(pose, pivot).at(part), expm(part * logm(pose)).real, 1e-5)
 
