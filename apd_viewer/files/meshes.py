@@ -17,6 +17,7 @@ from apd_viewer.files.obj import read_obj
 from apd_viewer.files.off import read_off
 from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.ply import read_ply
+from apd_viewer.files.reading import in_one_line
 from apd_viewer.files.stl import read_stl
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr
@@ -26,7 +27,6 @@ WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf", ".3mf")
 _NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF or 3MF")
 _ROUNDING = 1e-4  # of what is written, relative to its size: beyond that it is another shape
-_LONGEST = 160  # characters of what an error says
 _LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 
@@ -66,7 +66,7 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
     except ValueError as error:
         raise InputError(
             tr("{name} is not a readable {kind} file ({reason}); export it again.").format(
-                name=path.name, kind=path.suffix[1:].upper(), reason=_in_one_line(error)
+                name=path.name, kind=path.suffix[1:].upper(), reason=in_one_line(error)
             )
         ) from error
     try:
@@ -104,12 +104,6 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
         )
     if path.stat().st_size == 0:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))
-
-
-def _in_one_line(error: Exception) -> str:
-    """What an error says, without what a broken file may have put into it."""
-    said = "".join(sign if sign.isprintable() else " " for sign in str(error))
-    return said if len(said) <= _LONGEST else said[:_LONGEST] + "…"
 
 
 def _read(path: Path) -> bytes:
@@ -240,7 +234,7 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
             raise InputError(
                 tr(
                     "{name} has normals that are not understood ({reason}); choose another format to write."
-                ).format(name=mesh.name, reason=_in_one_line(error))
+                ).format(name=mesh.name, reason=in_one_line(error))
             ) from error
     if kind not in WRITTEN:
         raise InputError(

@@ -20,6 +20,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.reading import content_of, in_one_line
 from apd_viewer.files.selection import Selection
 from apd_viewer.files.selection_dmat import dmat_of, read_dmat
 from apd_viewer.files.selection_json import json_of, read_json
@@ -43,7 +44,6 @@ _WRITERS: dict[str, Callable[[Mesh, Selection], bytes]] = {
     ".dmat": lambda _, selection: dmat_of(selection.labels),
 }
 SELECTION_FORMATS = tuple(_WRITERS)
-_LONGEST = 160  # characters of what an error says
 
 
 def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
@@ -62,11 +62,11 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     read = _READERS.get(path.suffix.lower())
     if read is None:
         return Selection.of(read_selection(path, len(mesh.V)))
-    content = _content(path)
+    content = content_of(path)
     try:
         return read(content, mesh)
     except InputError as error:
-        raise InputError(f"{path.name}: {_in_one_line(error)}") from error
+        raise InputError(f"{path.name}: {in_one_line(error)}") from error
     except MemoryError as error:
         raise InputError(
             tr("{name} is too large for the memory; choose another file.").format(name=path.name)
@@ -74,7 +74,7 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
     except ValueError as error:
         raise InputError(
             tr("{name} is not a readable selection ({reason}); choose another file.").format(
-                name=path.name, reason=_in_one_line(error)
+                name=path.name, reason=in_one_line(error)
             )
         ) from error
 
@@ -152,26 +152,3 @@ def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
 def _lost(names: tuple[str, ...], there: tuple[str, ...]) -> tuple[bool, bool]:
     """Whether there are other names ``there``, and fewer of them."""
     return names[: len(there)] != there, len(there) < len(names)
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
-    except OSError as error:
-        raise InputError(
-            tr("{path} cannot be read ({reason}); check the file.").format(
-                path=path, reason=error.strerror or error
-            )
-        ) from error
-    except MemoryError as error:
-        raise InputError(
-            tr("{name} is too large for the memory; choose another file.").format(name=path.name)
-        ) from error
-
-
-def _in_one_line(error: Exception) -> str:
-    """What an error says, without what a broken file may have put into it."""
-    said = "".join(sign if sign.isprintable() else " " for sign in str(error))
-    return said if len(said) <= _LONGEST else said[:_LONGEST] + "…"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.reading import content_of
 from apd_viewer.geometry.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.mesh import frozen
 from apd_viewer.language import tr
@@ -98,17 +99,10 @@ def _one_a_vertex(path: Path, n: int, otherwise: str) -> np.ndarray:
 
 
 def _numbers(path: Path, otherwise: str) -> np.ndarray:
+    content = content_of(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = content.decode().splitlines()
         words = [word for line in lines for word in line.partition("#")[0].split()]
         return np.array([float(word) for word in words])
-    except FileNotFoundError as error:
-        raise InputError(tr("There is no file {path}; check the name.").format(path=path)) from error
-    except OSError as error:
-        raise InputError(
-            tr("{path} cannot be read ({reason}); check the file.").format(
-                path=path, reason=error.strerror or error
-            )
-        ) from error
     except ValueError as error:
         raise InputError(otherwise.format(name=path.name)) from error
