@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from apd_viewer.geometry.union_find import join, root
+
 # Faces at one edge that are compared with each other.
 _MOST_AT_AN_EDGE = 64
 
@@ -111,56 +113,41 @@ def _joined(
             for j in range(max(begin, i - _MOST_AT_AN_EDGE), i):
                 t, d = order[j] // 3, order[j] % 3
                 same_way = F[s, c] == F[t, d]
-                _join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
-                _join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
+                join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
+                join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
                 if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
                     doubled[max(s, t)] = True
                 elif end - begin == 2:
                     one_sided |= not _agree(face, side, s, t, same_way)
         begin = end
     for k in range(3 * m):
-        corner[k] = _stands(corner, k)
+        corner[k] = root(corner, k)
     for k in range(m):
-        root, turned = _root(face, side, k)
-        face[k], side[k] = root, turned
+        face[k], side[k] = _root_and_side(face, side, k)
     return uses, corner, face, side, doubled, one_sided
 
 
 @njit(cache=True, nogil=True)
-def _stands(parent: np.ndarray, k: int) -> int:
-    while parent[k] != k:
-        parent[k] = parent[parent[k]]
-        k = parent[k]
-    return k
-
-
-@njit(cache=True, nogil=True)
-def _join(parent: np.ndarray, a: int, b: int) -> None:
-    a, b = _stands(parent, a), _stands(parent, b)
-    parent[max(a, b)] = min(a, b)
-
-
-@njit(cache=True, nogil=True)
-def _root(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, int]:
+def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, int]:
     """Who stands for ``k``, and whether ``k`` looks the other way than it; the way there is shortened."""
-    root, turned = k, 0
-    while parent[root] != root:
-        turned ^= side[root]
-        root = parent[root]
+    first, turned = k, 0
+    while parent[first] != first:
+        turned ^= side[first]
+        first = parent[first]
     rest = turned
-    while parent[k] != root and k != root:
+    while parent[k] != first and k != first:
         above, own = parent[k], side[k]
-        parent[k], side[k] = root, rest
+        parent[k], side[k] = first, rest
         rest ^= own
         k = above
-    return root, turned
+    return first, turned
 
 
 @njit(cache=True, nogil=True)
 def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
     """Note that two triangles look alike unless they run alike along their edge; False if they cannot."""
-    a, turned_a = _root(parent, side, s)
-    b, turned_b = _root(parent, side, t)
+    a, turned_a = _root_and_side(parent, side, s)
+    b, turned_b = _root_and_side(parent, side, t)
     differ = turned_a ^ turned_b
     if a == b:
         return (differ == 1) == same_way

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from apd_viewer.geometry.union_find import join
+
 
 @njit(cache=True, nogil=True)
 def pieces(F: np.ndarray, n: int) -> np.ndarray:
@@ -25,8 +27,7 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
     parent = np.arange(n)
     for t in range(F.shape[0]):
         for c in range(2):
-            a, b = _root(parent, F[t, c]), _root(parent, F[t, c + 1])
-            parent[max(a, b)] = min(a, b)
+            join(parent, F[t, c], F[t, c + 1])
     number, count = np.empty(n, dtype=np.int64), 0
     for v in range(n):
         if parent[v] == v:
@@ -35,12 +36,3 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
         else:  # towards a lower vertex, whose number is known
             number[v] = number[parent[v]]
     return number
-
-
-@njit(cache=True, nogil=True)
-def _root(parent: np.ndarray, v: int) -> int:
-    """The lowest known vertex of the piece of ``v``; the way to it is shortened."""
-    while parent[v] != v:
-        parent[v] = parent[parent[v]]
-        v = parent[v]
-    return v
