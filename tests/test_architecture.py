@@ -1,6 +1,7 @@
 """The rooms import in one direction and without circles; only the window's room knows Qt and VTK."""
 
 import ast
+import re
 import subprocess
 import sys
 import textwrap
@@ -146,6 +147,14 @@ def test_the_rules_look_at_the_whole_program():
         f"{PACKAGE}.geometry.deformation",
         f"{PACKAGE}.session.session",
     } <= targets
+
+
+def test_the_readme_names_modules_that_there_are():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    said = text.partition("## The rooms")[2].partition("\n## ")[0]
+    names = re.findall(r"`([a-z_]*\*?[a-z_]+)`", said)
+    assert len(names) > 50
+    assert [name for name in names if not any((ROOT / PACKAGE).glob(f"*/{name}.py"))] == []
 
 
 GOOD = {
