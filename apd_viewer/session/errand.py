@@ -33,6 +33,8 @@ class Errand:
     done : callable
         What the owner does with the value, on the owner's thread. Not called from here.
     deliver : callable
+    can_be_cancelled : bool
+        Whether the owner may forget it: what writes is to be whole.
     """
 
     def __init__(

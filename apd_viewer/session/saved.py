@@ -55,7 +55,8 @@ def save_session(
     embed : bool
         Whether to put a copy of the mesh into it. There is one in any case where no file holds the mesh.
     at_once : bool
-        Whether it is wanted in a moment, and may be larger: see :func:`.write_archive`.
+        Whether it is wanted in a moment, and may be larger; see
+        :func:`apd_viewer.files.archive.write_archive`.
 
     Returns
     -------

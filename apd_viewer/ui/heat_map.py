@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.place_mark import PlaceMark
-from apd_viewer.ui.scales import Measure, Scale, nice, usual
+from apd_viewer.ui.scales import Measure, Scale, nice, span_of, usual
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
@@ -245,9 +245,7 @@ class HeatMap(QObject):
     @property
     def span(self) -> tuple[float, float] | None:
         """The least and the largest value that the shape has; None where there is none."""
-        if self.values is None or np.isnan(self.values).all():
-            return None
-        return float(np.fmin.reduce(self.values)), float(np.fmax.reduce(self.values))
+        return span_of(self.values)
 
     def value_at(self, position: QPointF) -> float | None:
         """The value of the surface that is seen at a position in the viewport."""

@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.coloring import colors_of
 from apd_viewer.ui.notice import Invitation
 from apd_viewer.ui.pointer import Place, Pointer
-from apd_viewer.ui.scales import Measure, Scale
+from apd_viewer.ui.scales import Measure, Scale, span_of
 from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.viewport import Viewport
 
@@ -137,9 +137,7 @@ class MethodView(QWidget):
     @property
     def span(self) -> tuple[float, float] | None:
         """The least and the largest of the values; None where there are none."""
-        if self.values is None or np.isnan(self.values).all():
-            return None
-        return float(np.fmin.reduce(self.values)), float(np.fmax.reduce(self.values))
+        return span_of(self.values)
 
     def point_at(self, place: Place | None, unit: Unit) -> None:
         """Mark a place, and read the change there."""

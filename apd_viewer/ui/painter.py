@@ -28,7 +28,7 @@ class Painter(Selector):
     """Tool that paints vertices.
 
     A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
-    the stroke back.
+    the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
 
     Parameters
     ----------
@@ -37,8 +37,6 @@ class Painter(Selector):
 
     Attributes
     ----------
-    painted : Signal(object)
-        Int array of the vertices that the latest part of the stroke covers for the first time.
     size_changed : Signal()
         The radius is another one, or meant in another way.
     """

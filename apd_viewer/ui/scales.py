@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+import numpy as np
+
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL, ColorMap
@@ -179,6 +181,13 @@ def usual(measure: Measure, size: float) -> Scale:
     if measure.words.kind is Kind.CURVATURE:
         return Scale(measure, nice(8.0 / size), nice(0.08 / size))
     return Scale(measure, nice((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
+
+
+def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
+    """The least and the largest of the values, (n,) with NaN where there is none; None without any."""
+    if values is None or np.isnan(values).all():
+        return None
+    return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 
 def nice(value: float) -> float:
