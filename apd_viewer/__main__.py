@@ -61,7 +61,12 @@ def _view_parser() -> Parser:
         usage=_USAGE,
         description=tr("Area-preserving deformation of 3D objects."),
     )
-    parser.add_argument("file", nargs="?", metavar="FILE", help=tr("mesh to open (OBJ, PLY, STL, OFF, GLB)"))
+    parser.add_argument(
+        "file",
+        nargs="?",
+        metavar="FILE",
+        help=tr("mesh (OBJ, PLY, STL, OFF, GLB, glTF, 3MF) or session (.apd) to open"),
+    )
     version = f"apd-viewer {apd_viewer.__version__}"
     parser.add_argument("--version", action="version", version=version, help=tr("show the version and exit"))
     parser.set_defaults(run=lambda options: apd_viewer.view(options.file))

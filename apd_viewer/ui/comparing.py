@@ -82,10 +82,10 @@ class Comparing:
         window.closed.connect(self._forget)
         axes = "front", "side", "top", "-front", "-side", "-top"
         keys = [
-            (action.shortcuts(), partial(window.room.look_along, axis))
+            (action.shortcuts(), partial(window.linked.look_along, axis))
             for action, axis in zip(actions.views, axes, strict=True)
         ]
-        window.give_keys([*keys, (actions.frame.shortcuts(), window.room.frame)])
+        window.give_keys([*keys, (actions.frame.shortcuts(), window.linked.frame)])
         return window
 
     def _again(self) -> None:

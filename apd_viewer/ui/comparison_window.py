@@ -62,7 +62,7 @@ class ComparisonWindow(QWidget):
     Attributes
     ----------
     again_asked, closed : Signal()
-    room : LinkedViews
+    linked : LinkedViews
     views : dict of str to MethodView
     checks : dict of str to Check
     table : OutcomeTable
@@ -86,13 +86,13 @@ class ComparisonWindow(QWidget):
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.room = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
-        self.views = self.room.views
+        self.linked = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
+        self.views = self.linked.views
         chosen = [method for method in COMPARED if method in memory.compared]
         self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
-        self.room.read.connect(self.legend.show_span)
+        self.linked.read.connect(self.legend.show_span)
         self.table = OutcomeTable()
         self._lay_out()
 
@@ -138,7 +138,7 @@ class ComparisonWindow(QWidget):
         column = QVBoxLayout(self, spacing=0)
         column.setContentsMargins(0, 0, 0, 0)
         column.addLayout(head)
-        column.addWidget(self.room, 1)
+        column.addWidget(self.linked, 1)
         column.addLayout(foot)
 
     def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[], object]]]) -> None:
@@ -165,12 +165,12 @@ class ComparisonWindow(QWidget):
         self.comparison = Comparison(state.document, self._woken.emit)
         self.table.begin(columns(state, unit))
         try:
-            self.room.begin(state, unit)
+            self.linked.begin(state, unit)
         except MemoryError:
             self._say(_NO_ROOM, warn=True)
             return
         if first:
-            self.room.look(state, self._eye)
+            self.linked.look(state, self._eye)
         self._prepare(state)
         self._choose()
         self.views[self.chosen[0]].viewport.setFocus()
@@ -191,7 +191,7 @@ class ComparisonWindow(QWidget):
         if not isinstance(result, _Ready):
             self._say(_NO_ROOM, warn=True)
             return
-        self.room.measure_by(result.change, result.write, self.legend.scale)
+        self.linked.measure_by(result.change, result.write, self.legend.scale)
 
     def _choose(self) -> None:
         """Compare the methods that are checked, two at least."""
@@ -202,7 +202,7 @@ class ComparisonWindow(QWidget):
             check.setEnabled(not needed)
             about = tr("Two methods are compared at least.") if needed else " ".join(METHOD_WORDS[method])
             check.setToolTip(about)
-        self.room.show_views(chosen)
+        self.linked.show_views(chosen)
         self.table.show_methods([METHOD_NAMES[method] for method in chosen])
         if self.comparison is not None:
             self.comparison.want(chosen)
@@ -247,12 +247,12 @@ class ComparisonWindow(QWidget):
         self._say(sentence, warn=True)
 
     def _rescale(self) -> None:
-        self.room.show_scale(self.legend.scale)
+        self.linked.show_scale(self.legend.scale)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the backgrounds."""
         self._theme = theme
-        self.room.set_theme(theme)
+        self.linked.set_theme(theme)
 
     # Saving
 
@@ -290,7 +290,7 @@ class ComparisonWindow(QWidget):
                 brief += [f"{column.title} {column.written(found)}"] if found else []
             shown.append(Shown(view.title, ", ".join(brief), view.picture(SHARPNESS)))
         self.set_theme(self._theme)
-        write_comparison(path, shown, self.room.across, self.legend.scale, self.font())
+        write_comparison(path, shown, self.linked.across, self.legend.scale, self.font())
 
     # Events
 
@@ -310,7 +310,7 @@ class ComparisonWindow(QWidget):
             self.comparison.stop()
             self.comparison = None
         self._task.close()
-        self.room.close_all()
+        self.linked.close_all()
         self.closed.emit()
         super().closeEvent(event)
 

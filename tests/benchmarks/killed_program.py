@@ -97,7 +97,7 @@ class Hand:
         Backup.put = noted
 
     def _restore(self) -> Iterator[float]:
-        offer, before = self.window.offer, self.document
+        offer, before = self.window.recovery, self.document
         if not offer.text:
             self.journal.write("nothing")
             return

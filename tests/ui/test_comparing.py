@@ -227,7 +227,7 @@ def test_the_picture_has_all_shapes_and_leaves_the_views_as_they_were(qtbot, sid
     pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.bytesPerLine())
     pixels = pixels[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(int)
     drawn = (np.ptp(pixels, axis=2) > 60).reshape(image.height(), -1)
-    across = side.room.across
+    across = side.linked.across
     for part in np.array_split(drawn[: image.height() * 3 // 4], across, axis=1):
         assert part.mean() > 0.002, "a view without a shape in colours"
     assert drawn[image.height() * 7 // 8 :].sum() > 100, "no legend"
