@@ -63,6 +63,8 @@ class Pointer(QObject):
         if self.place is None or skin is None:
             return
         point = self.place.shares @ self._surface.U[skin.F[self.place.face]]
+        if self._viewport.eye.depth(point) <= 0.0:
+            return
         x, y = self._viewport.project(point[None])[0]
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
