@@ -22,8 +22,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from apd_viewer.ui.number_format import short
-
 
 class Choice(QComboBox):
     """A box that the wheel scrolls past: it lies where people scroll the panel."""
@@ -117,8 +115,8 @@ class Number(QDoubleSpinBox):
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
-        """The number as it is shown."""
-        return short(value) if self._brief else super().textFromValue(value)
+        """The number as it is shown, which Enter reads back: all its digits, and none grouped."""
+        return f"{value:.10g}" if self._brief else super().textFromValue(value)
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
         """Let anything be typed: what is no number in the range is put back when it is entered."""
@@ -136,7 +134,9 @@ class Number(QDoubleSpinBox):
 
     def _typed(self, text: str) -> float | None:
         try:
-            value = float(text.removesuffix(self.suffix()).strip(" %").replace(",", "."))
+            # The suffix stays behind what is typed, which may have it once more.
+            number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
+            value = float(number.strip(" %").replace(",", "."))
         except ValueError:
             return None
         return value if self.minimum() <= value <= self.maximum() else None
