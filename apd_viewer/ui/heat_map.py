@@ -12,7 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.place_mark import PlaceMark
-from apd_viewer.ui.scales import Measure, Scale, nice, span_of, usual
+from apd_viewer.ui.scales import Measure, Scale, span_of, usual
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
@@ -159,8 +159,8 @@ class HeatMap(QObject):
         """Let the scale end at the largest value, up or down."""
         span = self.span
         if span is not None and self.measure is not None:
-            reach = nice(min(self.scale.said(max(span, key=abs)), 10.0))
-            self._rescale(reach, min(self.scale.neutral, 0.5 * reach))
+            fitted = self.scale.fitted(span, self._size)
+            self._rescale(fitted.reach, fitted.neutral)
 
     # Measuring
 

@@ -14,6 +14,9 @@ from apd_viewer.ui.scales import Kind, Measure, Scale
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 
+# Lengths and curvatures are in the unit of the mesh, whatever that is.
+_DECIMALS, _LEAST = 30, 1e-30
+
 
 class Legend(QFrame):
     """Which overlay is on, its scale, the value under the cursor and the largest of all.
@@ -56,9 +59,9 @@ class Legend(QFrame):
         self.worst = small_button(tr("Next worst place"), tr("Go to the next worst place"))
         self.worst.clicked.connect(self.worst_asked)
         tip = tr("The change at the ends of the scale, where the colours are strongest")
-        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9)
+        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=_DECIMALS)
         tip = tr("Changes up to this one are shown as none")
-        self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=9)
+        self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=_DECIMALS)
         for field in (self.reach, self.neutral):
             field.setFixedWidth(100)
             field.valueChanged.connect(self._enter)
@@ -112,9 +115,9 @@ class Legend(QFrame):
             Kind.LENGTH: unit.length(""),
             Kind.CURVATURE: unit.curvature(""),
         }[scale.measure.words.kind]
-        for field, value, least in ((self.reach, scale.reach, 1e-9), (self.neutral, scale.neutral, 0.0)):
+        for field, value, least in ((self.reach, scale.reach, _LEAST), (self.neutral, scale.neutral, 0.0)):
             field.blockSignals(True)
-            field.setRange(least, 1e9)
+            field.setRange(least, 1.0 / _LEAST)
             field.setSuffix(suffix)
             field.setValue(factor * value)
             field.blockSignals(False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
 
@@ -15,6 +15,8 @@ from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.ui.number_format import short
 
 _NOTHING = 5e-5  # of the scale, what is written as zero
+_ROUNDING = 1e-9  # of the usual scale, what no scale is made for
+_MOST_GAINED = 10.0  # a ratio has no largest: of what has lost all, one over it is infinite
 
 
 class Kind(Enum):
@@ -138,9 +140,18 @@ class Scale:
         """Whether it is of use on a mesh of another size."""
         return self.measure.words.kind is Kind.RATIO
 
-    def said(self, value: float) -> float:
-        """What ``reach`` must be for the scale to end at a value of the measure, up or down."""
-        return math.expm1(abs(value)) if self.measure.words.kind is Kind.RATIO else abs(value)
+    def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
+        """The scale that ends at the largest value of a span, up or down.
+
+        Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
+        """
+        reach = max(map(abs, span))
+        if self.measure.words.kind is Kind.RATIO:
+            reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
+        if reach <= _ROUNDING * usual(self.measure, size).reach:
+            return self
+        reach = nice(reach)
+        return replace(self, reach=reach, neutral=min(self.neutral, 0.5 * reach))
 
     @property
     def neutral_share(self) -> float:

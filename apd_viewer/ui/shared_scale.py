@@ -9,7 +9,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.fields import Number
 from apd_viewer.ui.scale_bar import ScaleBar
-from apd_viewer.ui.scales import Scale, nice
+from apd_viewer.ui.scales import Scale
 
 _WIDTH = 248
 
@@ -64,7 +64,7 @@ class SharedScale(QWidget):
 
     def _fit(self) -> None:
         if self._span is not None:
-            self._rescale(nice(min(self.scale.said(max(self._span, key=abs)), 10.0)))
+            self._rescale(self.scale.fitted(self._span).reach)
 
     def _rescale(self, reach: float) -> None:
         if reach != self.scale.reach:

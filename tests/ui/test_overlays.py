@@ -218,6 +218,29 @@ def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
+def test_at_rest_there_is_nothing_to_fit(qtbot, area):
+    before, fit = area.looks.heat.scale, area.looks.legend.fit
+    qtbot.waitUntil(fit.isEnabled)
+    qtbot.mouseClick(fit, LEFT)
+    assert area.looks.heat.scale == before
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e4])
+def test_the_range_is_fitted_and_typed_on_a_mesh_of_any_size(qtbot, window, unit):
+    V, F = sphere(2)
+    window.filing.show_mesh(Mesh(unit * V, F))
+    idle(qtbot, window)
+    choose(qtbot, window, Measure.DISPLACEMENT)
+    answer(qtbot, window, unit * (V + [0.4, 0.0, 0.0]))
+    legend, heat = window.looks.legend, window.looks.heat
+    qtbot.waitUntil(legend.fit.isEnabled)
+    qtbot.mouseClick(legend.fit, LEFT)
+    assert heat.scale.reach == pytest.approx(0.5 * unit)
+    legend.reach.setFocus()
+    qtbot.keyClick(legend.reach, Qt.Key.Key_Return)
+    assert heat.scale.reach == pytest.approx(0.5 * unit), "Enter leaves the number that is shown"
+
+
 def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
     legend = area.looks.legend
     legend.choice.setFocus()

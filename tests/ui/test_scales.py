@@ -94,3 +94,29 @@ def test_a_scale_fits_the_size_of_the_mesh():
         for measure in (Measure.DISPLACEMENT, Measure.DISTANCE):
             assert 0.1 <= usual(measure, size).reach / size <= 0.6
         assert 8.0 <= usual(Measure.BENDING, size).reach * size <= 20.0
+
+
+# Fitting
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("measure", Measure)
+def test_a_scale_fits_what_there_is_on_a_mesh_of_any_size(measure, size):
+    before = usual(measure, size)
+    largest = 0.3 * before.end
+    fitted = before.fitted((-largest, 0.5 * largest), size)
+    assert largest <= fitted.end < 2.6 * largest
+    assert 0.0 <= fitted.neutral <= 0.5 * fitted.reach
+    farther = before.fitted((0.0, 7.0 * before.end), size)
+    assert farther.place(7.0 * before.end) > 0.65, "no colour is wasted on what is not there"
+
+
+@pytest.mark.parametrize("measure", Measure)
+def test_rounding_is_nothing_to_fit(measure):
+    before = usual(measure, 20.0)
+    for rounding in (0.0, 1e-15 * before.end):
+        assert before.fitted((-rounding, rounding), 20.0) is before
+
+
+def test_a_ratio_that_has_no_end_is_fitted_too():
+    assert usual(Measure.STRAIN, 1.0).fitted((-np.inf, 0.1)).reach == 10.0
