@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from apd_viewer.ui.number_format import raised
+
 _MINUS = "−"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FEWEST = 1e-12
 
 Ticks: TypeAlias = list[tuple[float, str]]
@@ -67,7 +68,7 @@ def power(exponent: int) -> str:
     """A power of ten, written out where that is short."""
     if -3 <= exponent <= 3:
         return f"{10.0**exponent:.{max(0, -exponent)}f}"
-    return f"10{str(exponent).translate(_RAISED)}"
+    return f"10{raised(exponent)}"
 
 
 def ratios(reach: float) -> Axis:

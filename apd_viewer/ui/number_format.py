@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 _NOTHING = 1e-7
+_GROUPED = 999.5  # from where on three digits are those before the point
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def significant(value: float, digits: int = 6) -> str:
     """The number with so many digits that count."""
-    return f"{value:#.{digits}g}".rstrip(".") if value else "0"
+    return _with_power(f"{value:#.{digits}g}".rstrip(".")) if value else "0"
 
 
 def length(value: float, size: float) -> str:
@@ -22,5 +26,25 @@ def signed(value: float, decimals: int) -> str:
 
 
 def short(value: float) -> str:
-    """The number without the zeros behind it: 0.1, 20, 0.00025, 1,190."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:,.0f}"
+    """The number without the zeros behind it: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
+    return _with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}"
+
+
+def place(value: float, step: float) -> str:
+    """Where something is on an axis, so that it is told from what is a ``step`` farther."""
+    if abs(value) < 1e-6 * step:
+        return "0"
+    decimals = max(0, -math.floor(math.log10(step)))
+    near = abs(float(f"{value:.3g}") - value) <= 0.1 * step
+    return (short(value) if near else f"{value:,.{decimals}f}").replace("-", "−")
+
+
+def raised(exponent: int) -> str:
+    """An exponent, as it is written."""
+    return str(exponent).translate(_RAISED)
+
+
+def _with_power(text: str) -> str:
+    """A power of ten as people write it."""
+    digits, _, exponent = text.partition("e")
+    return f"{digits.rstrip('.')}·10{raised(int(exponent))}" if exponent else text

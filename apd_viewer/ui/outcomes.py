@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.language import tr
-from apd_viewer.ui.number_format import length, signed, significant
+from apd_viewer.ui.number_format import length, raised, signed, significant
 from apd_viewer.ui.readout import volumes
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15
-_DIGITS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 Readings = dict[str, float]
 
@@ -125,8 +124,7 @@ def _error(value: float) -> str:
     if abs(value) < _ROUNDING:
         return "0\u00a0%"
     mantissa, exponent = f"{abs(100.0 * value):.0e}".split("e")
-    power = str(int(exponent)).translate(_DIGITS)
-    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{power}\u00a0%"
+    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{raised(int(exponent))}\u00a0%"
 
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, Outcome]]) -> None:

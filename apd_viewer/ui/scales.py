@@ -211,8 +211,8 @@ def nice(value: float) -> float:
 
 
 def _number(value: float, signed: bool) -> str:
-    """Three figures, and never more than two decimals beyond what they need."""
-    text = short(abs(value)) if abs(value) < 1000.0 else f"{abs(value):,.0f}"
+    """Three figures, or all before the point."""
+    text = short(abs(value))
     if not signed or value == 0.0:
         return text
     return ("+" if value > 0.0 else "−") + text

@@ -1,0 +1,48 @@
+"""Numbers as people write them: no figure is lost, and none is invented."""
+
+import math
+
+import numpy as np
+import pytest
+
+from apd_viewer.ui.number_format import place, short, significant
+
+RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+
+
+def value(text):
+    """What a person reads."""
+    number, _, power = text.partition("·10")
+    return float(number.replace("−", "-").replace(",", "")) * 10.0 ** int((power or "0").translate(RAISED))
+
+
+@pytest.mark.parametrize(("written", "digits"), [(figures, 6), (short, 3)])
+def test_numbers_of_any_size_are_read_as_they_are(written, digits):
+    for x in np.geomspace(1e-20, 1e20, 997):
+        text = written(x)
+        assert value(text) == pytest.approx(x, rel=0.51 * 10.0 ** (1 - digits))
+        assert "e" not in text, "that is how programs write it"
+
+
+def test_a_number_that_rounds_to_a_thousand_is_written_as_one():
+    assert [short(x) for x in (999.4, 999.5, 1000.0, 1234.5)] == ["999", "1,000", "1,000", "1,234"]
+    assert [short(x) for x in (0.00025, 2e-6, 20.0)] == ["0.00025", "2·10⁻⁶", "20"]
+    assert [significant(x) for x in (1234567.0, 407.117, 2.4e-17)] == [
+        "1.23457·10⁶",
+        "407.117",
+        "2.40000·10⁻¹⁷",
+    ]
+
+
+@pytest.mark.parametrize("step", [2e-7, 0.05, 0.1, 0.5, 1.0, 20.0])
+@pytest.mark.parametrize("middle", [0.0, 12.0, -1000.0, 123_456.0])
+def test_places_on_an_axis_are_told_from_each_other(step, middle):
+    ticks = step * np.arange(round(middle / step) - 8, round(middle / step) + 9)
+    texts = [place(float(tick), step) for tick in ticks]
+    assert len(set(texts)) == len(texts)
+    np.testing.assert_allclose([value(text) for text in texts], ticks, rtol=0, atol=0.1 * step)
+    assert "-" not in "".join(texts)
+
+
+def test_a_place_that_is_nothing_but_rounding_is_zero():
+    assert place(math.sin(math.pi), 1.0) == place(-1e-17, 0.1) == "0"
