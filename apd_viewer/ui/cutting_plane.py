@@ -13,7 +13,7 @@ from apd_viewer.session.units import Unit
 from apd_viewer.ui.dial import Slider, SliderScale
 from apd_viewer.ui.fields import small_button
 from apd_viewer.ui.icons import icon
-from apd_viewer.ui.number_format import short
+from apd_viewer.ui.number_format import place
 from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 
@@ -128,9 +128,9 @@ class CuttingPlane(QFrame):
 
     def _cut(self) -> None:
         point, normal = self.plane
-        at = float(point[self._group.checkedId()])
-        at = 0.0 if abs(at) < 1e-6 * float((self._high - self._low).max()) else at
-        self._place.setText(self._unit.length(short(at).replace("-", "−")))
+        axis = self._group.checkedId()
+        step = float(self._high[axis] - self._low[axis]) / _STEPS
+        self._place.setText(self._unit.length(place(float(point[axis]), step)))
         if self._mesh is None or self.isHidden():
             self._canvas.surface.cut(None)
         else:

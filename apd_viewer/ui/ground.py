@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
-from apd_viewer.ui.number_format import short
+from apd_viewer.ui.number_format import place, short
 from apd_viewer.ui.rest_actor import RestActor
 from apd_viewer.ui.scales import nice
 
@@ -113,7 +113,7 @@ class Ground(RestActor):
         every = next((k for k in (1, 2, 5, 10) if k * gap >= _APART), 0)
         for value, at, visible in zip(ticks, places, seen, strict=True):
             if every and visible and round(value / self.step) % every == 0:
-                number = short(0.0 if abs(value) < 1e-6 * self.step else float(value)).replace("-", "−")
+                number = place(float(value), self.step)
                 width = painter.fontMetrics().horizontalAdvance(number) + _BETWEEN
                 room = QRectF(at[0] - width / 2, at[1] - 9, width, 18)
                 if not any(room.intersects(other) for other in taken):

@@ -8,6 +8,7 @@ import pytest
 from driving import LEFT, Mouse, centre, document, idle, settle, show
 from meshes import sphere
 from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QFontMetrics
 
 from apd_viewer.geometry.mesh import Mesh, frozen
 from apd_viewer.session.units import Unit
@@ -188,6 +189,19 @@ def test_the_place_of_the_section_is_told_in_the_unit(qtbot, globe):
     assert float(value) == pytest.approx(cut.plane[0][2], rel=0.01)
 
 
+def test_far_from_the_origin_every_place_is_told_from_the_next(qtbot, window):
+    V, F = sphere(2)
+    window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
+    idle(qtbot, window)
+    switch(window, "cut").trigger()
+    cut, places = window.looks.cut, {}
+    for step in range(150, 250, 10):
+        cut.slider.setValue(step)
+        places[cut._place.text()] = cut.plane[0][2]
+    assert len(places) == 10
+    assert [float(text) for text in places] == pytest.approx(list(places.values()), abs=0.005)
+
+
 # The grid
 
 
@@ -206,6 +220,34 @@ def test_the_grid_lies_below_the_mesh_in_nice_steps(qtbot, globe):
     assert lines.GetNumberOfLines() == across
     globe.canvas.viewport.look_along("top")
     settle(qtbot, globe.canvas.viewport)
+
+
+def test_far_from_the_origin_every_line_has_a_figure_of_its_own(qtbot, window):
+    V, F = sphere(2)
+    window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
+    idle(qtbot, window)
+    switch(window, "ground").trigger()
+    window.canvas.viewport.look_along("front")
+    settle(qtbot, window.canvas.viewport)
+    ground, pen = window.looks.ground, Pen(window.font())
+    ground._write_along(pen, 0, [])
+    told = [float(text.replace(",", "")) for text in pen.written]
+    assert len(told) > 3
+    assert (np.diff(told) > 0.5 * ground.step).all()
+    assert np.abs(np.subtract.outer(told, ground._ticks(0))).min(axis=1).max() < 1e-9
+
+
+class Pen:
+    """A painter that only writes down what is written."""
+
+    def __init__(self, font):
+        self._metrics, self.written = QFontMetrics(font), []
+
+    def fontMetrics(self):
+        return self._metrics
+
+    def drawText(self, _room, _alignment, text):
+        self.written.append(text)
 
 
 # The turntable

@@ -16,7 +16,7 @@ def value(text):
     return float(number.replace("−", "-").replace(",", "")) * 10.0 ** int((power or "0").translate(RAISED))
 
 
-@pytest.mark.parametrize(("written", "digits"), [(figures, 6), (short, 3)])
+@pytest.mark.parametrize(("written", "digits"), [(significant, 6), (short, 3)])
 def test_numbers_of_any_size_are_read_as_they_are(written, digits):
     for x in np.geomspace(1e-20, 1e20, 997):
         text = written(x)
