@@ -60,7 +60,7 @@ class Column(NamedTuple):
 def columns(state: State, unit: Unit) -> list[Column]:
     """The columns for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
-    asked = significant(state.document.area, 4).rstrip("0").rstrip(".")
+    asked = f"{state.document.area:g}"
     energy = tr(
         "How far the shape is from as rigid as possible: Eq. 1 of the paper for all methods alike, each edge "
         "counted twice, whatever the method itself brings down"

@@ -14,8 +14,9 @@ from PySide6.QtGui import QImage
 import apd_viewer
 from apd_viewer.geometry.constraints import BASE, HANDLE
 from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.session.units import Unit
 from apd_viewer.ui import dialogs
-from apd_viewer.ui.outcomes import _error
+from apd_viewer.ui.outcomes import _error, columns
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
@@ -116,6 +117,13 @@ def test_the_table_says_what_each_method_comes_to_alone(bar, side):
 )
 def test_errors_are_written_with_the_digits_that_count(value, text):
     assert _error(value) == text + "\u00a0%"
+
+
+@pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
+def test_the_error_is_said_to_be_that_of_what_is_asked_for(bar, target, said):
+    bar.session.settings.set_area(target)
+    titles = {column.title: column.tip for column in columns(bar.session.state, Unit.NONE)}
+    assert titles["Area error"] == f"How far the area is from the {said} % that are asked for"
 
 
 def test_turning_one_view_turns_all(qtbot, side):
