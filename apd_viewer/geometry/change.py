@@ -59,7 +59,9 @@ class Change:
     def displacement(self, U: np.ndarray) -> np.ndarray:
         """How far each vertex is from its place at rest, (n,), mesh units."""
         with cores_for(len(U)):
-            return _displacement(U, self._V)
+            found = _displacement(U, self._V)
+        found[self._bare] = np.nan
+        return found
 
     def bending(self, U: np.ndarray) -> np.ndarray:
         """Mean curvature less that at rest, (n,), 1 / mesh units: positive where it is more convex."""
@@ -78,7 +80,7 @@ class Change:
             part = slice(first, first + _PORTION)
             with cores_for(len(U)):  # not for all: the window may want the cores in between
                 distances(U[part], self._V[part], self._V, boxes.F, boxes.corners, boxes.level, found[part])
-        found[np.isnan(self._rest_areas[self._named])] = np.nan
+        found[self._bare] = np.nan
         return found
 
     def _star_areas(self, U: np.ndarray) -> np.ndarray:
@@ -91,6 +93,11 @@ class Change:
     @cached_property
     def _least(self) -> float:
         return _SLIVER * float(np.nanmean(self._rest_areas))
+
+    @cached_property
+    def _bare(self) -> np.ndarray:
+        """The vertices without a triangle, (k,) int array."""
+        return np.flatnonzero(np.isnan(self._rest_areas[self._named]))
 
     @cached_property
     def _rest_curvature(self) -> np.ndarray:
