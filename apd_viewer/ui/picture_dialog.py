@@ -16,7 +16,7 @@ from apd_viewer.ui.pictures import Wish
 if TYPE_CHECKING:
     from apd_viewer.ui.pictures import Pictures
 
-_LEAST, _MOST = 16, 32_768  # pixels a side; what can be drawn of them is said when it is asked for
+_LEAST, _MOST = 16, 32_768  # pixels a side; what cannot be drawn of them is said
 _TIMES = (1, 2, 3, 4)
 _PREVIEW = QSize(360, 270)
 _SOON = 40  # ms
@@ -177,11 +177,12 @@ class PictureDialog(QDialog):
         self.times.setCurrentIndex(self.times.findData(found[0] if found else 0))
 
     def _show(self) -> None:
-        """Take the picture small."""
+        """Take the picture small, and say where it cannot be taken at its size."""
         wish = self.wish
         small = wish.size.scaled(_PREVIEW, Qt.AspectRatioMode.KeepAspectRatio).expandedTo(QSize(1, 1))
         try:
             self.preview.image = self._pictures.taken(Wish(small, wish.transparent, wish.legend, wish.gizmo))
+            self._pictures.check_size(wish.size)
             self._say("")
         except InputError as error:
             self._say(str(error))
@@ -190,6 +191,8 @@ class PictureDialog(QDialog):
     def _say(self, problem: str) -> None:
         self.problem.setText(problem)
         self.problem.setVisible(bool(problem))
+        for button in (self.save, self.copy):
+            button.setEnabled(not problem)
 
     def _copy(self) -> None:
         self._pictures.copy(self.wish)

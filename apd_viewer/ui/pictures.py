@@ -109,6 +109,12 @@ class Pictures:
         said = tr("Copied a picture of {width:,} × {height:,} pixels.")
         self._notice.tell(said.format(width=image.width(), height=image.height()))
 
+    def check_size(self, size: QSize) -> None:
+        """Raise InputError if a picture of this size cannot be drawn."""
+        from apd_viewer.ui.exposure import check_size
+
+        check_size(self._canvas.viewport, size)
+
     def taken(self, wish: Wish) -> QImage:
         """The picture; raises InputError where it is too large to be drawn."""
         from apd_viewer.ui.scene_picture import grown, scene_picture

@@ -70,6 +70,13 @@ def scene_picture(
     return image
 
 
+def check_size(viewport: Viewport, size: QSize) -> None:
+    """Raise InputError if a picture of this size cannot be drawn."""
+    with viewport.aside() as window:
+        if window is not None:
+            _finer(window, size)
+
+
 def grown(seen: QSize, size: QSize) -> float:
     """How much larger a picture shows what is ``seen`` of a viewport, all of which it shows."""
     return min(size.width() / max(seen.width(), 1), size.height() / max(seen.height(), 1))

@@ -250,6 +250,18 @@ def test_the_dialog_shows_what_it_will_be(qtbot, dialog):
     assert copied.pixelColor(0, 0).alpha() == 0
 
 
+def test_the_dialog_says_what_size_cannot_be_had(qtbot, dialog):
+    for field in (dialog.width_, dialog.height_):
+        field.setValue(16_000)
+    qtbot.waitUntil(dialog.problem.isVisible)
+    assert "choose a smaller one" in dialog.problem.text()
+    assert not dialog.save.isEnabled()
+    assert not dialog.copy.isEnabled()
+    dialog.height_.setValue(300)
+    qtbot.waitUntil(lambda: not dialog.problem.isVisible())
+    assert dialog.save.isEnabled()
+
+
 def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
     path, seen = tmp_path / "picture.png", []
     monkeypatch.setattr(dialogs, "ask_where_to_put_picture", lambda *_: path)
