@@ -12,6 +12,7 @@ from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
+    from apd_viewer.session.units import Unit
     from apd_viewer.ui.actions import Actions
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.comparison_window import ComparisonWindow
@@ -101,6 +102,12 @@ class Comparing:
         window, self.window = self.window, None
         if window is not None:
             window.deleteLater()
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit, if it is the mesh at hand that is compared."""
+        state = None if self._at_work is None else self._at_work[0].state
+        if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
+            self.window.measure_in(unit)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour what the style sheet does not reach."""

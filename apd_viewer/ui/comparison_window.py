@@ -30,6 +30,7 @@ from apd_viewer.ui.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.change import Change
+    from apd_viewer.geometry.mesh import Mesh
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
     from apd_viewer.ui.camera import Camera
@@ -174,6 +175,16 @@ class ComparisonWindow(QWidget):
         self._prepare(state)
         self._choose()
         self.views[self.chosen[0]].viewport.setFocus()
+
+    def is_of(self, mesh: Mesh) -> bool:
+        """Whether it is this mesh that is compared."""
+        return self._state is not None and self._state.document.mesh is mesh
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit."""
+        if self._state is not None:
+            self.table.begin(columns(self._state, unit))
+            self._show()
 
     def _prepare(self, state: State) -> None:
         """Get ready to measure: what is compiled for it takes a while at the first time."""

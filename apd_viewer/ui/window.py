@@ -255,11 +255,11 @@ class Window(QMainWindow):
         return self._state, self.parts.handle, self.canvas.view(self.session.unit.value)
 
     def _choose_unit(self, unit: Unit) -> None:
-        state = self._state
-        if state is not None:
+        if (state := self._state) is not None:
             self._units.choose(state.document.mesh, unit)
             self.session.unit = unit
             self.looks.measure_in(unit)
+            self.comparing.measure_in(unit)
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.status.show_session(self.session)
 

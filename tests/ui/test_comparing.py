@@ -307,6 +307,20 @@ def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
     assert cells(side)["Exact"]["Energy"] != before
 
 
+def test_lengths_are_in_the_unit_that_is_chosen_for_the_mesh(qtbot, bar, side):
+    before, status = cells(side), side.status.text()
+    bar._choose_unit(Unit.CENTIMETRE)
+    for method, said in cells(side).items():
+        for title, text in said.items():
+            unit = {"Energy": "\u00a0cm²", "Handle drift": "\u00a0cm"}.get(title, "")
+            assert text == before[method][title] + unit
+    assert side.status.text() == status
+    bar.filing.show_mesh(Mesh(*box(2, 2, 4)))
+    idle(qtbot, bar)
+    bar._choose_unit(Unit.METRE)
+    assert cells(side)["Exact"]["Energy"].endswith("cm²"), "that is another mesh"
+
+
 def test_what_is_missing_is_said_by_the_action(qtbot, window):
     action = window.actions_.pose.compare
     assert not action.isEnabled()
