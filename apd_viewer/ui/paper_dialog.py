@@ -71,6 +71,7 @@ class PaperDialog(QDialog):
         self.setWindowTitle(tr("The paper's tables"))
         self.run = RunBar(tr("Run"), "paper", memory)
         self.run.asked.connect(lambda: self.run.begin(lambda _, __: ["paper"]))
+        self.run.busy.connect(self._make_room)
         self.run.ended.connect(self._show)
         self.table: QGridLayout | None = None
         self.figures: list[FigureView] = []
@@ -80,6 +81,13 @@ class PaperDialog(QDialog):
         self._column.addWidget(QLabel(_about(), objectName="quiet", wordWrap=True))
         self._column.addWidget(self.run)
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
+
+    def _make_room(self) -> None:
+        """Be higher where the bar above the button would take the room of the words."""
+        self._column.activate()
+        needed = self._column.totalHeightForWidth(self.width())
+        if needed > self.height():
+            resize_on_screen(self, QSize(self.width(), needed))
 
     def _show(self, folder: Path, said: str) -> None:
         with (folder / "tables.csv").open(encoding="utf-8") as stream:

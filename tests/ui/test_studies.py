@@ -9,7 +9,7 @@ from driving import Mouse, centre, document, idle
 from meshes import box, ends
 from PySide6.QtCore import QPointF, QProcess, Qt
 from PySide6.QtGui import QDesktopServices
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QFileDialog, QLabel
 
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.session.saved import open_session
@@ -165,6 +165,18 @@ def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
 def test_a_dialog_is_there_once(bar, dialog):
     bar.actions_.pose.sweep.trigger()
     assert bar.studies.dialogs["sweep"] is dialog
+
+
+def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, window):
+    next(action for action in window.actions_.help if "tables" in action.text()).trigger()
+    dialog = window.studies.dialogs["paper"]
+    words = next(label for label in dialog.findChildren(QLabel) if "Li and Hui" in label.text())
+    for _ in range(2):
+        press(dialog.run.start)
+        qtbot.waitUntil(dialog.run.bar.isVisible)
+        qtbot.wait(20)
+        assert words.height() >= words.heightForWidth(words.width())
+        press(dialog.run.cancel)
 
 
 def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
