@@ -118,12 +118,16 @@ class Scale:
         The end of the scale: of a ratio what is gained there, 0.1 for 10 %, at the other end the ratio is one
         over that; else a length or a curvature, in mesh units.
     neutral : float
-        Up to where a change counts for none, in the same way; 0 where there is no sign.
+        Up to where a change counts for none, in the same way; 0 where there is no sign. At most half of the
+        reach: of what counts for none nothing may be at the ends, where the colours are strongest.
     """
 
     measure: Measure
     reach: float
     neutral: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "neutral", min(self.neutral, 0.5 * self.reach))
 
     @property
     def end(self) -> float:
@@ -150,13 +154,12 @@ class Scale:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
         if reach <= _ROUNDING * usual(self.measure, size).reach:
             return self
-        reach = nice(reach)
-        return replace(self, reach=reach, neutral=min(self.neutral, 0.5 * reach))
+        return replace(self, reach=nice(reach))
 
     @property
     def neutral_share(self) -> float:
         """How much of the scale around its middle is neutral, 0 to 1."""
-        return min(self._inner(self.neutral) / self.end, 1.0)
+        return self._inner(self.neutral) / self.end
 
     def place(self, value: float) -> float:
         """Where a value lies on the scale, from 0 to 1."""

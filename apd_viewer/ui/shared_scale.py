@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
@@ -68,7 +70,7 @@ class SharedScale(QWidget):
 
     def _rescale(self, reach: float) -> None:
         if reach != self.scale.reach:
-            self.scale = Scale(self.scale.measure, reach, min(self.scale.neutral, 0.5 * reach))
+            self.scale = replace(self.scale, reach=reach)
             self._show()
             self.changed.emit()
 

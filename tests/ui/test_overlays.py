@@ -218,6 +218,20 @@ def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
+def test_what_counts_for_no_change_is_never_in_the_strongest_colours(qtbot, area):
+    legend, heat = area.looks.legend, area.looks.heat
+    answer(qtbot, area, 1.3 * document(area).mesh.V)
+    for field, text in ((legend.neutral, "500"), (legend.reach, "0.01")):
+        field.setFocus()
+        field.selectAll()
+        qtbot.keyClicks(field, text)
+        qtbot.keyClick(field, Qt.Key.Key_Return)
+        scale = heat.scale
+        assert scale.neutral == legend.neutral.value() / 100.0 == 0.5 * scale.reach
+        assert scale.color(0.0) == scale.measure.colors.color(0.0), "as the shape is, so is the scale"
+        assert scale.color(0.4) == scale.measure.colors.color(0.5)
+
+
 def test_at_rest_there_is_nothing_to_fit(qtbot, area):
     before, fit = area.looks.heat.scale, area.looks.legend.fit
     qtbot.waitUntil(fit.isEnabled)
