@@ -111,7 +111,7 @@ class Pictures:
 
     def check_size(self, size: QSize) -> None:
         """Raise InputError if a picture of this size cannot be drawn."""
-        from apd_viewer.ui.exposure import check_size
+        from apd_viewer.ui.scene_picture import check_size
 
         check_size(self._canvas.viewport, size)
 
