@@ -1,7 +1,8 @@
-"""Processes of our own, and how one is started."""
+"""Processes of our own: how one is started, and what memory it keeps."""
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -23,6 +24,8 @@ main(replies)
 """
 # Large arrays come and go here. glibc would give their memory back each time, and have it cleared anew.
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
+# The same of a process that shall not keep more than this when something large has gone; names are numbers.
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
 
 
@@ -50,6 +53,17 @@ def started(script: str) -> Process:
         env={**os.environ, **_KEEP_MEMORY},
     )
     return cast("Process", process)
+
+
+def keep_freed_memory() -> None:
+    """Have this process keep what it frees for the next frame, where the C library is glibc.
+
+    By default it depends on the order of what came before whether all that a frame needs is given back and
+    fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.
+    """
+    if sys.platform.startswith("linux") and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
+        for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
+            mallopt(*option)
 
 
 def leave_interrupts_to_the_owner() -> None:

@@ -1,0 +1,37 @@
+"""What memory processes keep."""
+
+import ctypes
+import subprocess
+import sys
+
+import pytest
+
+# More than glibc keeps by itself, in pieces that it does not map one by one.
+CHURN = """
+import resource, sys
+import numpy as np
+from apd_viewer.session.processes import keep_freed_memory
+if sys.argv[1] == "keep":
+    keep_freed_memory()
+def frame():
+    arrays = [np.ones(1 << 19) for _ in range(16)]
+for _ in range(3):
+    frame()
+before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+for _ in range(10):
+    frame()
+print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+"""
+GLIBC = sys.platform.startswith("linux") and hasattr(ctypes.CDLL(None), "mallopt")
+
+
+def faults(way):
+    """How many pages the system had to give while much was freed and needed again."""
+    done = subprocess.run([sys.executable, "-c", CHURN, way], capture_output=True, text=True, check=True)
+    return int(done.stdout)
+
+
+@pytest.mark.skipif(not GLIBC, reason="other C libraries have no such setting")
+def test_what_is_freed_is_there_for_the_next_frame():
+    assert faults("keep") < 100
+    assert faults("leave") > 10_000, "it is not this that glibc does by itself"
