@@ -89,12 +89,15 @@ class Cards(QWidget):
         if not shown:
             return
         room = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
-        for other in self._beside:
-            if not other.isHidden() and _meet(room, other):
-                room.moveLeft(other.geometry().right() + _MARGIN)
-        for other in sorted(self._below, key=lambda widget: -widget.geometry().bottom()):
-            if not other.isHidden() and _meet(room, other):
-                room.moveBottom(other.geometry().top() - _MARGIN)
+        beside = [other for other in self._beside if not other.isHidden()]
+        below = [other for other in self._below if not other.isHidden()]
+        for _ in range(2):  # above what is below, it may be beside a column that it was not beside before
+            for other in beside:
+                if _meet(room, other):
+                    room.moveLeft(other.geometry().right() + _MARGIN)
+            for other in sorted(below, key=lambda widget: -widget.geometry().bottom()):
+                if _meet(room, other):
+                    room.moveBottom(other.geometry().top() - _MARGIN)
         self.move(room.left(), max(room.top(), _MARGIN))
         self.raise_()
 

@@ -5,16 +5,18 @@ import dataclasses
 import numpy as np
 import pytest
 from driving import LEFT, Mouse, centre, document, idle, settle, show
-from meshes import sphere
+from meshes import box, sphere
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.change import Change
 from apd_viewer.geometry.constraints import HANDLE
 from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.session.document import opened
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.ui.palette import FREE_COLOR
 from apd_viewer.ui.scales import Measure, Scale
+from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.window import Window
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -264,6 +266,24 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
     qtbot.mouseClick(legend.close_button, LEFT)
     assert area.looks.heat.measure is None
     assert area.actions_.looks.off.isChecked()
+
+
+def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, window):
+    window.session._open("box", lambda: opened(Mesh(*box())))
+    idle(qtbot, window)
+    window.take(Tool.BASE)
+    choose(qtbot, window, Measure.AREA)
+    cards, ways, line = window.looks.cards, window.way_bar, window.invitation
+    moved = set()
+    for height in range(640, 960, 20):
+        window.resize(1280, height)
+        qtbot.wait(20)
+        assert ways.isVisible()
+        assert line.isVisible()
+        assert not cards.geometry().intersects(ways.geometry()), height
+        assert not cards.geometry().intersects(line.geometry()), height
+        moved.add(cards.x() > ways.x())
+    assert moved == {False, True}
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
