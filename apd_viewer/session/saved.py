@@ -21,6 +21,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive, npy, write_archive
 from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
+from apd_viewer.files.reading import content_of
 from apd_viewer.geometry.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened
@@ -154,14 +155,7 @@ def _content(path: Path) -> bytes:
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
         raise InputError(tr("{path} is not a file; choose a session in it.").format(path=path))
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            tr("{name} cannot be read ({reason}); check the file.").format(
-                name=path.name, reason=error.strerror or error
-            )
-        ) from error
+    return content_of(path)
 
 
 def _check_version(said: Fields, path: Path) -> None:
