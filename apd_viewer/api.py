@@ -2,11 +2,11 @@
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.deform import Result, deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.frame import Frame
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import Result, deform
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region
 
 __all__ = [
     "Deformation",

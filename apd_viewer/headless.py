@@ -17,14 +17,14 @@ from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.survey_formats import read_region, read_transform
-from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.deform import MOST_ITERATIONS, Result, deform
-from apd_viewer.geometry.examination import examined
-from apd_viewer.geometry.frame import Frame
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.methods import (
+from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.analysis.examination import examined
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import MOST_ITERATIONS, Result, deform
+from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from apd_viewer.files.selection import Selection
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_VERTICES = 100  # of a finding in a report
 _PICTURE = (1600, 1000)  # pixels

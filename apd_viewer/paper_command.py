@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from apd_viewer.geometry.deform import Result
+    from apd_viewer.geometry.solver.deform import Result
     from apd_viewer.paper_tables import Row
 
 # Pixels, and from where to look.

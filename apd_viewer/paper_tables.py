@@ -9,9 +9,9 @@ from typing import NamedTuple
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.survey_formats import read_transform
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deform import Result, deform
-from apd_viewer.geometry.frame import Frame
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.language import tr
 
 TOLERANCE = 1e-3

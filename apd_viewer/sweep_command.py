@@ -15,7 +15,7 @@ from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.survey_formats import read_transform
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from apd_viewer.files.tables import Cell
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.document import Document
     from apd_viewer.session.sweep import Step, Sweep
 

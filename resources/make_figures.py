@@ -17,10 +17,10 @@ from apd_viewer.__main__ import main
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.survey_formats import read_transform
-from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.methods import SHORT_NAMES
-from apd_viewer.geometry.operators import face_areas
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.session.sweep import SWEPT
 from apd_viewer.ui.palette import label_colors
 

@@ -195,7 +195,7 @@ BAD = {
     "errors know a room": ("errors.py", "from apd_viewer.geometry import shape", "against the direction"),
     "a circle": (
         "geometry/shape.py",
-        "def f():\n  from apd_viewer.geometry.linear_solver import g",
+        "def f():\n  from apd_viewer.geometry.linalg.linear_solver import g",
         "geometry.shape imports itself in a circle",
     ),
     "itself": ("ui/window.py", "from . import window", "ui.window imports itself in a circle"),

@@ -17,12 +17,12 @@ import apd_viewer
 from apd_viewer import headless
 from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
-from apd_viewer.geometry.constraints import transform
-from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.mesh import frozen
-from apd_viewer.geometry.methods import METHODS
+from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.document import opened
 from apd_viewer.session.replaying import replay
 from apd_viewer.session.saved import open_session, save_session

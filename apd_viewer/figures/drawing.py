@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from apd_viewer.geometry.operators import face_areas
+from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.ui.color_maps import DIVERGING
 from apd_viewer.ui.shading import headlight, shade
 

@@ -18,7 +18,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 # Not -m: what lies in the current folder is not imported.
 _START = """

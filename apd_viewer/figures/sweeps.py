@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.ticker import MultipleLocator
 
 from apd_viewer.figures.style import METHOD_LOOKS, draw, zero_line
-from apd_viewer.geometry.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

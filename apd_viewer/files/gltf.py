@@ -17,7 +17,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.gltf_scene import a_list, carried, one, parts, placed, whole
 from apd_viewer.files.json_spans import spans
 from apd_viewer.files.parsed import Parsed, turned
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

@@ -19,7 +19,7 @@ from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.ply import read_ply
 from apd_viewer.files.reading import in_one_line
 from apd_viewer.files.stl import read_stl
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 # In which any mesh can be written; a glTF only where it came from one.
@@ -195,7 +195,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         raise InputError(
             tr("A position is as large as {largest:.3g}; nothing was written.").format(largest=_largest(U))
         )
-    from apd_viewer.geometry.operators import area  # loads what the first picture must not wait for
+    from apd_viewer.geometry.mesh.operators import area  # loads what the first picture must not wait for
 
     content = _content(mesh, U, path)
     try:

@@ -16,7 +16,7 @@ import numpy as np
 from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, numbers, plain
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, lines, numbers, plain, shown, whole_numbers
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import Origin
-from apd_viewer.geometry.normals import turned_normals
+from apd_viewer.geometry.mesh.mesh import Origin
+from apd_viewer.geometry.mesh.normals import turned_normals
 
 _LONGEST = 1e30  # of a normal; beyond that its square overflows
 

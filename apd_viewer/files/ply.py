@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.parsed import Parsed, turned
 from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.text import Edits, numbers, shown, whole_numbers
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}

@@ -7,13 +7,13 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.atomic_file import replacing
-from apd_viewer.geometry.examination import Examination, examined
+from apd_viewer.geometry.analysis.examination import Examination, examined
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.geometry.deform import Result
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.geometry.solver.deform import Result
 
 
 def write_report(path: Path, mesh: Mesh, result: Result) -> None:

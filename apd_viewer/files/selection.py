@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 MOST_REGIONS = 8

@@ -14,8 +14,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, check_count
 from apd_viewer.files.text import numbers
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 _HEAD = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})[ \t]*(?:\r\n|\n|\r)")

@@ -27,7 +27,7 @@ from apd_viewer.files.selection_json import json_of, read_json
 from apd_viewer.files.selection_npz import npz_of, read_npz
 from apd_viewer.files.selection_ply import ply_of, read_selection_ply
 from apd_viewer.files.survey_formats import read_selection, sel_of
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _READERS: dict[str, Callable[[bytes, Mesh], Selection]] = {

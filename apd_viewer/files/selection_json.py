@@ -22,8 +22,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import MOST_REGIONS, Selection, check_count
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 _FORMAT, _VERSION = "apd-selection", 1

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.files.parsed import Parsed
 from apd_viewer.files.text import Edits, numbers, plain
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets

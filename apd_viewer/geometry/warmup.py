@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry import change, local_change
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.methods import METHODS
+from apd_viewer.geometry.analysis import change, local_change
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.methods import METHODS
 
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:

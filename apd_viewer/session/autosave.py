@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.geometry.frame import Frame
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.backup import Backup, Copy
 from apd_viewer.session.document import Document, State
 from apd_viewer.session.recovery import Leftover

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, rest_frame
 

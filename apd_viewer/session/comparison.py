@@ -16,7 +16,7 @@ from apd_viewer.session.requests import Account, Request
 from apd_viewer.session.worker import Worker
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.frame import Frame
+    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.document import Document
     from apd_viewer.session.requests import Reply
 

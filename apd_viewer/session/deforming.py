@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.geometry.deformation import Deformation
+from apd_viewer.geometry.solver.deformation import Deformation
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.constraints import Constraints
-    from apd_viewer.geometry.linear_solver import Factored
-    from apd_viewer.geometry.rest_mesh import RestMesh
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+    from apd_viewer.geometry.linalg.linear_solver import Factored
+    from apd_viewer.geometry.pose.constraints import Constraints
     from apd_viewer.session.document import Document
 
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import FREE, HANDLE, Soft, what_is_missing
-from apd_viewer.geometry.mesh import Weld, frozen
-from apd_viewer.geometry.operators import face_areas
-from apd_viewer.geometry.regions import region_areas
+from apd_viewer.geometry.mesh.mesh import Weld, frozen
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.regions import region_areas
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.falloff import Graph
+    from apd_viewer.geometry.pose.falloff import Graph
 
 T = TypeVar("T")
 
@@ -57,7 +57,7 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 
 @once
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
-    """Area of each region at rest: see :func:`apd_viewer.geometry.regions.region_areas`."""
+    """Area of each region at rest: see :func:`apd_viewer.geometry.mesh.regions.region_areas`."""
     return tuple(region_areas(V, F, member, count).tolist())
 
 
@@ -70,7 +70,7 @@ def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 @once
 def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Lengths of the edges, (n, n)."""
-    from apd_viewer.geometry.falloff import edge_graph  # loads what the first picture must not wait for
+    from apd_viewer.geometry.pose.falloff import edge_graph  # loads what the first picture must not wait for
 
     return edge_graph(V, F)
 
@@ -80,7 +80,7 @@ def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
     """How far every vertex is from those with a label, along the edges at rest, (n,)."""
-    from apd_viewer.geometry.falloff import distances
+    from apd_viewer.geometry.pose.falloff import distances
 
     joined = weld.first[weld.inverse]
     start = np.unique(joined[labels == label])
@@ -90,7 +90,7 @@ def _away(
 @once
 def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
     """What handles with such falloffs draw along; ``F`` names every place by its first vertex."""
-    from apd_viewer.geometry.falloff import softened, strengths
+    from apd_viewer.geometry.pose.falloff import softened, strengths
 
     # A falloff that is swept needs a search only where it has doubled.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]

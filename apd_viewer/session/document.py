@@ -9,19 +9,19 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, numbered
-from apd_viewer.geometry.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
-from apd_viewer.geometry.frame import MET, Frame
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.inspection import Inspection, inspect
-from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.geometry.methods import (
+from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.regions import region_areas
+from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
+from apd_viewer.geometry.pose.frame import MET, Frame
+from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
 )
-from apd_viewer.geometry.regions import region_areas
-from apd_viewer.geometry.skin import Skin
 from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.named_parts import IDENTITY, Handle, NamedRegion
@@ -57,7 +57,7 @@ class Document:
     tolerance : float
         Relative error of the area that "paper" accepts.
     stiffness, area_stiffness, shear_stiffness : float
-        See :class:`apd_viewer.geometry.deformation.Deformation`.
+        See :class:`apd_viewer.geometry.solver.deformation.Deformation`.
     area : float
         What the total area should be, in percent of what it is at rest.
     hold_area : bool

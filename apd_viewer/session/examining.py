@@ -10,8 +10,8 @@ from apd_viewer.session.stage import Activity, Listener, Stage
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.geometry.examination import Examination
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.analysis.examination import Examination
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
 
 

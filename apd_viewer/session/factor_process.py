@@ -14,7 +14,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from apd_viewer.geometry.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session import wire
 from apd_viewer.session.processes import leave_interrupts_to_the_owner
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.linear_solver import rows_of
+from apd_viewer.geometry.linalg.linear_solver import rows_of
 from apd_viewer.language import tr
 from apd_viewer.session import wire
 from apd_viewer.session.processes import START, Process, started
@@ -16,7 +16,7 @@ from apd_viewer.session.processes import START, Process, started
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from apd_viewer.geometry.linear_solver import Matrix
+    from apd_viewer.geometry.linalg.linear_solver import Matrix
 
 _START = START.format(module="factor_process")
 _MOST_DEATHS = 3

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.document import State
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from apd_viewer.geometry.frame import Frame
-from apd_viewer.geometry.thinning import Thinning
+from apd_viewer.geometry.mesh.thinning import Thinning
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.requests import Account, Request
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import transform
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.pose.constraints import transform
 
 IDENTITY = frozen(np.eye(4))
 

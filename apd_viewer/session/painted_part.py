@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import FREE
+from apd_viewer.geometry.pose.constraints import FREE
 
 if TYPE_CHECKING:
     from apd_viewer.session.document import Document

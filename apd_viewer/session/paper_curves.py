@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.motions import shifted
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.motions import shifted
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.sweep import sweep_of
 
 if TYPE_CHECKING:

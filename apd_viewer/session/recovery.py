@@ -16,7 +16,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.archive import Archive
 from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.lock import Lock, take
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.document import State
 from apd_viewer.session.saved import open_session

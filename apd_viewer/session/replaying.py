@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import Constraints
-from apd_viewer.geometry.deform import Result, iterated, result_of
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.frame import Frame
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import Result, iterated, result_of
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.deforming import deformation_of
 from apd_viewer.session.document import State
 from apd_viewer.session.saved import open_session

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.frame import Frame
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.document import Document
 
 

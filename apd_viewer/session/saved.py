@@ -22,7 +22,7 @@ from apd_viewer.files.archive import Archive, npy, write_archive
 from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
 from apd_viewer.files.reading import content_of
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened
 from apd_viewer.session.session_json import (

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.language import tr, trn
 from apd_viewer.session.units import Unit
 
 if TYPE_CHECKING:
     from apd_viewer.files.selection import Selection
-    from apd_viewer.geometry.inspection import Finding
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.analysis.inspection import Finding
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
@@ -72,7 +72,9 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
     """What there is to say of the triangles that pass through others; nothing where there are none."""
     if crossing is None or not len(crossing):
         return ()
-    from apd_viewer.geometry.inspection import Finding  # here, because the window says some of these first
+    from apd_viewer.geometry.analysis.inspection import (
+        Finding,  # here, because the window says some of these first
+    )
 
     said = tr("{n:,} triangles pass through others; the volume is wrong by what they share.")
     where = frozen(np.unique(mesh.F[crossing]))

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import transform
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
 from apd_viewer.session.by_numbers import chosen, place

@@ -13,12 +13,12 @@ import numpy as np
 
 from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.selection import MOST_REGIONS
-from apd_viewer.geometry.constraints import HANDLE, MOST_HANDLES
-from apd_viewer.geometry.cores import cores_for
-from apd_viewer.geometry.frame import Frame
-from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.geometry.methods import METHODS
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.document import Document, State, rest_frame
 from apd_viewer.session.expressions import MOST_CHARACTERS

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import Constraints
-from apd_viewer.geometry.deform import MOST_ITERATIONS
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.guided import make_ready
-from apd_viewer.geometry.linear_solver import Factor
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.linear_solver import Factor
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.guided import make_ready
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.deforming import deformation_of
@@ -33,7 +33,7 @@ from apd_viewer.session.requests import Account, alike, factored_for
 from apd_viewer.session.shared_memory import Tray
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.linear_solver import Matrix
+    from apd_viewer.geometry.linalg.linear_solver import Matrix
 
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import BASE, transform
-from apd_viewer.geometry.methods import METHODS
-from apd_viewer.geometry.motion_paths import ScrewPath, Turn, path_of
+from apd_viewer.geometry.pose.constraints import BASE, transform
+from apd_viewer.geometry.pose.motion_paths import ScrewPath, Turn, path_of
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.deforming import deformation_of
@@ -19,9 +19,9 @@ from apd_viewer.session.expressions import angle
 from apd_viewer.session.named_parts import IDENTITY
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.deformation import Deformation
-    from apd_viewer.geometry.frame import Frame
-    from apd_viewer.geometry.rest_mesh import RestMesh
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+    from apd_viewer.geometry.pose.frame import Frame
+    from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.document import Document
 
 SWEPT = ("arap", "paper", "exact", "local")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import frozen
+from apd_viewer.geometry.mesh.mesh import frozen
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.frame import Frame
+    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.document import Document, State
 
 COLUMNS = (
@@ -70,7 +70,7 @@ class Trace:
         """A column by its name of ``COLUMNS``, read-only; not a number where nothing is known.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
-        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.frame.Frame`.
+        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.
         """
         return frozen(self._rows[: self._count, COLUMNS.index(name)].copy())
 

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh import Mesh, Weld, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh, Weld, frozen
 from apd_viewer.session.shared_memory import Envelope, OpenedEnvelope
 
 # Bytes; smaller arrays travel in the message itself.

@@ -37,7 +37,7 @@ from PySide6.QtWidgets import QApplication
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.view import SUFFIX
 from apd_viewer.ui.garbage import GuiThreadGC
 from apd_viewer.ui.loading import Loading

@@ -16,7 +16,7 @@ from apd_viewer.ui.shield import shield
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.canvas import Canvas
 
 _WHOLE = 200

@@ -12,8 +12,8 @@ from PySide6.QtCore import QObject, QPointF, QRectF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.sketch import Sketch
+from apd_viewer.geometry.picking.sketch import Sketch
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.painted_part import Part
 from apd_viewer.session.view import Standpoint, View
@@ -37,7 +37,7 @@ from apd_viewer.ui.toolbox import Tool, Way
 from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.document import Document, State
 
 

@@ -13,7 +13,7 @@ from apd_viewer.ui import dialogs
 from apd_viewer.ui.memory import Memory, own_file
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.document import State
     from apd_viewer.session.recovery import Leftover
     from apd_viewer.session.session import Session

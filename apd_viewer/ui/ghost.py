@@ -11,7 +11,7 @@ from apd_viewer.ui.rest_actor import RestActor
 from apd_viewer.ui.shading import GLASS
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.viewport import Viewport
 
 

@@ -16,7 +16,7 @@ from apd_viewer.ui.rest_actor import RestActor
 from apd_viewer.ui.scales import nice
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.viewport import Viewport
 
 _LINES = 12  # about so many fit along the longer side of the mesh

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from apd_viewer.ui.findings import Badge, FindingList
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.inspection import Finding
+    from apd_viewer.geometry.analysis.inspection import Finding
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.theme import Theme
 

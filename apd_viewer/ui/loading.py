@@ -39,7 +39,7 @@ class Loading(QObject):
         # All that takes long to import is imported here; a library that is there may still be broken.
         try:
             import apd_viewer.session.session  # noqa: F401
-            from apd_viewer.geometry import skin
+            from apd_viewer.geometry.picking.picking import skin
 
             skin.warm_up()
         except (ImportError, OSError) as error:

@@ -13,7 +13,7 @@ from apd_viewer.ui.memory import own_file
 from apd_viewer.ui.scales import Measure
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.session import Session
     from apd_viewer.session.view import View
     from apd_viewer.ui.health import Health

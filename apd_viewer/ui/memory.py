@@ -17,7 +17,7 @@ from apd_viewer.session.units import Unit
 from apd_viewer.session.wall import Wall
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_RECENT = 8
 _MOST_UNITS = 64

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.ui.named_keys import with_keys
 from apd_viewer.ui.notice import Invitation

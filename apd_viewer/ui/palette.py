@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 
 BASE_COLOR = (0, 114, 178)  # blue
 FREE_COLOR = (205, 203, 198)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.units import Unit
 from apd_viewer.ui.area_section import AreaSection

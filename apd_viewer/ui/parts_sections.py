@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
-from apd_viewer.geometry.constraints import HANDLE
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc
 from apd_viewer.ui import readout
 from apd_viewer.ui.dial import SHARE, Dial

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.frame import MET
+from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.ui.axis import Axis, decades, linear, power, ratios, rounded
 from apd_viewer.ui.chart import Bars, Chart, Curve, Mark
 from apd_viewer.ui.number_format import short, signed, significant
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.local_change import LocalChange
+    from apd_viewer.geometry.analysis.local_change import LocalChange
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.trace import Trace
     from apd_viewer.session.units import Unit

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.bounding_boxes import compactness
-from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.geometry.frame import MET
+from apd_viewer.geometry.analysis.bounding_boxes import compactness
+from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr, trc
 from apd_viewer.session.sentences import about_caps
 from apd_viewer.ui.number_format import length, short, signed, significant
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.examination import Examination
-    from apd_viewer.geometry.frame import Frame
-    from apd_viewer.geometry.inspection import Inspection
+    from apd_viewer.geometry.analysis.examination import Examination
+    from apd_viewer.geometry.analysis.inspection import Inspection
+    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.units import Unit
 

@@ -10,7 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 if TYPE_CHECKING:
     import pyvista as pv
 
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.viewport import Viewport
 
 

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.session.saved import save_session
 from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of

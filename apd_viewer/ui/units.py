@@ -18,7 +18,7 @@ from apd_viewer.ui.theme import LIGHT, Theme
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.geometry.mesh import Mesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.memory import Memory
 
 _NAMES = {

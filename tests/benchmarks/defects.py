@@ -18,7 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from defective import Defective, suite
 
-from apd_viewer.geometry.deform import deform
+from apd_viewer.geometry.solver.deform import deform
 
 ITERATIONS = 30
 

@@ -20,8 +20,8 @@ from PySide6.QtCore import QCoreApplication, QObject, Qt, QTimer, Signal
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from meshes import rotation, sample_bottle
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.session import Listener, Session
 from apd_viewer.ui.application import SWITCH_INTERVAL
 from apd_viewer.ui.garbage import GuiThreadGC

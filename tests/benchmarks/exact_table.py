@@ -19,11 +19,11 @@ from meshes import rotation
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.operators import area
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
 
 MOVES = ("twist 60", "twist 120", "bend 90", "stretch 45 %", "compress 45 %", "shear 60 %")
 

@@ -23,8 +23,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "ui"))
 from driving import Mouse, document
 from meshes import rotation, sample_bottle
 
-from apd_viewer.geometry import skin
-from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.picking.picking import skin
 from apd_viewer.session.document import opened
 from apd_viewer.session.worker import Reply
 from apd_viewer.ui.application import make_application

@@ -16,9 +16,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from meshes import rotation, sample_bottle
 
-from apd_viewer.geometry.constraints import constraints
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.solver.deformation import Deformation
 
 EDGES = {1.13: 60, 0.565: 20, 0.282: 10}  # length of the edges: turns
 METHODS = {

@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "session"))
 from meshes import rotation, sample_bottle
 from test_session import Driven
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 
 RATE = 60.0
 SPEED = 0.24  # radians a second

@@ -19,8 +19,8 @@ import interleavings
 from meshes import rotation, sample_bottle
 from test_session import Driven
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 
 
 def resident(pid: int | str) -> float:

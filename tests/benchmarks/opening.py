@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from meshes import sample_bottle
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 
 SUFFIXES = (".ply", ".stl", ".obj")
 WAYS = {

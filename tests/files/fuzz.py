@@ -30,7 +30,7 @@ from test_same_file import FILES
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.inspection import inspect
+from apd_viewer.geometry.analysis.inspection import inspect
 
 NAMES = sorted(FILES)
 SECONDS = 2.0  # of work on a file

@@ -5,9 +5,9 @@ import pytest
 from defective import suite
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.deform import deform
 
 SUITE = suite()
 

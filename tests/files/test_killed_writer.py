@@ -26,7 +26,7 @@ import os, sys
 from pathlib import Path
 from meshes import grid
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 
 folder, name = Path(sys.argv[1]), sys.argv[2]
 mesh = Mesh(*grid(150, 150))

@@ -12,7 +12,7 @@ from test_open_mesh import binary_stl, glb, obj, off, ply, stl
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 
 BOX = box(2, 2, 3)
 QUADS = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]

@@ -13,8 +13,8 @@ from meshes import box, rotation, soup, sphere
 import apd_viewer.files.atomic_file
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.operators import area
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import area
 
 EXACT = (".obj", ".off")
 

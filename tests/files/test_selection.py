@@ -8,8 +8,8 @@ from test_selection_files import N, painted
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import LEAST_AREA, MOST_AREA, Selection
-from apd_viewer.geometry import goals
-from apd_viewer.geometry.constraints import BASE, FREE
+from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.geometry.solver import goals
 
 
 @pytest.mark.parametrize(

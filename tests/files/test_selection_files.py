@@ -17,8 +17,8 @@ from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.files.selection import LEAST_AREA, MOST_AREA, Selection
 from apd_viewer.files.selection_files import SELECTION_FORMATS, read_selection_file, write_selection
 from apd_viewer.files.survey_formats import read_selection
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 
 MESH = Mesh(*sphere(1))
 N = len(MESH.V)

@@ -11,8 +11,8 @@ from test_selection_files import MESH, N, painted
 from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection
 from apd_viewer.files.selection_files import SELECTION_FORMATS, write_selection
-from apd_viewer.geometry.constraints import FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 
 
 @pytest.mark.parametrize("suffix", SELECTION_FORMATS)

@@ -6,11 +6,11 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.rest_mesh import RestMesh
-from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
 
 # name: rotation of the handle about its centroid, and its shift in heights of the mesh
 MOVES = {

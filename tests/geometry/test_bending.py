@@ -5,9 +5,9 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.solver.deform import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
 

@@ -4,9 +4,9 @@ import meshes
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.bounding_boxes import box_volume, compactness, packed_volume
-from apd_viewer.geometry.examination import examined
-from apd_viewer.geometry.operators import area, volume
+from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness, packed_volume
+from apd_viewer.geometry.analysis.examination import examined
+from apd_viewer.geometry.mesh.operators import area, volume
 
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
 # The smallest box: of a box itself; of a tetrahedron the cube whose faces have one edge each.

@@ -6,11 +6,11 @@ import trimesh
 from meshes import box, grid, rabbit, rotation, soup, sphere, tube
 from numpy.testing import assert_allclose
 
-from apd_viewer.geometry.caps import Caps, capped_volume
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
 
 AWAY = np.array([300.0, -70.0, 20.0])
 

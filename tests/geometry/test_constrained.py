@@ -6,14 +6,14 @@ from meshes import box, ends, moved, rotation, soup, sphere, tube
 from scipy.optimize import brentq
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry import elastic as elastic_module
-from apd_viewer.geometry.constrained import Constrained
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.goals import Region, make_goals
-from apd_viewer.geometry.operators import area, volume
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy import elastic as elastic_module
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.operators import area, volume
+from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region, make_goals
 
 MESHES = {"tube": tube(12, 14), "box": box(2, 2, 6), "soup": soup(*tube(8, 10))}
 MOVES = {

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from meshes import rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, constraints, transform, what_is_missing
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, constraints, transform, what_is_missing
 
 labelled = arrays(int, st.integers(1, 12), elements=st.sampled_from([BASE, FREE, HANDLE]))
 

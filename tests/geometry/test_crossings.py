@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.operators import face_areas
+from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
 
 CLEAN = {
     "sphere": meshes.sphere(3),

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from meshes import rotation, tube
 
-from apd_viewer.geometry.cycles import Cycled
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.cycles import Cycled
+from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = tube(80, 120, height=4.0)
 REST = RestMesh(V, F)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import box, grid, sphere, tube
 
-from apd_viewer.geometry.defects import defects
+from apd_viewer.geometry.analysis.defects import defects
 
 
 def edges_of(F):

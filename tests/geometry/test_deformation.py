@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from meshes import box, ends, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = box(2, 2, 5)
 BASE, HANDLE = ends(V)

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 
-from apd_viewer.geometry.constrained import Constrained
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.goals import Region, make_goals
-from apd_viewer.geometry.lbfgs import Memory
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.lbfgs import Memory
+from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region, make_goals
 
 MESHES = {"tube": tube(16, 20), "box": box(3, 3, 8), "sphere": sphere(3)}
 MATERIALS = {

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import box, rotation
 
-from apd_viewer.geometry.constraints import NO_SOFT, Soft
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.falloff import distances, edge_graph, softened, strengths
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
+from apd_viewer.geometry.pose.falloff import distances, edge_graph, softened, strengths
+from apd_viewer.geometry.solver.deformation import Deformation
 
 
 def plate(n: int) -> tuple[np.ndarray, np.ndarray]:

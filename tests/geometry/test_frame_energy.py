@@ -6,10 +6,10 @@ import pytest
 from meshes import box, ends, rotation, tube
 from test_preview import Elsewhere
 
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, material_of
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, material_of
 
 V, F = box(2, 2, 6)
 BASE, HANDLE = ends(V)

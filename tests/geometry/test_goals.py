@@ -5,8 +5,8 @@ import pytest
 from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.goals import Region, make_goals, patch_of
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver.goals import Region, make_goals, patch_of
 
 V, F = box(2, 3, 4)
 REST = RestMesh(V, F)

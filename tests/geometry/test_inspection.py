@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from meshes import box, grid, soup
 
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 def test_of_a_clean_mesh_there_is_nothing_to_say():

@@ -6,13 +6,13 @@ import pytest
 from meshes import box, ends, moved, rotation, tube
 from scipy.optimize import brentq
 
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.elastic import Elastic
-from apd_viewer.geometry.goals import make_goals
-from apd_viewer.geometry.li_hui import LiHui
-from apd_viewer.geometry.operators import area, volume
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.operators import area, volume
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import make_goals
+from apd_viewer.geometry.solver.li_hui import LiHui
 
 TUBE = tube(12, 14)
 MOVES = {

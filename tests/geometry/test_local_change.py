@@ -5,9 +5,9 @@ import pytest
 from meshes import box, rotation, sphere
 from scipy.stats import ortho_group
 
-from apd_viewer.geometry.local_change import local_change
-from apd_viewer.geometry.operators import face_areas
-from apd_viewer.geometry.rest_mesh import RestMesh
+from apd_viewer.geometry.analysis.local_change import local_change
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.operators import face_areas
 
 V, F = sphere(4)
 REST = face_areas(V, F)

@@ -9,12 +9,12 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 from scipy.optimize import minimize_scalar
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.elastic import Elastic, Material
-from apd_viewer.geometry.measures import Patch
-from apd_viewer.geometry.membrane import Membrane, _project
-from apd_viewer.geometry.operators import face_areas
-from apd_viewer.geometry.rest_shape import RestShape
+from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.membrane import Membrane, _project
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.solver.deform import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from meshes import box, grid, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.operators import (
+from apd_viewer.geometry.mesh.operators import (
     area,
     cotangents,
     edge_weights,

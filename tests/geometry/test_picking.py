@@ -3,8 +3,8 @@ import pytest
 import scipy.sparse as sp
 import trimesh
 
-from apd_viewer.geometry.operators import vertex_neighbours
-from apd_viewer.geometry.picking import BLOCK, boxes, brush, ray_hit
+from apd_viewer.geometry.mesh.operators import vertex_neighbours
+from apd_viewer.geometry.picking.picking import BLOCK, boxes, brush, ray_hit
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from meshes import rotation, tube
 
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.goals import Region
-from apd_viewer.geometry.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region
 
 V, F = tube(80, 120, height=4.0)
 FIXED = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from apd_viewer.geometry.rotations import (
+from apd_viewer.geometry.linalg.rotations import (
     LANES,
     ROWS,
     fit_lanes,

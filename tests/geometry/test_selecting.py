@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from meshes import box, grid, rotation, soup, sphere, tube
 from scipy.spatial import Delaunay
 
-from apd_viewer.geometry import selecting
-from apd_viewer.geometry.adjacency import ALONE, CROWDED, filled, opposite_corners
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.operators import vertex_neighbours
-from apd_viewer.geometry.selecting import (
+from apd_viewer.geometry.mesh.adjacency import ALONE, CROWDED, filled, opposite_corners
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import vertex_neighbours
+from apd_viewer.geometry.picking.picking import selecting
+from apd_viewer.geometry.picking.selecting import (
     RINGS,
     border_loop,
     grown,
@@ -24,7 +24,7 @@ from apd_viewer.geometry.selecting import (
     shrunk,
     smoothed,
 )
-from apd_viewer.geometry.skin import Skin
+from apd_viewer.geometry.picking.skin import Skin
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import box, grid, moved, rotation, soup, sphere, tube
 
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.skin import Skin
-from apd_viewer.geometry.visibility import FAN, TOUCHING, boxes_in_boxes, visible
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.picking.visibility import FAN, TOUCHING, boxes_in_boxes, visible
 
 
 def seen(eye, U, F, ids=None):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from meshes import box, grid, rotation, soup
 
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.inspection import inspect
-from apd_viewer.geometry.mesh import TOLERANCE, Mesh, Weld
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.mesh import TOLERANCE, Mesh, Weld
+from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = box(3, 3, 9)
 LENGTH = np.linalg.norm(np.ptp(V, axis=0))

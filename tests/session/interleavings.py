@@ -7,8 +7,8 @@ import numpy as np
 from meshes import box
 from test_session import LONG, Driven
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.session import Activity
 
 MESHES = Mesh(*box(2, 2, 6)), Mesh(*box(4, 4, 12))

@@ -12,9 +12,9 @@ from test_session import session as session
 from test_session import slow as slow
 
 from apd_viewer.files.selection import MOST_REGIONS
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, MOST_HANDLES
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.session import Activity
 
 

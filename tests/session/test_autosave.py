@@ -28,8 +28,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files import lock as lock_module
 from apd_viewer.files.lock import take
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.constraints import BASE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session import backup as backup_module
 from apd_viewer.session import recovery
 from apd_viewer.session.document import opened

@@ -12,8 +12,8 @@ from test_session import session as session
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
-from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.baking import baked
 from apd_viewer.session.document import opened
 from apd_viewer.session.saved import open_session, save_session

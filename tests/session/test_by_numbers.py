@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from meshes import box
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.by_numbers import chosen
 from apd_viewer.session.document import opened
 from apd_viewer.session.units import Unit

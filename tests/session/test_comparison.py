@@ -10,7 +10,7 @@ from test_session import BENT, LONG
 from test_worker import document
 
 import apd_viewer
-from apd_viewer.geometry import elastic
+from apd_viewer.geometry.energy import elastic
 from apd_viewer.session import child
 from apd_viewer.session.comparison import COMPARED, Comparison
 
@@ -90,7 +90,9 @@ def test_where_the_shape_was_led_before_plays_no_part(begun, cold):
 
 def endless(monkeypatch):
     """Let no method settle."""
-    monkeypatch.setattr("apd_viewer.geometry.deformation.Deformation.settled", property(lambda _: False))
+    monkeypatch.setattr(
+        "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
+    )
     monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 10**9)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from meshes import box, ends
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session import derived
 from apd_viewer.session.document import opened
 from apd_viewer.session.named_parts import NamedRegion

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from meshes import box, ends, soup
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.document import Document, opened
 from apd_viewer.session.named_parts import Handle, NamedRegion
 from apd_viewer.session.names import new_name, next_name

@@ -11,7 +11,7 @@ from meshes import box
 from test_session import BENT, LONG, Driven, bar, pose, solver_threads
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session import files
 from apd_viewer.session.session import Activity
 

@@ -10,10 +10,10 @@ import meshes
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.bounding_boxes import packed_volume
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session import examiner
 from apd_viewer.session.document import opened
 from apd_viewer.session.examiner import Examiner, Shape

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array
 
-from apd_viewer.geometry.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session import factoring
 from apd_viewer.session.factoring import FarFactor
 
@@ -98,7 +98,7 @@ def test_what_cannot_be_started_is_said(monkeypatch):
 
 
 def test_closing_does_not_wait_for_the_factor(monkeypatch):
-    slow = "import time; from apd_viewer.geometry.linear_solver import LinearSolver\n"
+    slow = "import time; from apd_viewer.geometry.linalg.linear_solver import LinearSolver\n"
     slow += "LinearSolver.from_rows = lambda *_: time.sleep(60)\nmain(replies)"
     monkeypatch.setattr(factoring, "_START", factoring._START.replace("main(replies)", slow))
     factor = far()

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 from meshes import box
 
-from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.session.document import State, opened
 from apd_viewer.session.history import History
 

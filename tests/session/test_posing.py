@@ -8,7 +8,7 @@ from test_session import empty as empty
 from test_session import session as session
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.posing import Motion, amount_of, moved, names_of
 from apd_viewer.session.units import Unit
 

@@ -16,9 +16,9 @@ from test_session import BENT, Driven, bar, pose
 from test_session import empty as empty
 from test_session import session as session
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session import child
 from apd_viewer.session.document import opened
 from apd_viewer.session.requests import Request
@@ -100,7 +100,7 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
     altered(
         """
         import time
-        from apd_viewer.geometry.deformation import Deformation
+        from apd_viewer.geometry.solver.deformation import Deformation
         real = Deformation.iterate
         Deformation.iterate = lambda self: (time.sleep(0.01), real(self))
         """
@@ -144,7 +144,7 @@ def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, alt
         altered(
             """
             import os
-            from apd_viewer.geometry.deformation import Deformation
+            from apd_viewer.geometry.solver.deformation import Deformation
             Deformation.iterate = lambda self: os._exit(139)
             """
         )
@@ -205,7 +205,7 @@ def endless(altered):
         """
         from apd_viewer.session import factoring, solver
         solver._LARGE = 2500
-        slow = "from apd_viewer.geometry.linear_solver import LinearSolver; import ctypes\\n"
+        slow = "from apd_viewer.geometry.linalg.linear_solver import LinearSolver; import ctypes\\n"
         slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
         factoring._START = factoring._START.replace("main(replies)", slow)
         """
@@ -398,7 +398,7 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
     altered(
         """
         import sys
-        from apd_viewer.geometry import rest_shape
+        from apd_viewer.geometry.energy import rest_shape
         from apd_viewer.session import solver
         solver._LARGE = 2500
         real = rest_shape.thinned

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_session import Driven
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.geometry.selecting import RINGS
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.picking.selecting import RINGS
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.document import Document, opened
 from apd_viewer.session.named_parts import NamedRegion
 from apd_viewer.session.painted_part import Part

@@ -17,9 +17,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import whereabouts
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh, frozen
-from apd_viewer.geometry.methods import METHODS
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session import saved as saved_module
 from apd_viewer.session.document import State, opened
 from apd_viewer.session.replaying import replay

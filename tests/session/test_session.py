@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from meshes import box, ends, rotation
 
-from apd_viewer.geometry import elastic, linear_solver
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.linalg import linear_solver
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.document import State
 from apd_viewer.session.history import History
 from apd_viewer.session.session import Activity, Listener, Session

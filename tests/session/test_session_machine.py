@@ -12,8 +12,8 @@ from meshes import box, rotation
 from test_session import Driven, solver_threads
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.painted_part import Part
 from apd_viewer.session.posing import Motion
 from apd_viewer.session.reshaping import Change

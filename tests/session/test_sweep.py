@@ -6,9 +6,9 @@ import trimesh
 from meshes import box, ends
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.deform import deform
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.motions import scaled_about, shifted, turned_about
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.motions import scaled_about, shifted, turned_about
+from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.session.document import opened
 from apd_viewer.session.sweep import sweep_of, twist_of
 

@@ -8,8 +8,8 @@ import pytest
 from meshes import box
 from test_session import Driven, pose
 
-from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.document import opened
 from apd_viewer.session.trace import COLUMNS, MOST, Trace
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from meshes import box, sphere
 
-from apd_viewer.geometry.constraints import BASE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session import shared_memory, wire
 from apd_viewer.session.document import opened
 

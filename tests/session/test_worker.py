@@ -11,9 +11,9 @@ import pytest
 from meshes import box, ends
 from test_session import BENT, LONG, pose
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.deformation import Deformation
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.child import Published
 from apd_viewer.session.document import Document, opened
 from apd_viewer.session.named_parts import Handle, NamedRegion

@@ -9,8 +9,8 @@ from driving import Mouse, arrow_grip, drag, idle, show
 from PySide6.QtCore import QEvent, QSettings, Qt
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.palette import (
     BASE_COLOR,

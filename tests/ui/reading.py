@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.document import opened
 from apd_viewer.session.saved import save_session
 from apd_viewer.session.session import Activity

@@ -12,8 +12,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QImage
 
 import apd_viewer
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.units import Unit
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.outcomes import _error, columns
@@ -253,7 +253,9 @@ def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, side, monkeypatch
 
 def endless(monkeypatch):
     """Let no method settle in the comparison."""
-    monkeypatch.setattr("apd_viewer.geometry.deformation.Deformation.settled", property(lambda _: False))
+    monkeypatch.setattr(
+        "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
+    )
     monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 10**9)
 
 

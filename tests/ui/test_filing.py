@@ -5,7 +5,7 @@ import pytest
 from driving import idle, show
 from PySide6.QtCore import QSettings
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.units import Unit
 from apd_viewer.session.view import View
 from apd_viewer.ui import dialogs

@@ -6,8 +6,8 @@ import pytest
 from driving import Mouse, document, idle, settle
 from PySide6.QtCore import QPointF, Qt
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.palette import MARK_COLOR, label_colors
 from apd_viewer.ui.toolbox import Tool
 

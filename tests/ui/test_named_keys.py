@@ -6,8 +6,8 @@ import pytest
 from driving import document, idle
 from PySide6.QtWidgets import QAbstractButton, QLabel, QWidget
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.ui.named_keys import with_keys
 from apd_viewer.ui.shortcuts import native
 from apd_viewer.ui.toolbox import Tool

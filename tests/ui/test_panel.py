@@ -6,8 +6,8 @@ import pytest
 from driving import Mouse, document, drag, idle, ring_grip
 from PySide6.QtCore import QPointF, Qt
 
-from apd_viewer.geometry.constraints import BASE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.session import Activity
 from apd_viewer.ui.dial import DECADES, PERCENT
 from apd_viewer.ui.readout import verdict

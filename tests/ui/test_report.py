@@ -15,8 +15,8 @@ from page_parts import PageParts
 from PySide6.QtGui import QImage
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.constraints import HANDLE
-from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session import examiner
 from apd_viewer.session.document import opened
 from apd_viewer.session.painted_part import Part

@@ -9,7 +9,7 @@ from driving import Mouse, idle
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolBar
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.toolbox import Tool, Way
 
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier

@@ -8,8 +8,8 @@ from driving import LEFT, Mouse, centre, idle
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtWidgets import QApplication
 
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.toolbox import Tool, Way
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier

@@ -8,7 +8,7 @@ import pytest
 from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, show
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
-from apd_viewer.geometry.mesh import Mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.ui.application import _start
 from apd_viewer.ui.toolbox import Tool
 from apd_viewer.ui.tour_card import placed

@@ -5,7 +5,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.geometry.constraints import transform
+from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.ui.toolbox import Tool
 
 

@@ -9,9 +9,9 @@ from driving import Mouse, document, idle
 from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.files.meshes import save_mesh
-from apd_viewer.geometry.bounding_boxes import packed_volume
-from apd_viewer.geometry.crossings import crossings
-from apd_viewer.geometry.mesh import Mesh, frozen
+from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.session import examiner
 from apd_viewer.session.document import opened
 from apd_viewer.session.units import Unit

@@ -24,9 +24,9 @@ from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.constraints import BASE, FREE, HANDLE, transform
-from apd_viewer.geometry.mesh import Mesh
-from apd_viewer.geometry.operators import area
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.session import Activity
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.toolbox import Tool

@@ -1,0 +1,1 @@
+"""Defects, self-intersections and deviation from the rest shape."""

@@ -1,0 +1,140 @@
+"""Where a surface passes through itself: its volume says little there.
+
+Which edges are near which triangles is found by a library, in a tree. Whether they meet is looked at here:
+it matters where, and not only that they do, and triangles that overlap in one plane count as well.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import frozen
+
+# What is nearer than that, in sizes of the mesh, touches; and what of a determinant is rounding.
+_TOUCH = 1e-12
+_ROUNDING = 1e-14
+# Pairs that are looked at together: enough for numpy, and few for the memory.
+_PORTION = 200_000
+
+
+class _Edges(NamedTuple):
+    """The edges of triangles, and who has them: edge e is of ``face[start[e] : start[e + 1]]``."""
+
+    ends: np.ndarray
+    start: np.ndarray
+    face: np.ndarray
+
+    @classmethod
+    def of(cls, F: np.ndarray, n: int) -> _Edges:
+        a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+        key, edge = np.unique(np.minimum(a, b) * n + np.maximum(a, b), return_inverse=True)
+        start = np.concatenate([[0], np.cumsum(np.bincount(edge, minlength=len(key)))])
+        return cls(np.column_stack([key // n, key % n]), start, np.argsort(edge, kind="stable") // 3)
+
+    def with_faces(self, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """For every one of the edges (k,) each triangle that has it: its place among them, the triangle."""
+        count = self.start[edge + 1] - self.start[edge]
+        which = np.repeat(np.arange(len(edge)), count)
+        within = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
+        return which, self.face[self.start[edge][which] + within]
+
+
+def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
+    """Triangles that pass through another one, or that overlap another one in the same plane.
+
+    A vertex or an edge that lies on another triangle does not count, as where the vertices on one side of an
+    edge hang between those on the other. Nor do two triangles with an edge in common, however sharp the fold.
+
+    Parameters
+    ----------
+    U : (n, 3) float array
+        Positions of the vertices of the solve: of those at one place only one is named by ``F``.
+    F : (m, 3) int array
+
+    Returns
+    -------
+    (k,) int array or None
+        Ascending. None where the library is missing, which is not made for every machine.
+    """
+    try:
+        import ipctk  # here, because few runs of the program come this way
+    except ImportError:
+        return None
+    proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
+    F = F[proper].astype(np.int64)
+    if not len(F):
+        return frozen(proper)
+    X = _of_size_one(U, F)
+    edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
+    tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
+    near = tree.detect_edge_face_candidates()  # without those that have a vertex in common
+    pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)
+    crossing = np.zeros(len(F), dtype=bool)
+    for first in range(0, len(pairs), _PORTION):
+        edge, face = pairs[first : first + _PORTION].T
+        pierces, lies = _meeting(X, edges.ends[edge], F[face])
+        which, other = edges.with_faces(edge[pierces])
+        crossing[other] = crossing[face[pierces][which]] = True
+        which, other = edges.with_faces(edge[lies])
+        face = face[lies][which]
+        over = _overlapping(X, F[face], F[other])
+        crossing[other[over]] = crossing[face[over]] = True
+    return frozen(proper[crossing])
+
+
+def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """The positions about the middle of what is used of them: the library's boxes have single precision."""
+    used = np.zeros(len(U), dtype=bool)
+    used[F.ravel()] = True
+    low, high = U[used].min(axis=0), U[used].max(axis=0)
+    X = (U - (low + high) / 2.0) / (float((high - low).max()) or 1.0)
+    X[~used] = 0.0
+    return X
+
+
+def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.ndarray]:
+    """On which side of the planes of triangles ``T`` (k, 3) the ``vertices`` (k,) each are: -1, 0 or 1."""
+    a, b, c = (X[T[:, corner]] for corner in range(3))
+    normal = np.cross(b - a, c - a)
+    twice = np.linalg.norm(normal, axis=1)
+    reach = np.linalg.norm(b - a, axis=1) * np.linalg.norm(c - a, axis=1)
+    sides = []
+    for vertex in vertices:
+        away = X[vertex] - a
+        height = np.einsum("ij,ij->i", away, normal)
+        least = _TOUCH * twice + _ROUNDING * reach * np.linalg.norm(away, axis=1)
+        sides.append(np.where(np.abs(height) > least, np.sign(height), 0.0))
+    return sides
+
+
+def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which edges, from ``ends`` (k, 2), pierce the triangles ``T`` (k, 3), and which lie in their planes."""
+    above, below = _heights(X, T, ends[:, 0], ends[:, 1])
+    pierces = above * below < 0.0
+    p, q = X[ends[pierces, 0]], X[ends[pierces, 1]]
+    a, b, c = (X[T[pierces, corner]] - p for corner in range(3))
+    turns = [np.einsum("ij,ij->i", q - p, np.cross(*side)) for side in ((a, b), (b, c), (c, a))]
+    pierces[pierces] = np.all(np.array(turns) >= 0.0, axis=0) | np.all(np.array(turns) <= 0.0, axis=0)
+    return pierces, (above == 0.0) & (below == 0.0)
+
+
+def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """Which triangles ``S`` (k, 3) lie in one plane with those of ``T`` (k, 3), and have area in common."""
+    over = (S[:, :, None] == T[:, None, :]).sum(axis=(1, 2)) < 2
+    for side in _heights(X, S, *T.T):
+        over &= side == 0.0
+    s, t = X[S[over]], X[T[over]]
+    across = np.cross(s[:, 1] - s[:, 0], s[:, 2] - s[:, 0])
+    apart = ~across.any(axis=1)
+    for triangle in (s, t):
+        for corner in range(3):
+            axis = np.cross(across, triangle[:, corner] - triangle[:, corner - 1])
+            axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
+            one, other = np.einsum("ijk,ik->ij", s, axis), np.einsum("ijk,ik->ij", t, axis)
+            apart |= np.minimum(one.max(axis=1), other.max(axis=1)) <= (
+                np.maximum(one.min(axis=1), other.min(axis=1)) + _TOUCH
+            )
+    over[over] = ~apart
+    return over

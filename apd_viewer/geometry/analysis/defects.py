@@ -1,0 +1,157 @@
+"""What is wrong with how triangles hang together: borders, edges and vertices with too many, wrong sides."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.mesh.union_find import join, root
+
+# Faces at one edge that are compared with each other.
+_MOST_AT_AN_EDGE = 64
+
+
+class Defects(NamedTuple):
+    """Places among the triangles ``F`` (m, 3) that were looked at.
+
+    Attributes
+    ----------
+    border : (b, 2) int array
+        Ends of the edges of one triangle.
+    crowded : (c, 2) int array
+        Ends of the edges of more than two.
+    bow_ties : (v,) int array
+        Vertices at which surfaces meet that have no edge there in common.
+    flipped : (f,) int array
+        Triangles that look the other way than most of those they hang together with.
+    doubled : (d,) int array
+        Triangles with the same corners as another.
+    one_sided : bool
+        Whether no choice of sides would make all neighbours look the same way.
+    """
+
+    border: np.ndarray
+    crowded: np.ndarray
+    bow_ties: np.ndarray
+    flipped: np.ndarray
+    doubled: np.ndarray
+    one_sided: bool
+
+
+def defects(F: np.ndarray, n: int) -> Defects:
+    """Look at the triangles ``F`` (m, 3), each with three different corners, of ``n`` vertices."""
+    F = np.ascontiguousarray(F)
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    order = _sorted_by(low, _sorted_by(high, np.arange(len(high)), n), n)
+    uses, corner, face, side, doubled, one_sided = _joined(F, low[order], high[order], order)
+    edges = np.column_stack([a, b])
+    fans = a[corner == np.arange(len(corner))]  # one corner of each
+    many = np.flatnonzero(np.bincount(fans, minlength=n) > 1)
+    return Defects(
+        border=edges[order[uses == 1]],
+        crowded=edges[order[uses > 2]],
+        bow_ties=many,
+        flipped=_fewer(face, side),
+        doubled=np.flatnonzero(doubled),
+        one_sided=bool(one_sided),
+    )
+
+
+def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """The triangles on that side of their part of the surface on which fewer are."""
+    count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
+    return np.flatnonzero(count[face, side] < count[face, 1 - side])
+
+
+@njit(cache=True, nogil=True)
+def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
+    """``order`` sorted by the ``key`` (k,) of each, all less than ``n``; equal ones stay in their order."""
+    start = np.zeros(n + 1, dtype=np.int64)
+    for k in key:
+        start[k + 1] += 1
+    for k in range(n):
+        start[k + 1] += start[k]
+    out = np.empty_like(order)
+    for i in order:
+        out[start[key[i]]] = i
+        start[key[i]] += 1
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _joined(
+    F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
+    """Walk over the edges from ``low`` to ``high``, whose halves ``order`` has side by side.
+
+    Returns
+    -------
+    uses : (3 m,) int array
+        For the first half of every edge how many there are; 0 for the others.
+    corner : (3 m,) int array
+        For every corner one that stands for all that edges join it with.
+    face, side : (m,) int arrays
+        For every triangle one that stands for all it hangs together with, and whether it looks the other way.
+    doubled : (m,) bool array
+    one_sided : bool
+    """
+    m = len(F)
+    uses = np.zeros(3 * m, dtype=np.int64)
+    corner, face = np.arange(3 * m), np.arange(m)
+    side, doubled, one_sided = np.zeros(m, dtype=np.int64), np.zeros(m, dtype=np.bool_), False
+    begin = 0
+    while begin < 3 * m:
+        end = begin + 1
+        while end < 3 * m and low[end] == low[begin] and high[end] == high[begin]:
+            end += 1
+        uses[begin] = end - begin
+        for i in range(begin + 1, end):
+            s, c = order[i] // 3, order[i] % 3
+            for j in range(max(begin, i - _MOST_AT_AN_EDGE), i):
+                t, d = order[j] // 3, order[j] % 3
+                same_way = F[s, c] == F[t, d]
+                join(corner, 3 * s + c, 3 * t + (d if same_way else (d + 1) % 3))
+                join(corner, 3 * s + (c + 1) % 3, 3 * t + ((d + 1) % 3 if same_way else d))
+                if F[s, (c + 2) % 3] == F[t, (d + 2) % 3]:
+                    doubled[max(s, t)] = True
+                elif end - begin == 2:
+                    one_sided |= not _agree(face, side, s, t, same_way)
+        begin = end
+    for k in range(3 * m):
+        corner[k] = root(corner, k)
+    for k in range(m):
+        face[k], side[k] = _root_and_side(face, side, k)
+    return uses, corner, face, side, doubled, one_sided
+
+
+@njit(cache=True, nogil=True)
+def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, int]:
+    """Who stands for ``k``, and whether ``k`` looks the other way than it; the way there is shortened."""
+    first, turned = k, 0
+    while parent[first] != first:
+        turned ^= side[first]
+        first = parent[first]
+    rest = turned
+    while parent[k] != first and k != first:
+        above, own = parent[k], side[k]
+        parent[k], side[k] = first, rest
+        rest ^= own
+        k = above
+    return first, turned
+
+
+@njit(cache=True, nogil=True)
+def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
+    """Note that two triangles look alike unless they run alike along their edge; False if they cannot."""
+    a, turned_a = _root_and_side(parent, side, s)
+    b, turned_b = _root_and_side(parent, side, t)
+    differ = turned_a ^ turned_b
+    if a == b:
+        return (differ == 1) == same_way
+    low, high = min(a, b), max(a, b)
+    parent[high] = low
+    side[high] = differ ^ (1 if same_way else 0)
+    return True

@@ -1,0 +1,41 @@
+"""What is looked at only once a shape is at rest, because it takes longer than a frame."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.crossings import crossings
+
+
+class Examination(NamedTuple):
+    """What was found.
+
+    Attributes
+    ----------
+    crossing : (k,) int array or None
+        Triangles that pass through others; None where nobody could look.
+    size : tuple of 3 floats
+        Of the box along the axes.
+    packed : float
+        Volume of the smallest box around the shape, turned in any way.
+    """
+
+    crossing: np.ndarray | None
+    size: tuple[float, float, float]
+    packed: float
+
+    @property
+    def box(self) -> float:
+        """Volume of the box along the axes."""
+        dx, dy, dz = self.size
+        return dx * dy * dz
+
+
+def examined(U: np.ndarray, F: np.ndarray) -> Examination:
+    """Examine the shape with the positions ``U`` (n, 3), whose triangles ``F`` (m, 3) hang together."""
+    points = U[np.unique(F)]
+    dx, dy, dz = np.ptp(points, axis=0).tolist()
+    return Examination(crossings(U, F), (dx, dy, dz), packed_volume(points))

@@ -1,0 +1,92 @@
+"""How far points are from a surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from apd_viewer.geometry.picking.visibility import FAN
+
+_BITS = 3  # of FAN
+# Points that a core takes on at once.
+_PORTION = 128
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def distances(
+    points: np.ndarray,
+    on: np.ndarray,
+    V: np.ndarray,
+    F: np.ndarray,
+    corners: np.ndarray,
+    level: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Write the distances of points from a surface.
+
+    Parameters
+    ----------
+    points : (k, 3) float array
+    on : (k, 3) float array
+        A point of the surface for each of them: the nearer, the faster.
+    V : (n, 3) float array
+    F, corners, level
+        The surface: :func:`apd_viewer.geometry.picking.visibility.boxes_in_boxes` of ``V``.
+    out : (k,) float array
+    """
+    count, top = level[1], len(level) - 2
+    for portion in prange((len(points) + _PORTION - 1) // _PORTION):
+        last = -1
+        for i in range(portion * _PORTION, min(len(points), (portion + 1) * _PORTION)):
+            px, py, pz = points[i, 0], points[i, 1], points[i, 2]
+            x, y, z = px - on[i, 0], py - on[i, 1], pz - on[i, 2]
+            best = x * x + y * y + z * z
+            if last >= 0:  # neighbours are near the same triangle
+                best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
+            # Boxes are walked through without a stack: behind a box comes the largest that begins there.
+            b, size = 0, top
+            while b < count:
+                k = level[size] + (b >> (_BITS * size))
+                x = max(max(corners[k, 0, 0] - px, px - corners[k, 1, 0]), 0.0)
+                y = max(max(corners[k, 0, 1] - py, py - corners[k, 1, 1]), 0.0)
+                z = max(max(corners[k, 0, 2] - pz, pz - corners[k, 1, 2]), 0.0)
+                near = x * x + y * y + z * z < best
+                if near and size > 0:
+                    size -= 1
+                    continue
+                if near:
+                    for t in range(FAN * b, min(FAN * (b + 1), len(F))):
+                        squared = _squared(px, py, pz, V, F[t, 0], F[t, 1], F[t, 2])
+                        if squared < best:
+                            best, last = squared, t
+                b = ((b >> (_BITS * size)) + 1) << (_BITS * size)
+                while size < top and b & ((1 << (_BITS * (size + 1))) - 1) == 0:
+                    size += 1
+            out[i] = np.sqrt(best)
+
+
+@njit(inline="always")
+def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
+    """Squared distance of a point from a triangle: from its inside, or from the nearest of its sides."""
+    ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+    bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
+    dx, dy, dz = px - V[i, 0], py - V[i, 1], pz - V[i, 2]
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    nn = nx * nx + ny * ny + nz * nz
+    # Barycentric coordinates of the foot, times nn.
+    b1 = (dy * bz - dz * by) * nx + (dz * bx - dx * bz) * ny + (dx * by - dy * bx) * nz
+    b2 = (ay * dz - az * dy) * nx + (az * dx - ax * dz) * ny + (ax * dy - ay * dx) * nz
+    if nn > 0.0 and b1 >= 0.0 and b2 >= 0.0 and b1 + b2 <= nn:
+        return (dx * nx + dy * ny + dz * nz) ** 2 / nn
+    side = min(_to_side(dx, dy, dz, ax, ay, az), _to_side(dx, dy, dz, bx, by, bz))
+    return min(side, _to_side(dx - ax, dy - ay, dz - az, bx - ax, by - ay, bz - az))
+
+
+@njit(inline="always")
+def _to_side(dx: float, dy: float, dz: float, ex: float, ey: float, ez: float) -> float:
+    """Squared distance of ``d`` from the segment from the origin to ``e``."""
+    ee = ex * ex + ey * ey + ez * ez
+    along = dx * ex + dy * ey + dz * ez
+    s = min(max(along / ee, 0.0), 1.0) if ee > 0.0 else 0.0
+    x, y, z = dx - s * ex, dy - s * ey, dz - s * ez
+    return x * x + y * y + z * z

@@ -1,0 +1,1 @@
+"""Elastic energies and the mesh that the solver works on."""

@@ -1,0 +1,189 @@
+"""The cells of Eq. 1: every vertex with the edges around it, as kernels.
+
+    E(U) = sum_i sum_{j in N(i)} w_ij |(u_i - u_j) - R_i (v_i - v_j)|^2                  (Eq. 1)
+
+Every undirected edge counts twice, once in the cell of either end. The kernels divide the vertices among
+the cores; edges and their weights are in compressed sparse rows, ``start, neighbour, w``. Rotations are unit
+quaternions ``q`` (n, 4): to turn by one costs less than to fetch a matrix.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from apd_viewer.geometry.linalg.rotations import (
+    LANES,
+    ROWS,
+    fit_lanes,
+    load_rotation,
+    quaternion_to_matrix,
+    store_rotation,
+    turned,
+)
+
+FLAT = np.empty((0, 3, 3))
+# Vertices that a core takes on at once.
+_PORTION = 32 * LANES
+
+
+# Called, it would count references to every array for every vertex, which costs three times its work.
+@njit(inline="always")
+def _load_cell(
+    X: np.ndarray,
+    lane: int,
+    i: int,
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    S0: np.ndarray,
+) -> None:
+    """Put ``S_i = S0_i + sum_j w_ij (u_i - u_j)(v_i - v_j)^T`` into a lane."""
+    s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
+    if len(S0):
+        s00, s01, s02 = S0[i, 0, 0], S0[i, 0, 1], S0[i, 0, 2]
+        s10, s11, s12 = S0[i, 1, 0], S0[i, 1, 1], S0[i, 1, 2]
+        s20, s21, s22 = S0[i, 2, 0], S0[i, 2, 1], S0[i, 2, 2]
+    vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
+    ux, uy, uz = U[i, 0], U[i, 1], U[i, 2]
+    for e in range(start[i], start[i + 1]):
+        j = neighbour[e]
+        x, y, z = vx - V[j, 0], vy - V[j, 1], vz - V[j, 2]
+        a, b, c = w[e] * (ux - U[j, 0]), w[e] * (uy - U[j, 1]), w[e] * (uz - U[j, 2])
+        s00 += a * x
+        s01 += a * y
+        s02 += a * z
+        s10 += b * x
+        s11 += b * y
+        s12 += b * z
+        s20 += c * x
+        s21 += c * y
+        s22 += c * z
+    X[lane], X[LANES + lane], X[2 * LANES + lane] = s00, s01, s02
+    X[3 * LANES + lane], X[4 * LANES + lane], X[5 * LANES + lane] = s10, s11, s12
+    X[6 * LANES + lane], X[7 * LANES + lane], X[8 * LANES + lane] = s20, s21, s22
+
+
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+def local_step(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    S0: np.ndarray,
+    q: np.ndarray,
+) -> None:
+    """Set ``q`` (n, 4) to the rotations that are optimal for ``U``, warm-started.
+
+    Parameters
+    ----------
+    V, U : (n, 3) float array
+        Rest positions and positions.
+    S0 : (n, 3, 3) or (0, 3, 3) float array
+        What other terms than Eq. 1 say about the rotations, in ``tr(R_i^T S_i)``; FLAT where there are none.
+    """
+    n = len(V)
+    for portion in prange((n + _PORTION - 1) // _PORTION):
+        X, scratch = np.zeros(ROWS * LANES), np.empty((3, 4, 4))
+        for first in range(portion * _PORTION, min(n, (portion + 1) * _PORTION), LANES):
+            count = min(LANES, n - first)
+            for lane in range(count):
+                _load_cell(X, lane, first + lane, start, neighbour, w, V, U, S0)
+                load_rotation(X, lane, q[first + lane])
+            fit_lanes(X, scratch)
+            for lane in range(count):
+                store_rotation(X, lane, q[first + lane])
+
+
+@njit(cache=True, nogil=True)
+def local_step_in_turn(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    S0: np.ndarray,
+    coupling: float,
+    q: np.ndarray,
+) -> None:
+    """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, the rotations improved one after another.
+
+    Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
+    Animation].
+    """
+    X, scratch, R = np.zeros(ROWS * LANES), np.empty((3, 4, 4)), np.empty((3, 3))
+    for i in range(len(V)):
+        _load_cell(X, 0, i, start, neighbour, w, V, U, S0)
+        share = coupling / max(start[i + 1] - start[i], 1)
+        for e in range(start[i], start[i + 1]):
+            quaternion_to_matrix(q[neighbour[e]], R)
+            for a in range(3):
+                for b in range(3):
+                    X[(3 * a + b) * LANES] += share * R[a, b]
+        load_rotation(X, 0, q[i])
+        fit_lanes(X, scratch)
+        store_rotation(X, 0, q[i])
+
+
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+def pull(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    LV: np.ndarray,
+    q: np.ndarray,
+    weight: float,
+    more: np.ndarray,
+    mult: np.ndarray,
+    forces: np.ndarray,
+    rows: np.ndarray,
+    less: np.ndarray,
+) -> np.ndarray:
+    """Rows of ``b + more + sum_k mult_k forces_k``, minus ``less``, where grad E = 4 (L U - b).
+
+    ``b_i = weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what
+    R_i is applied to. ``more`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);
+    ``less`` and what is returned (f, 3).
+    """
+    half = 0.5 * weight
+    out = np.empty((len(rows), 3))
+    for r in prange(len(rows)):
+        i = rows[r]
+        bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
+        vx, vy, vz = V[i, 0], V[i, 1], V[i, 2]
+        for e in range(start[i], start[i + 1]):
+            j = neighbour[e]
+            x, y, z = turned(q, j, w[e] * (vx - V[j, 0]), w[e] * (vy - V[j, 1]), w[e] * (vz - V[j, 2]))
+            bx += x
+            by += y
+            bz += z
+        bx, by, bz = half * bx - less[r, 0], half * by - less[r, 1], half * bz - less[r, 2]
+        if len(more):
+            bx, by, bz = bx + more[i, 0], by + more[i, 1], bz + more[i, 2]
+        for k in range(len(mult)):
+            bx += mult[k] * forces[k, i, 0]
+            by += mult[k] * forces[k, i, 1]
+            bz += mult[k] * forces[k, i, 2]
+        out[r, 0], out[r, 1], out[r, 2] = bx, by, bz
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+def energy(
+    start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
+) -> float:
+    """Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
+    total = 0.0
+    for i in prange(len(V)):
+        cells = 0.0
+        for e in range(start[i], start[i + 1]):
+            j = neighbour[e]
+            x, y, z = turned(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
+            a, b, c = U[i, 0] - U[j, 0] - x, U[i, 1] - U[j, 1] - y, U[i, 2] - U[j, 2] - z
+            cells += w[e] * (a * a + b * b + c * c)
+        total += cells
+    return total

@@ -1,0 +1,255 @@
+"""An elastic surface with some vertices held: a local step, and a global step that is factored once.
+
+The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
+cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), curvature
+that is only turned (:class:`Bending`). While those are held, the energy is quadratic in the positions and
+its matrix is always the same:
+
+    grad E = 4 (K U - b),        K factored once, b from the local step.
+
+Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_array, diags_array, hstack
+
+from apd_viewer.geometry.energy import cells
+from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.linalg.rotations import turn_rotations
+from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.geometry.linalg.linear_solver import Factored, Matrix
+
+_MINUS = np.array([-1.0])
+_NOTHING = np.empty((0, 3))
+_NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
+
+
+@dataclass(frozen=True)
+class Material:
+    """Weights of the terms of the energy.
+
+    Attributes
+    ----------
+    rigidity : float
+        Of Eq. 1; greater than zero.
+    shear, area : float
+        Of what keeps the shape and the area of every triangle.
+    bending : float
+        Of what keeps the curvature.
+    coupling : float
+        Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
+    """
+
+    rigidity: float = 1.0
+    shear: float = 0.0
+    area: float = 0.0
+    bending: float = 0.0
+    coupling: float = 0.0
+
+
+def _here_and_now(matrix: Callable[[], Matrix]) -> LinearSolver:
+    return LinearSolver(matrix())
+
+
+class Elastic:
+    """Local and global steps with some vertices held.
+
+    Parameters
+    ----------
+    rest : RestShape
+    fixed : (k,) int array
+        Held vertices, each once.
+    material : Material
+    factored : callable, optional
+        Makes the factor of the matrix that a callable returns; here and now without it.
+    soft : Soft
+        Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Current positions. Replaced, never written into.
+    free : (f,) int array
+        Vertices that are solved for. A piece without any held vertex is not: nothing says where
+        it belongs, so it stays where it is.
+    factor : Factor
+        Of :attr:`K_ff`.
+    """
+
+    def __init__(
+        self,
+        rest: RestShape,
+        fixed: np.ndarray,
+        material: Material | None = None,
+        factored: Factored | None = None,
+        soft: Soft = NO_SOFT,
+    ) -> None:
+        self.rest = rest
+        self.fixed = fixed
+        self.soft = soft
+        self._firm = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
+        self.factored = factored or _here_and_now
+        self.material = material = material or Material()
+        moves = np.isin(rest.piece, rest.piece[fixed])
+        moves[fixed] = False
+        self.free = np.flatnonzero(moves)
+        self._membrane = None
+        if material.shear > 0.0 or material.area > 0.0:
+            self._membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
+        self._bending = rest.bending if material.bending > 0.0 else None
+        self._place = np.full(len(rest.V), len(rest.V))
+        self._place[self.free] = np.arange(len(self.free))
+        self._place[fixed] = -1 - np.arange(len(fixed))
+        self.factor = self.factored(lambda: self.K_ff)
+        self._coupling = material.coupling * float(rest.vertex_areas.sum())
+        self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
+        self._from_held: np.ndarray | None = None
+        self._q: np.ndarray | None
+        self.restart(rest.V)
+
+    @cached_property
+    def _blocks(self) -> tuple[Matrix, Matrix]:
+        rest, material = self.rest, self.material
+        K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
+        if self._membrane is not None:
+            K = K + self._membrane.K
+        if self._bending is not None:
+            K = K + material.bending * self._bending.K
+        rows = K.tocsr()[self.free]
+        K_ff, K_fc = rows[:, self.free].tocsr(), rows[:, self.fixed].tocsr()
+        if not len(self.soft.ids):
+            return K_ff, K_fc
+        place, n = self._place[self.soft.ids], len(self.free)
+        springs = diags_array(np.bincount(place, self._firm, minlength=n))
+        drawn = coo_array((-self._firm, (place, np.arange(len(place)))), shape=(n, len(place)))
+        return (K_ff + springs).tocsr(), hstack([K_fc, drawn]).tocsr()
+
+    @property
+    def K_ff(self) -> Matrix:
+        """The matrix's rows and columns of the free vertices, (f, f)."""
+        return self._blocks[0]
+
+    @property
+    def q(self) -> np.ndarray:
+        """Rotations of the cells, (n, 4) unit quaternions."""
+        if self._q is None:
+            q = self.rest.identity()
+            if self.U is not self.rest.V:
+                self._turn_cells(self.U, q)
+            self._q = q
+        return self._q
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+        self.U = U
+        self._q = None  # nobody may ask for long
+        if self._membrane is not None:
+            self._membrane.local_step(U)
+
+    def pull(
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
+    ) -> np.ndarray:
+        """Right-hand side of the global step, ``b_f - K_fc targets``, (f, 3) float array.
+
+        Parameters
+        ----------
+        targets : (k, 3) float array
+            Where the held vertices are.
+        mult, forces : (g,) and (g, n, 3) float arrays
+            ``mult_i forces_i`` are added to ``b``.
+        """
+        rest, material, more = self.rest, self.material, _NOTHING
+        if self._membrane is not None:
+            more = self._membrane.pull()
+        if self._bending is not None:
+            pull = self._bending.pull(self.q, material.bending)
+            more = pull if more is _NOTHING else more + pull
+        terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
+        return cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
+
+    def from_held(self, targets: np.ndarray) -> np.ndarray:
+        """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
+        if targets is not self._targets or self._from_held is None:
+            self._targets, self._from_held = targets, vectors.product(self._blocks[1], targets)
+        return self._from_held
+
+    def residual(self, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3) float array."""
+        residual = vectors.product(self.K_ff, vectors.taken(self.U, self.free))
+        vectors.add(residual, _MINUS, self.pull(targets)[None])
+        return residual
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """``K_ff^-1 b_f``, both (f, 3) float arrays."""
+        return self.factor.solve(b_f)
+
+    def global_step(
+        self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
+    ) -> np.ndarray:
+        """Positions (n, 3) that minimise the energy while ``b`` is held; they are not yet current."""
+        return self.assembled(self.solve(self.pull(targets, mult, forces)), targets)
+
+    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        return vectors.placed(self.U, self._place, X, targets)
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
+        q, self.U = self.q, U
+        if self._membrane is not None:
+            self._membrane.local_step(U)
+        self._turn_cells(U, q)
+
+    def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
+        rest, material, S0 = self.rest, self.material, cells.FLAT
+        if self._bending is not None:
+            S0 = self._bending.moments(U, material.bending / material.rigidity)
+        if self._coupling > 0.0:
+            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, q)
+        else:
+            cells.local_step(*rest.graph, rest.V, U, S0, q)
+
+    def turn(self, turns: np.ndarray) -> None:
+        """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""
+        turn_rotations(turns, self.q)
+        if self._membrane is not None:
+            self._membrane.turn(turns)
+
+    def iterate(self, targets: np.ndarray) -> None:
+        """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
+        self.local_step(self.global_step(targets))
+
+    @property
+    def energy(self) -> float:
+        """The energy of the current positions, without the coupling of the rotations."""
+        flat = 0.0 if self._membrane is None else self._membrane.energy
+        return self._without_membrane(self.U, self.q) + flat
+
+    def energy_at(self, U: np.ndarray) -> float:
+        """What the energy would be at ``U`` (n, 3), near the current positions; there is no membrane."""
+        q = self.q.copy()
+        self._turn_cells(U, q)
+        return self._without_membrane(U, q)
+
+    def _without_membrane(self, U: np.ndarray, q: np.ndarray) -> float:
+        """The terms of cells that are turned by ``q`` (n, 4), and of springs, at ``U`` (n, 3)."""
+        E = self.material.rigidity * cells.energy(*self.rest.graph, self.rest.V, U, q)
+        if self._bending is not None:
+            E += self.material.bending * self._bending.energy(U, q)
+        if len(self.soft.ids):
+            away = U[self.soft.ids] - self._targets[len(self.fixed) :]
+            E += 2.0 * float(self._firm @ (away * away).sum(axis=1))
+        return float(E)

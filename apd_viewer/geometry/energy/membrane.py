@@ -1,0 +1,187 @@
+"""The membrane: every triangle keeps its shape a little and its area a lot.
+
+A triangle's deformation gradient ``D`` (3, 2) maps its rest plane to space; its singular values
+s1 >= s2 are the stretches. Two terms, each a squared distance to the nearest matrix that it would
+rather see [Bouaziz et al. 2014, Projective Dynamics: Fusing Constraint Projections for Fast Simulation]:
+
+    E = sum_t A_t ( shear |D_t - R_t|^2 + area |D_t - P_t|^2 ),
+
+``R`` the nearest with s1 = s2 = 1 (the triangle is only turned), ``P`` the nearest with s1 s2 = 1 (it may
+be sheared, but keeps its area).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
+from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian
+
+# A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
+_NEEDLE = 1e4
+_NEWTON_STEPS = 20
+# Triangles that a core takes on at once.
+_PORTION = 512
+
+
+@njit(inline="always")
+def _larger_stretch(s1: float, s2: float) -> float:
+    """``p >= 1`` that minimises ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
+    # From here Newton goes straight to the root: the slope's own slope is positive on the way.
+    p = max(s1, 1.0)
+    for _ in range(_NEWTON_STEPS):
+        q = 1.0 / p
+        slope = p - s1 - (q - s2) * q * q
+        step = slope / (1.0 + (3.0 * q - 2.0 * s2) * q * q * q)
+        p -= step
+        # Convergence is quadratic: what is left of such a step is rounding.
+        if abs(step) < 1e-8 * p:
+            break
+    return p
+
+
+@njit(inline="always")
+def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
+    """Write ``shear R + area P`` into ``T`` (3, 2); return ``shear |D - R|^2 + area |D - P|^2``."""
+    x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
+    a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
+    # D^T D = m I + r [[c, s], [s, -c]], where (c, s) is the direction of the larger stretch, turned twice.
+    m, h = 0.5 * (a + d), 0.5 * (a - d)
+    r = np.sqrt(h * h + b * b)
+    s1 = np.sqrt(m + r)
+    z0, z1, z2 = x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
+    s2 = np.sqrt(z0 * z0 + z1 * z1 + z2 * z2) / s1 if s1 > 0.0 else 0.0
+    if s2 <= 1e-12 * s1:
+        # Collapsed: there is no plane to open it into. Keeping it is a subgradient.
+        for i in range(3):
+            T[i, 0], T[i, 1] = (shear + area) * D[i, 0], (shear + area) * D[i, 1]
+        return 0.0
+    p1 = _larger_stretch(s1, s2)
+    p2 = 1.0 / p1
+    f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
+    # T = D (f1 v1 v1^T + f2 v2 v2^T), v the directions of the stretches.
+    c, s = (h / r, b / r) if r > 0.0 else (1.0, 0.0)
+    mean, half = 0.5 * (f1 + f2), 0.5 * (f1 - f2)
+    m00, m01, m11 = mean + half * c, half * s, mean - half * c
+    for i in range(3):
+        x, y = D[i, 0], D[i, 1]
+        T[i, 0] = x * m00 + y * m01
+        T[i, 1] = x * m01 + y * m11
+    return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
+
+
+@njit(cache=True, nogil=True, parallel=True, error_model="numpy", fastmath={"contract"})
+def _forces(
+    F: np.ndarray,
+    rest: np.ndarray,
+    cot: np.ndarray,
+    U: np.ndarray,
+    shear: float,
+    area: float,
+    forces: np.ndarray,
+) -> float:
+    """Write a quarter of what the projections pull the corners with into ``forces`` (3 m, 3); the energy."""
+    energy = 0.0
+    for portion in prange((len(F) + _PORTION - 1) // _PORTION):
+        D, T = np.empty((3, 2)), np.empty((3, 2))
+        sum_ = 0.0
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
+            if x1 == 0.0:
+                forces[3 * t : 3 * t + 3] = 0.0
+                continue
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            for a in range(3):
+                D[a, 0] = (U[j, a] - U[i, a]) / x1
+                D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
+            sum_ += 0.5 * x1 * y2 * _project(D, shear, area, T)
+            # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
+            ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
+            for a in range(3):
+                ij = ck * T[a, 0] * x1
+                ik = cj * (T[a, 0] * x2 + T[a, 1] * y2)
+                jk = ci * (T[a, 0] * (x2 - x1) + T[a, 1] * y2)
+                forces[3 * t, a] = -ij - ik
+                forces[3 * t + 1, a] = ij - jk
+                forces[3 * t + 2, a] = ik + jk
+        energy += sum_
+    return energy
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """The sum of the ``forces`` (3 m, 3) on the corners at every vertex, (n, 3)."""
+    out = np.empty((len(start) - 1, 3))
+    for i in prange(len(out)):
+        x = y = z = 0.0
+        for e in range(start[i], start[i + 1]):
+            c = corner[e]
+            x += forces[c, 0]
+            y += forces[c, 1]
+            z += forces[c, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
+    """Turn the ``forces`` (3 m, 3) of every triangle as its first corner in ``turns`` (n, 4)."""
+    for portion in prange((len(F) + _PORTION - 1) // _PORTION):
+        R = np.empty((3, 3))
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            quaternion_to_matrix(turns[F[t, 0]], R)
+            for c in range(3):
+                x, y, z = forces[3 * t + c, 0], forces[3 * t + c, 1], forces[3 * t + c, 2]
+                for a in range(3):
+                    forces[3 * t + c, a] = R[a, 0] * x + R[a, 1] * y + R[a, 2] * z
+
+
+class Membrane:
+    """The triangles of a rest shape, laid flat.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    patch : Patch
+        The triangles.
+    shear, area : float
+        Weights of the two terms.
+
+    Attributes
+    ----------
+    K : (n, n) csr_array
+        A quarter of the Hessian of the energy while the projections are held; positive semi-definite.
+    energy : float
+        At the positions of the last local step.
+    """
+
+    def __init__(self, V: np.ndarray, patch: Patch, shear: float, area: float) -> None:
+        self.shear, self.area = shear, area
+        self._patch, F = patch, patch.F
+        self._cot = cotangents(V, F)
+        e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
+        x1 = np.linalg.norm(e, axis=1)
+        usable = (np.abs(self._cot).max(axis=1) < _NEEDLE) & (np.abs(self._cot).sum(axis=1) > 0.0)
+        x1 = np.where(usable, x1, 0.0)
+        x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
+        y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)
+        self._rest = np.column_stack([x1, x2, y2])
+        self._cot[~usable] = 0.0
+        self._forces = np.empty((3 * len(F), 3))
+        self.local_step(V)
+        self.K = 0.5 * (shear + area) * element_laplacian(self._cot, F, len(V))
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Find the projections at ``U`` (n, 3), which is what the rest is about."""
+        weights = self.shear, self.area
+        self.energy = float(_forces(self._patch.F, self._rest, self._cot, U, *weights, self._forces))
+
+    def turn(self, turns: np.ndarray) -> None:
+        """Turn the projections by ``turns`` (n, 4), unit quaternions at the vertices."""
+        _turn(self._patch.F, turns, self._forces)
+
+    def pull(self) -> np.ndarray:
+        """What the projections ask for, (n, 3): ``grad E = 4 (K U - pull)``."""
+        return _gathered(self._patch.start, self._patch.corner, self._forces)

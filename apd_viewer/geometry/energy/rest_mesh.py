@@ -1,0 +1,152 @@
+"""Everything about a mesh at rest that a deformation needs, whatever is held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.mesh.caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.measures import survey
+from apd_viewer.geometry.mesh.mesh import Weld
+from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
+from apd_viewer.geometry.mesh.thinning import Thinning
+from apd_viewer.geometry.mesh.unreferenced import UnreferencedVertices
+from apd_viewer.language import tr
+
+# The area of a triangle this much smaller than the mean is nothing but rounding.
+_SLIVER = 1e-9
+
+
+class Survey(NamedTuple):
+    """Readings of a shape, under the names that they have in a frame.
+
+    Attributes
+    ----------
+    area : float
+    volume : float or None
+        None if the mesh is not closed.
+    local_change : float
+        Largest relative change of a triangle's area, up or down.
+    volume_capped : float or None
+        With flat caps over the openings; None if there are none, or they would not close the mesh.
+    """
+
+    area: float
+    volume: float | None
+    local_change: float
+    volume_capped: float | None
+
+
+class RestMesh:
+    """Everything about a mesh that does not depend on what is held: computed once a mesh.
+
+    Parameters
+    ----------
+    V : (n, 3) float array, rest positions
+    F : (m, 3) int array, triangles
+    weld : Weld, optional
+        The maps to the vertices of the solve, where they are known already.
+    thinnings : sequence of Thinning
+        Of :attr:`shape` and of those thinner, as far as they are known already.
+    """
+
+    def __init__(
+        self, V: np.ndarray, F: np.ndarray, weld: Weld | None = None, thinnings: Sequence[Thinning] = ()
+    ) -> None:
+        self.V, self.F = V, F
+        self.weld = weld or Weld.of(V, F)
+        self.face_areas = face_areas(V, F)
+        self.area = float(self.face_areas.sum())
+        if self.area <= 0.0:
+            raise InputError(tr("The mesh has no area: all its faces are degenerate; export it again."))
+        if not np.isfinite(self.area):
+            raise InputError(tr("The mesh is too large to compute with: choose a larger unit of length."))
+        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinnings)
+        used = np.zeros(len(V), dtype=bool)
+        used[F.ravel()] = True
+        self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))
+
+    @cached_property
+    def why_no_volume(self) -> str | None:
+        """Why there is no volume, as a phrase; None if there is one."""
+        return why_no_volume(self.shape.F, len(self.shape.V))
+
+    @cached_property
+    def volume(self) -> float | None:
+        """Enclosed volume at rest; None if the mesh is not closed."""
+        with cores_for(len(self.shape.V)):
+            return self.survey(self.shape.V).volume
+
+    @cached_property
+    def _caps(self) -> Caps | None:
+        caps = Caps.of(self.shape.F, len(self.shape.V))
+        return caps if capped_volume(caps, self.shape.V, self.shape.F) is not None else None
+
+    @property
+    def openings(self) -> int:
+        """How many openings are capped for :attr:`volume_capped`."""
+        return self._caps.count if self._caps is not None else 0
+
+    @cached_property
+    def volume_capped(self) -> float | None:
+        """Volume at rest with flat caps over the openings; None if that encloses nothing."""
+        with cores_for(len(self.shape.V)):
+            return self.survey(self.shape.V).volume_capped
+
+    @cached_property
+    def _unreferenced(self) -> UnreferencedVertices | None:
+        shape = self.shape
+        used = np.zeros(len(shape.V), dtype=bool)
+        used[shape.F.ravel()] = True
+        return None if used.all() else UnreferencedVertices(shape.V, shape.F, np.flatnonzero(~used))
+
+    def spread(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
+        """The positions ``U`` (k, 3) of the vertices of the solve for all vertices of the file, (n, 3).
+
+        A vertex without a face goes along with the surface, unless it is one of the ``held``, of the solve.
+        """
+        return self.weld.spread(U if self._unreferenced is None else self._unreferenced.carried(U, held))
+
+    def survey(self, U: np.ndarray) -> Survey:
+        """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
+        least = _SLIVER * self.area / len(self.F)
+        F, caps = self.shape.whole.F, self._caps
+        area, volume, change = survey(U, F, self.face_areas, least)
+        capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
+        return Survey(float(area), None if self.why_no_volume else float(volume), float(change), capped)
+
+    def energy(self, U: np.ndarray) -> float:
+        """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
+        with cores_for(len(self.shape.V)):
+            return self.shape.energy(U[self.weld.first])
+
+    def loose_pieces(self, fixed: np.ndarray) -> int:
+        """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
+        piece = self.shape.piece
+        loose = np.zeros(len(piece), dtype=bool)
+        loose[piece[self.shape.F[:, 0]]] = True
+        loose[piece[self.weld.inverse[fixed]]] = False
+        return int(loose.sum())
+
+    def loose_warning(self, fixed: np.ndarray) -> str | None:
+        """What a user should be told about pieces that none of the ``fixed`` vertices holds."""
+        loose = self.loose_pieces(fixed)
+        if not loose:
+            return None
+        if loose == 1:
+            return tr("A separate piece is held by nothing; it stays where it is.")
+        return tr("{loose:,} separate pieces are held by nothing; they stay where they are.").format(
+            loose=loose
+        )
+
+    def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
+        """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
+        why = self.why_no_volume
+        said = (self.loose_warning(fixed), tr("There is no volume: {why}.").format(why=why) if why else None)
+        return tuple(sentence for sentence in said if sentence)

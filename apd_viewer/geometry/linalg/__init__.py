@@ -1,0 +1,1 @@
+"""Linear algebra: factorizations, parallel kernels and their threads."""

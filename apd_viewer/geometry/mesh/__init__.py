@@ -1,0 +1,1 @@
+"""The triangle mesh: its operators, its topology and its measures."""

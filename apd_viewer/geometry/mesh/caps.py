@@ -1,0 +1,80 @@
+"""Flat caps over the openings of a surface: shut by them, an open bottle has a volume too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.operators import odd_edges, volume
+from apd_viewer.geometry.mesh.pieces import pieces
+
+# Of the cube of the diagonal: what is less is the rounding of a sheet that is flat.
+_FLAT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Caps:
+    """A fan of triangles over every opening, from its border to the mean of the vertices there.
+
+    Over a border in one plane the fan is the flat cap, whatever the shape of the border; over another one it
+    is a choice, which changes smoothly with the shape.
+
+    Attributes
+    ----------
+    ends : (b, 2) int array
+        The edges of the borders as the caps pass them, opening by opening.
+    start : (openings,) int array
+        Where the edges of each opening begin.
+    """
+
+    ends: np.ndarray
+    start: np.ndarray
+
+    @classmethod
+    def of(cls, F: np.ndarray, n: int) -> Caps | None:
+        """The caps of the triangles ``F`` (m, 3) of ``n`` vertices; None where caps would not close them."""
+        border, crowded, one_way = odd_edges(F, n)
+        if not border or crowded or one_way:
+            return None
+        proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
+        a, b = proper.ravel(), np.roll(proper, -1, axis=1).ravel()
+        _, first, uses = np.unique(
+            np.minimum(a, b) * n + np.maximum(a, b), return_index=True, return_counts=True
+        )
+        alone = first[uses == 1]
+        ends = np.column_stack([b[alone], a[alone]])
+        names, corner = np.unique(ends, return_inverse=True)
+        corner = corner.reshape(-1, 2)
+        opening = pieces(corner[:, [0, 1, 1]], len(names))[corner[:, 0]]
+        order = np.argsort(opening, kind="stable")
+        start = np.flatnonzero(np.diff(opening[order], prepend=-1))
+        return cls(frozen(ends[order]), frozen(start))
+
+    @property
+    def count(self) -> int:
+        """How many openings there are."""
+        return len(self.start)
+
+    def volume(self, U: np.ndarray, origin: np.ndarray) -> float:
+        """Signed volume between the ``origin`` (3,) and the caps at the positions ``U`` (n, 3)."""
+        p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
+        size = np.diff(self.start, append=len(p))
+        apex = np.repeat(np.add.reduceat(p, self.start) / size[:, None], size, axis=0)
+        return float(np.einsum("ij,ij->", apex, np.cross(p, q))) / 6.0
+
+    def area(self, U: np.ndarray) -> float:
+        """Area of the caps, each seen from where it looks largest: that of a flat one, whatever its shape."""
+        origin = U[self.ends[0, 0]]
+        p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
+        return 0.5 * float(np.linalg.norm(np.add.reduceat(np.cross(p, q), self.start), axis=1).sum())
+
+
+def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | None:
+    """Signed volume inside the triangles ``F`` (m, 3) and their caps; None where these enclose nothing."""
+    if caps is None:
+        return None
+    inside = volume(U, F) + caps.volume(U, U[F[0, 0]])
+    diagonal = np.linalg.norm(np.ptp(U[F.ravel()], axis=0))
+    return inside if abs(inside) > _FLAT * float(diagonal) ** 3 else None

@@ -1,0 +1,1 @@
+"""Ray casts, visibility and sets of vertices."""

@@ -1,0 +1,254 @@
+"""Sets of vertices, found by how a mesh hangs together and by its shape.
+
+A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
+of :class:`apd_viewer.geometry.picking.skin.Skin`. What a set says of the other vertices means nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from scipy.spatial import KDTree
+
+from apd_viewer.geometry.mesh.adjacency import ALONE
+from apd_viewer.geometry.mesh.pieces import pieces
+
+# Smoothing changes nothing that is more rings away from the border.
+RINGS = 5
+_ROUNDING = 1e-9
+
+
+@njit(cache=True, nogil=True)
+def grown(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """A set with all its neighbours.
+
+    Parameters
+    ----------
+    start : (n + 1,) int array
+    neighbour : (k,) int array
+        The one-ring graph of :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
+    member : (n,) bool array
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    out = member.copy()
+    for v in range(len(member)):
+        if member[v]:
+            for e in range(start[v], start[v + 1]):
+                out[neighbour[e]] = True
+    return out
+
+
+def shrunk(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """A set without those that have a neighbour outside: what is outside has :func:`grown`."""
+    return ~grown(start, neighbour, ~member)
+
+
+def smoothed(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray) -> np.ndarray:
+    """A set with a border that is less jagged.
+
+    Membership spreads over the edges, the more the shorter they are, for as many steps as ``RINGS``; a vertex
+    then belongs to the set if more than half of it does.
+
+    Parameters
+    ----------
+    start, neighbour : int arrays
+        As for :func:`grown`.
+    U : (n, 3) float array
+    member : (n,) bool array
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    border = grown(start, neighbour, member) & ~shrunk(start, neighbour, member)
+    near = _walk(start, neighbour, np.flatnonzero(border), RINGS - 1)
+    return _settled(start, neighbour, U, member, near)
+
+
+@njit(cache=True, nogil=True)
+def _settled(
+    start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, near: np.ndarray
+) -> np.ndarray:
+    """The set after membership has spread among the vertices ``near`` (k,) its border."""
+    share, after, out = member.astype(np.float64), np.empty(len(near)), member.copy()
+    for _ in range(RINGS):
+        for i in range(len(near)):
+            after[i] = 0.5 * (share[near[i]] + _mean_around(start, neighbour, U, share, near[i]))
+        share[near] = after
+    for v in near:
+        if abs(share[v] - 0.5) > _ROUNDING:
+            out[v] = share[v] > 0.5
+        share[v] = out[v]
+    # An even zigzag spreads to one half all along. Who asks its neighbours after the last one did settles it.
+    for v in near:
+        around = _mean_around(start, neighbour, U, share, v)
+        if abs(around - 0.5) > _ROUNDING:
+            out[v] = around > 0.5
+            share[v] = out[v]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: int) -> np.ndarray:
+    """Vertices no more than so many rings from the ``seeds`` (s,), the nearest first, (k,) int array."""
+    reached, found = np.zeros(len(start) - 1, dtype=np.bool_), np.empty(len(start) - 1, dtype=np.int64)
+    head = count = 0
+    for v in seeds:
+        if not reached[v]:
+            reached[v] = True
+            found[count] = v
+            count += 1
+    while head < count and rings > 0:
+        rings -= 1
+        for i in range(head, count):
+            head += 1
+            for e in range(start[found[i]], start[found[i] + 1]):
+                if not reached[neighbour[e]]:
+                    reached[neighbour[e]] = True
+                    found[count] = neighbour[e]
+                    count += 1
+    return found[:count].copy()
+
+
+@njit(inline="always")
+def _length(U: np.ndarray, v: int, w: int) -> float:
+    x, y, z = U[w, 0] - U[v, 0], U[w, 1] - U[v, 1], U[w, 2] - U[v, 2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@njit(cache=True, nogil=True)
+def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share: np.ndarray, v: int) -> float:
+    """Mean ``share`` of the neighbours of ``v``, weighted by the inverse lengths of the edges."""
+    total = weights = 0.0
+    for e in range(start[v], start[v + 1]):
+        # A neighbour at the same place outweighs all others, and the sum stays finite.
+        weight = 1.0 / max(_length(U, v, neighbour[e]), 1e-290)
+        total += weight * share[neighbour[e]]
+        weights += weight
+    return total / weights
+
+
+def mirrored(
+    start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, axis: int, centre: np.ndarray
+) -> np.ndarray:
+    """Vertices nearest to the mirror images of a set.
+
+    A member has none if no vertex is as near to its image as half the mean length of its edges.
+
+    Parameters
+    ----------
+    start, neighbour : int arrays
+        As for :func:`grown`.
+    U : (n, 3) float array
+    member : (n,) bool array
+    axis : int
+        The plane is perpendicular to it: 0, 1 or 2.
+    centre : (3,) float array
+        A point of the plane.
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    named, out = np.diff(start) > 0, np.zeros(len(U), dtype=bool)
+    mine = np.flatnonzero(member & named)
+    if not len(mine):
+        return out
+    images = U[mine]
+    images[:, axis] = 2.0 * centre[axis] - images[:, axis]
+    reach = 0.5 * _mean_edge(start, neighbour, U, mine)
+    low, high = images.min(axis=0) - reach.max(), images.max(axis=0) + reach.max()
+    others = np.flatnonzero(named & ((low <= U) & (high >= U)).all(axis=1))
+    # Neither balanced nor compact: one question is too few to be worth it.
+    tree = KDTree(U[others], balanced_tree=False, compact_nodes=False)
+    distance, which = tree.query(images, workers=-1)
+    out[others[which[distance <= reach]]] = True
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _mean_edge(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """Mean length of the edges at each of the ``vertices`` (k,), all of which have some."""
+    mean = np.zeros(len(vertices))
+    for i in range(len(vertices)):
+        v = vertices[i]
+        for e in range(start[v], start[v + 1]):
+            mean[i] += _length(U, v, neighbour[e])
+        mean[i] /= start[v + 1] - start[v]
+    return mean
+
+
+def piece_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
+    """The vertex ``seed`` and all that a path of edges joins with it, (n,) bool array."""
+    member = np.zeros(len(start) - 1, dtype=bool)
+    member[_walk(start, neighbour, np.array([seed]), len(member))] = True
+    return member
+
+
+def border_loop(
+    F: np.ndarray, opposite: np.ndarray, start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray
+) -> np.ndarray:
+    """The loop of border edges that is the fewest rings away from some vertices.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    opposite : (m, 3) int array
+        Its :func:`opposite_corners`.
+    start, neighbour : int arrays
+        As for :func:`grown`.
+    seeds : (s,) int array
+
+    Returns
+    -------
+    (n,) bool array
+        Its vertices; loops that touch in a vertex are one. None if no seed is connected with a border.
+    """
+    t, c = np.nonzero(opposite == ALONE)
+    a, b = F[t, c], F[t, (c + 1) % 3]
+    border = np.zeros(len(start) - 1, dtype=bool)
+    border[a] = border[b] = True
+    reached = _walk(start, neighbour, np.array(seeds, dtype=np.int64), len(border))
+    nearest = reached[border[reached]][:1]
+    if not len(nearest):
+        return np.zeros_like(border)
+    loop = pieces(np.column_stack([a, b, b]), len(border))
+    return border & (loop == loop[nearest])
+
+
+@njit(cache=True, nogil=True)
+def inside(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+    """Whether points lie within a closed polygon, by the even-odd rule.
+
+    Parameters
+    ----------
+    points : (k, 2) float array
+        Those that are not a number lie outside.
+    polygon : (p, 2) float array
+        Corners in their order; the last is joined with the first.
+
+    Returns
+    -------
+    (k,) bool array
+    """
+    out = np.zeros(len(points), dtype=np.bool_)
+    lx = ly = np.inf
+    hx = hy = -np.inf
+    for i in range(len(polygon)):
+        lx, ly = min(lx, polygon[i, 0]), min(ly, polygon[i, 1])
+        hx, hy = max(hx, polygon[i, 0]), max(hy, polygon[i, 1])
+    for k in range(len(points)):
+        x, y = points[k, 0], points[k, 1]
+        if not (lx <= x <= hx and ly <= y <= hy):
+            continue
+        odd, bx, by = False, polygon[-1, 0], polygon[-1, 1]
+        for i in range(len(polygon)):
+            ax, ay = bx, by
+            bx, by = polygon[i, 0], polygon[i, 1]
+            if (ay <= y) != (by <= y) and x < ax + (y - ay) / (by - ay) * (bx - ax):
+                odd = not odd
+        out[k] = odd
+    return out

@@ -1,0 +1,210 @@
+"""A mesh as it is drawn and touched: small numbers for the renderer, neighbours for the brush."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.operators import vertex_neighbours
+from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
+from apd_viewer.geometry.picking.selecting import border_loop, inside, piece_of
+from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes, visible
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """What stays the same while a mesh deforms; found out once, before it is shown. Arrays are read-only.
+
+    Attributes
+    ----------
+    F : (m, 3) int32 array
+        The triangles.
+    joined : (m, 3) int32 array
+        The same, with the vertices at a seam named by one of them; the very same array if there is no seam.
+    source : (n,) int32 array
+        For each vertex the one that its place is named by; empty if there is no seam.
+    used : (n,) bool array
+        Whether a triangle has the vertex.
+    start, neighbour : int32 arrays
+        The one-rings across seams: see :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
+    """
+
+    F: np.ndarray
+    joined: np.ndarray
+    source: np.ndarray
+    used: np.ndarray
+    start: np.ndarray
+    neighbour: np.ndarray
+
+    @classmethod
+    def of(cls, F: np.ndarray, n: int, joined_F: np.ndarray | None = None) -> Skin:
+        """The skin of the triangles ``F`` (m, 3) of ``n`` vertices.
+
+        Parameters
+        ----------
+        F : (m, 3) int array
+        n : int
+        joined_F : (m, 3) int array, optional
+            The triangles with the vertices at a seam named by one of them. An STL file is nothing but seams.
+        """
+        own = np.array(F, dtype=np.int32, order="C")
+        joined, source = own, np.empty(0, dtype=np.int32)
+        if joined_F is not None and not np.array_equal(joined_F, F):
+            joined = np.array(joined_F, dtype=np.int32, order="C")
+            source = np.arange(n, dtype=np.int32)
+            source[own] = joined
+        used = np.zeros(n, dtype=bool)
+        used[own] = True
+        return cls(*map(frozen, (own, joined, source, used, *vertex_neighbours(joined, n))))
+
+    @cached_property
+    def named(self) -> np.ndarray:
+        """The vertices that triangles have, those at a seam by one of them, ascending, (k,) int array."""
+        named = np.zeros(len(self.used), dtype=bool)
+        named[self.joined] = True
+        return np.flatnonzero(named)
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """All that it keeps."""
+        return self.F, self.joined, self.source, self.used, self.start, self.neighbour
+
+    def drape(
+        self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Write what a renderer needs to draw the shape ``U``.
+
+        Parameters
+        ----------
+        U : (n, 3) float64 array, read-only
+        origin : (3,) float array
+        points, normals : (n, 3) float32 arrays
+            Overwritten: with the positions seen from ``origin``, and with unit normals weighted by the areas
+            of the triangles, zero at vertices without area.
+
+        Returns
+        -------
+        low, high : (3,) float arrays
+            The box around the triangles, seen from ``origin``.
+        """
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        _drape(U, self.joined, self.source, self.used, origin, points, normals, low, high)
+        return low, high
+
+    def boxes(self, U: np.ndarray) -> np.ndarray:
+        """What :meth:`hit` needs once for each shape ``U``."""
+        return boxes(U, self.F)
+
+    def hit(
+        self, origin: np.ndarray, direction: np.ndarray, U: np.ndarray, around: np.ndarray
+    ) -> tuple[int, float, float, float]:
+        """What a ray meets of the shape ``U``, whose boxes are ``around``: see :func:`picking.ray_hit`."""
+        return ray_hit(origin, direction, U, self.F, around)
+
+    def inside(self, points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+        """Which ``points`` (k, 2) lie within a ``polygon`` (p, 2), (k,) bool."""
+        return inside(points, polygon)
+
+    def sights(self, U: np.ndarray) -> Boxes:
+        """What :meth:`visible` needs once for each shape ``U``."""
+        return boxes_in_boxes(U, self.joined)
+
+    def visible(self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes) -> np.ndarray:
+        """Which of the vertices ``ids`` of the shape ``U`` are seen from ``eye`` (3,), (k,) bool."""
+        return visible(eye, U, ids=ids, boxes=sights)
+
+    def up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
+        """The vertices around a face, up to where the shape ``U`` is creased by more than so many radians."""
+        return np.flatnonzero(filled(self.joined, self._opposite, U, face, crease))
+
+    def piece(self, face: int) -> np.ndarray:
+        """The vertices that are connected with those of a face."""
+        return np.flatnonzero(piece_of(self.start, self.neighbour, self.joined[face, 0]))
+
+    def border_loop(self, face: int) -> np.ndarray:
+        """The vertices of the border that is nearest to a face; none if the surface is closed."""
+        F, seeds = self.joined, self.joined[face]
+        return np.flatnonzero(border_loop(F, self._opposite, self.start, self.neighbour, seeds))
+
+    @cached_property
+    def _opposite(self) -> np.ndarray:
+        return opposite_corners(self.joined, len(self.used))
+
+    def under_brush(
+        self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
+    ) -> np.ndarray:
+        """Vertices of the shape ``U`` under a brush that goes from ``a`` to ``b``, both (3,), on two faces.
+
+        It crosses seams; of the vertices there only one of each place is named.
+        """
+        return brush(self.start, self.neighbour, U, self.joined[list(faces)].ravel(), a, b, radius)
+
+
+@njit(cache=True, nogil=True)
+def _drape(
+    U: np.ndarray,
+    F: np.ndarray,
+    source: np.ndarray,
+    used: np.ndarray,
+    origin: np.ndarray,
+    points: np.ndarray,
+    normals: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+) -> None:
+    ox, oy, oz = origin[0], origin[1], origin[2]
+    lx = ly = lz = np.inf
+    hx = hy = hz = -np.inf
+    for v in range(U.shape[0]):
+        x, y, z = U[v, 0] - ox, U[v, 1] - oy, U[v, 2] - oz
+        points[v, 0], points[v, 1], points[v, 2] = x, y, z
+        normals[v, 0] = normals[v, 1] = normals[v, 2] = 0.0
+        if used[v]:
+            lx, ly, lz = min(lx, x), min(ly, y), min(lz, z)
+            hx, hy, hz = max(hx, x), max(hy, y), max(hz, z)
+    low[0], low[1], low[2] = lx, ly, lz
+    high[0], high[1], high[2] = hx, hy, hz
+    for t in range(F.shape[0]):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+        # Rounded before they are summed up: sums in double precision would be rounded at every triangle.
+        nx, ny, nz = (
+            np.float32(ay * bz - az * by),
+            np.float32(az * bx - ax * bz),
+            np.float32(ax * by - ay * bx),
+        )
+        for v in (i, j, k):
+            normals[v, 0] += nx
+            normals[v, 1] += ny
+            normals[v, 2] += nz
+    for v in range(U.shape[0]):
+        nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        if length > 0.0:
+            normals[v, 0] = nx / length
+            normals[v, 1] = ny / length
+            normals[v, 2] = nz / length
+    for v in range(source.shape[0]):
+        for c in range(3):
+            normals[v, c] = normals[source[v], c]
+
+
+def warm_up() -> None:
+    """Compile what a window needs of a mesh, or load it from the cache, before it shows one."""
+    U = frozen(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
+    skin = Skin.of(np.array([[0, 1, 2]]), len(U))
+    points = np.empty(U.shape, dtype=np.float32)
+    skin.drape(U, np.zeros(3), points, np.empty_like(points))
+    skin.hit(np.zeros(3), np.ones(3), U, skin.boxes(U))
+    skin.under_brush(U, (0, 0), np.zeros(3), np.zeros(3), 1.0)
+    skin.up_to_creases(U, 0, 0.5)
+    skin.piece(0)
+    skin.border_loop(0)
+    skin.inside(np.zeros((1, 2)), np.eye(3)[:, :2])
+    skin.visible(np.ones(3), U, np.array([0]), skin.sights(U))

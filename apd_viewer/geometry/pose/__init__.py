@@ -1,0 +1,1 @@
+"""Constraints, handle transforms and their falloff."""

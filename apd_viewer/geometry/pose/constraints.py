@@ -1,0 +1,131 @@
+"""From painted labels and a handle pose to held vertices and where they are held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
+
+# The codes of the survey's .sel files [Botsch & Sorkine 2008]. Further handles count on: 3, 4, ...
+BASE, FREE, HANDLE = 0, 1, 2
+MOST_HANDLES = 8
+
+
+class Soft(NamedTuple):
+    """Vertices that are drawn to where a handle would carry them: see :mod:`apd_viewer.geometry.pose.falloff`.
+
+    Attributes
+    ----------
+    ids : (s,) int array
+        Ascending; none of them is held.
+    strength : (s,) float array
+        From 1 beside the handle to 0 at its falloff.
+    density : (s,) float array
+        Of the springs: weight per area.
+    handle : (s,) int array
+        Which handle draws each, from 0.
+    """
+
+    ids: np.ndarray
+    strength: np.ndarray
+    density: np.ndarray
+    handle: np.ndarray
+
+    def among(self, keeps: np.ndarray) -> Soft:
+        """Those where ``keeps`` (s,) holds."""
+        return Soft(*(each[keeps] for each in self))
+
+
+NO_SOFT = Soft(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), np.empty(0, dtype=np.int64))
+
+
+class Constraints(NamedTuple):
+    """Held vertices and their positions.
+
+    Attributes
+    ----------
+    fixed : (k,) int array
+        Base and handle vertices, ascending.
+    handles : tuple of int arrays
+        Those of ``fixed`` that belong to each handle; a handle without a vertex is left out.
+    targets : (k, 3) float array
+        Where each of ``fixed`` is held.
+    soft : Soft
+        What handles draw along without holding it.
+    soft_targets : (s, 3) float array
+        Where each of those is drawn to.
+    """
+
+    fixed: np.ndarray
+    handles: tuple[np.ndarray, ...]
+    targets: np.ndarray
+    soft: Soft = NO_SOFT
+    soft_targets: np.ndarray = np.empty((0, 3))
+
+
+def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Apply the (4, 4) matrix ``pose`` to the points ``X`` (n, 3)."""
+    return X @ pose[:3, :3].T + pose[:3, 3]
+
+
+def constraints(
+    labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray], soft: Soft = NO_SOFT
+) -> Constraints:
+    """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
+
+    Parameters
+    ----------
+    labels : (n,) int array of BASE, FREE, and HANDLE + k for the handle number k, from 0
+    grip : (n, 3) float array
+        Positions when the labels were last changed. Measured from there and not from rest, a
+        vertex that is painted after a drag stays where it is.
+    poses : sequence of (4, 4) float arrays
+        Motion of each handle since then.
+    soft : Soft
+        What the handles draw along.
+
+    Raises
+    ------
+    InputError
+        If there is no base, no handle, nothing free, or a handle without a pose.
+    """
+    problem = what_is_missing(labels)
+    if problem:
+        raise InputError(problem)
+    count = int(labels.max()) - HANDLE + 1
+    if count > len(poses):
+        raise InputError(
+            trn(
+                "There are {count} handles but one motion; give one for each handle.",
+                "There are {count} handles but {n} motions; give one for each handle.",
+                len(poses),
+            ).format(count=count, n=len(poses))
+        )
+    fixed = np.flatnonzero(labels != FREE)
+    targets = grip[fixed].astype(np.float64)
+    handles = []
+    for k in range(count):
+        mine = labels[fixed] == HANDLE + k
+        targets[mine] = transform(poses[k], targets[mine])
+        if mine.any():
+            handles.append(fixed[mine])
+    drawn = grip[soft.ids].astype(np.float64)
+    for k in range(count):
+        mine = soft.handle == k
+        drawn[mine] = transform(poses[k], drawn[mine])
+    return Constraints(fixed, tuple(handles), targets, soft, drawn)
+
+
+def what_is_missing(labels: np.ndarray) -> str | None:
+    """What must be painted before a handle can move, as a sentence; None if nothing."""
+    if not (labels == BASE).any():
+        return tr("There is no base: paint the part that stays in place as base.")
+    if not (labels >= HANDLE).any():
+        return tr("There is no handle: paint the part to be moved as handle.")
+    if not (labels == FREE).any():
+        return tr("Everything is painted: erase some paint, so that a part is free to deform.")
+    return None

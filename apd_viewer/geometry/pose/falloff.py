@@ -1,0 +1,65 @@
+"""How handles take along what lies around them, less and less with the distance along the surface.
+
+A vertex at the distance d from a handle with the falloff r is drawn to where the handle would carry it, by a
+spring whose energy is ``2 w |u - t|^2``, to go with ``grad E = 4 (K U - b)`` of the surface:
+
+    w = firmness m (1 - (d / r)^2)^2 / r^2,        m the vertex area.
+
+So scaled, springs are as firm against the surface whatever its size, its resolution and the falloff are.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from apd_viewer.geometry.pose.constraints import Soft
+
+Graph: TypeAlias = csr_array
+
+_FIRMNESS = 25.0
+
+
+def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
+    """Lengths of the edges, (n, n); ``V`` (n, 3), ``F`` (m, 3)."""
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    key = np.unique((low * len(V) + high)[low != high])
+    low, high = key // len(V), key % len(V)
+    # An edge of no length would be none to the search.
+    length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)
+    graph: Graph = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
+    return graph
+
+
+def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
+    """How far each vertex is from those of ``start``, along edges, (n,); infinite beyond ``limit``."""
+    if not len(start):
+        return np.full(graph.shape[0], np.inf)
+    found: np.ndarray = dijkstra(graph, directed=False, indices=start, min_only=True, limit=limit)
+    return found
+
+
+def strengths(away: np.ndarray, falloff: float) -> np.ndarray:
+    """``(1 - (d / r)^2)^2`` for the distances ``away``: 1 at the handle, 0 from ``falloff`` on."""
+    share = np.clip(1.0 - (away / falloff) ** 2, 0.0, 1.0)
+    return share * share
+
+
+def softened(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> Soft:
+    """What the handles draw: of ``free`` vertices, (n,) bool, each by the handle that draws it most.
+
+    Parameters
+    ----------
+    strength : (h, n) float array
+        Of every handle at every vertex: see :func:`strengths`.
+    falloffs : (h,) float array
+    """
+    handle = strength.argmax(axis=0)
+    strongest = np.take_along_axis(strength, handle[None], axis=0)[0]
+    ids = np.flatnonzero(free & (strongest > 0.0))
+    strength, handle = strongest[ids], handle[ids]
+    return Soft(ids, strength, _FIRMNESS * strength / falloffs[handle] ** 2, handle)

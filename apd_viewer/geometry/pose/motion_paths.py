@@ -1,0 +1,122 @@
+"""Parts of a motion: where something is on its way from where it was to where a (4, 4) matrix puts it.
+
+A rigid motion goes along a screw [Chasles 1830]: it turns about one line and shifts along it, both evenly, so
+that equal parts are equal motions and nothing is nearer to the line on the way. A stretch grows by equal
+factors in equal parts.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.motions import decomposed, linear_about, shifted, turned_about
+from apd_viewer.language import tr
+
+# Radians. Nearer to half a turn than this, rounding decides which way round it goes.
+_HALF_TURN = 1e-6
+# Of the largest stretch: what is smaller flattens what it moves.
+_FLAT = 1e-9
+# Radians.
+_STRAIGHT = 1e-9
+
+
+class ScrewPath(NamedTuple):
+    """The way of an affine motion: a stretch about a pivot, then a turn and a shift along a screw.
+
+    Attributes
+    ----------
+    pivot : (3,) float array
+    axis : (3,) float array
+        Unit vector along the screw.
+    angle : float
+        Of the whole turn, radians, less than half a turn.
+    along, across : (3,) float array
+        Displacement of the pivot in the direction of the axis and at right angles to it.
+    stretches : (3,) float array
+        Factors along the columns of ``directions`` (3, 3), which are orthonormal.
+    directions : (3, 3) float array
+    """
+
+    pivot: np.ndarray
+    axis: np.ndarray
+    angle: float
+    along: np.ndarray
+    across: np.ndarray
+    stretches: np.ndarray
+    directions: np.ndarray
+
+    def at(self, part: float) -> np.ndarray:
+        """The motion (4, 4) of a ``part`` of the way: 0 is none of it, 1 all, and more goes past the end."""
+        stretch = linear_about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
+        # The arc of the pivot. Where nothing turns it is straight, and its centre would be at infinity.
+        half = self.angle / 2
+        share = np.sin(part * half) / np.sin(half) if half > _STRAIGHT else part
+        arc = share * turned_about(np.zeros(3), self.axis, (part - 1.0) * half)[:3, :3] @ self.across
+        way = shifted(part * self.along + arc)
+        moved: np.ndarray = way @ turned_about(self.pivot, self.axis, part * self.angle) @ stretch
+        return moved
+
+    @property
+    def stretched(self) -> bool:
+        """Whether it is more than a turn and a shift."""
+        return bool(np.abs(np.log(self.stretches)).max() > _FLAT)
+
+
+class Turn(NamedTuple):
+    """The way of a turn about a line, by any angle: once around and more, too.
+
+    Attributes
+    ----------
+    point : (3,) float array
+        On the line.
+    axis : (3,) float array
+        Along the line, of any length but zero.
+    angle : float
+        Of the whole turn, radians.
+    """
+
+    point: np.ndarray
+    axis: np.ndarray
+    angle: float
+
+    def at(self, part: float) -> np.ndarray:
+        """The motion (4, 4) of a ``part`` of the turn."""
+        return turned_about(self.point, self.axis, part * self.angle)
+
+    @property
+    def stretched(self) -> bool:
+        """Nothing is stretched."""
+        return False
+
+
+def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
+    """The way to ``pose`` (4, 4) of what has its middle at ``pivot`` (3,); it turns by less than half a turn.
+
+    Raises
+    ------
+    InputError
+        If the matrix mirrors or flattens, or turns by half a turn: that has two ways round.
+    """
+    centre = np.asarray(pivot, dtype=float)
+    left, sizes, right = np.linalg.svd(pose[:3, :3])
+    R = left @ right
+    if sizes[-1] <= _FLAT * sizes[0] or np.linalg.det(R) < 0:
+        raise InputError(
+            tr("The motion mirrors or flattens the handle, which no way leads to; give another one.")
+        )
+    rigid = np.eye(4)
+    rigid[:3, :3] = R
+    rigid[:3, 3] = transform(pose, centre[None])[0] - R @ centre
+    motion = decomposed(rigid, centre)
+    if np.pi - motion.angle < _HALF_TURN:
+        raise InputError(
+            tr("The motion is half a turn, which has two ways round; give it as a twist of 180deg.")
+        )
+    along = (motion.displacement @ motion.axis) * motion.axis
+    across = motion.displacement - along
+    return ScrewPath(centre, motion.axis, motion.angle, along, across, sizes, right.T)

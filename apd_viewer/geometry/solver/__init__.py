@@ -1,0 +1,1 @@
+"""The solvers: descent under goals, multilevel, restarts, Li & Hui."""

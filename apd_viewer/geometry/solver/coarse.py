@@ -1,0 +1,255 @@
+"""A coarse copy of an elastic surface, which shows the fine one the way.
+
+Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
+handed over are rotations: how far each place of the coarse surface has turned since the last time. The
+global step of the fine surface then carries all frequencies at once, and its details turn with it. Where
+there is no time for a global step, the coarse surface carries the fine one along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit, prange
+from scipy.spatial import KDTree
+
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.thinning import Thinning
+from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.goals import Goal
+
+# A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.
+_UNHEARD = 1.5
+
+
+class Coarse:
+    """A coarse surface with the same material, held where the fine one is.
+
+    Its vertices are some of the fine one's, so that what is held needs no interpolation.
+
+    Parameters
+    ----------
+    elastic : Elastic
+        The fine surface.
+    goals : tuple of Goal
+    iterations_of : callable
+        How a coarse surface is to be iterated.
+
+    Attributes
+    ----------
+    vertices : (c,) int array
+        The vertices of the fine surface that it has.
+    """
+
+    def __init__(
+        self,
+        elastic: Elastic,
+        goals: tuple[Goal, ...],
+        iterations_of: Callable[[Elastic, tuple[Goal, ...]], Constrained],
+    ) -> None:
+        rest, fixed = elastic.rest, elastic.fixed
+        thinning = rest.thinning
+        self.vertices = _with_held(rest, thinning, fixed)
+        self.F = thinning.F
+        unchanged = np.array_equal(self.vertices, thinning.vertices)
+        self._shape = rest.thinner if unchanged else RestShape(rest.V[self.vertices], self.F)
+        held = np.flatnonzero(np.isin(self.vertices, fixed))
+        soft, own = elastic.soft, np.full(len(rest.V), -1)
+        own[self.vertices] = np.arange(len(self.vertices))
+        has = own[soft.ids] >= 0
+        self._which = np.concatenate(
+            [np.searchsorted(fixed, self.vertices[held]), len(fixed) + np.flatnonzero(has)]
+        )
+        drawn = soft.among(has)._replace(ids=own[soft.ids[has]])
+        self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
+        self._method = iterations_of(self._elastic, self._own(goals))
+        self._near, self._weight = thinning.near, thinning.weight
+        self._free = elastic.free
+        self._refer()
+
+    @property
+    def settled(self) -> bool:
+        """Whether the coarse surface has nothing more to show."""
+        return self._method.stuck or self._method.exhausted
+
+    @property
+    def is_guided(self) -> bool:
+        """Whether it follows one that is coarser yet."""
+        return type(self._method) is not Constrained
+
+    def keep(self, goals: tuple[Goal, ...]) -> None:
+        """Meet these goals of the fine surface from now on, as far as a coarse one can tell."""
+        self._method.keep(self._own(goals))
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3) of the fine surface."""
+        self._method.restart(U[self.vertices])
+        self._refer()
+
+    def shapes(self) -> list[np.ndarray]:
+        """The shape of this surface, and of those that it follows."""
+        return self._method.shapes()
+
+    def put_back(self, shapes: list[np.ndarray]) -> None:
+        """Continue from where :meth:`shapes` was asked."""
+        self._method.put_back(shapes)
+        self._refer()
+
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold and draw its vertices where the ``targets`` (k + s, 3) of the fine surface say."""
+        self._method.aim(targets[self._which])
+
+    def go_on(self, iterations: int) -> None:
+        """Do some iterations, or as many as it takes to settle."""
+        with cores_for(len(self.vertices)):
+            for _ in range(iterations):
+                if self.settled:
+                    break
+                self._method.descend()
+
+    def turns(self) -> np.ndarray:
+        """How each fine vertex should turn for what has happened since the last time, (n, 4) quaternions."""
+        turns = _blended(self._turned(), self._near, self._weight)
+        self._refer()
+        return turns
+
+    def carried(self, U: np.ndarray) -> np.ndarray:
+        """The positions ``U`` (n, 3) that went with the turns told last, moved by what has happened since."""
+        moved = self._elastic.U - self._reference[1]
+        return _carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
+
+    def give_way(self, b: np.ndarray) -> np.ndarray:
+        """How the free vertices of the fine surface, (f, 3), follow the coarse one under forces ``b`` (f, 3).
+
+        ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
+        """
+        forces = _gathered(b, self._free, self._near, self._weight, len(self.vertices))
+        own = self._elastic.free
+        given = np.zeros_like(forces)
+        given[own] = self._elastic.solve(forces[own])
+        return _spread(given, self._free, self._near, self._weight)
+
+    def _refer(self) -> None:
+        self._reference = self._elastic.q.copy(), self._elastic.U
+
+    def _turned(self) -> np.ndarray:
+        return _difference(self._elastic.q, self._reference[0])
+
+    def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
+        """The same goals for the coarse surface: the same percentages of what it measures at rest."""
+        own = []
+        for goal in goals:
+            measured = np.zeros(int(self.vertices.max()) + 1, dtype=bool)
+            corners = goal.patch.F.ravel()
+            measured[corners[corners < len(measured)]] = True
+            inside = measured[self.vertices]
+            patch = Patch(self.F[inside[self.F].all(axis=1)], len(self.vertices))
+            if len(patch.F) and (
+                at_rest := Goal(goal.name, patch, goal.is_volume, 1.0, 1.0).value(self._shape.V)
+            ):
+                own.append(Goal(goal.name, patch, goal.is_volume, at_rest, at_rest * goal.target / goal.rest))
+        return tuple(own)
+
+
+def _with_held(rest: RestShape, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
+    """The vertices of a thinned mesh, some replaced by held ones, so that no held part is unheard of."""
+    V, vertices = rest.V, thinning.vertices.copy()
+    while True:
+        heard = vertices[np.isin(vertices, fixed)]
+        away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
+        same = np.isin(rest.piece[fixed], rest.piece[vertices[~np.isin(vertices, fixed)]])
+        farthest = int(np.argmax(np.where(same, away, 0.0)))
+        if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
+            return vertices
+        lonely = fixed[farthest]
+        others = np.flatnonzero(~np.isin(vertices, fixed) & (rest.piece[vertices] == rest.piece[lonely]))
+        vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely
+
+
+def _difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """``q`` times the inverse of ``reference``, both (c, 4) unit quaternions."""
+    w, x, y, z = q.T
+    a, b, c, d = reference[:, 0], -reference[:, 1], -reference[:, 2], -reference[:, 3]
+    return np.column_stack(
+        [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        ]
+    )
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """For each row of ``near`` and ``weight`` (n, 4) the weighted mean of the quaternions ``q`` (c, 4)."""
+    out = np.empty((len(near), 4))
+    for i in prange(len(near)):
+        w = x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[i, k], weight[i, k]
+            # q and -q are one rotation: that on the side of the first counts.
+            f = near[i, 0]
+            side = q[f, 0] * q[j, 0] + q[f, 1] * q[j, 1] + q[f, 2] * q[j, 2] + q[f, 3] * q[j, 3]
+            share = share if side >= 0.0 else -share
+            w += share * q[j, 0]
+            x += share * q[j, 1]
+            y += share * q[j, 2]
+            z += share * q[j, 3]
+        length = np.sqrt(w * w + x * x + y * y + z * z)
+        if length > 0.0:
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = w / length, x / length, y / length, z / length
+        else:
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = 1.0, 0.0, 0.0, 0.0
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _carried(
+    U: np.ndarray, near: np.ndarray, weight: np.ndarray, q: np.ndarray, X: np.ndarray, D: np.ndarray
+) -> np.ndarray:
+    """``u_i + sum_k w_ik (R_k (u_i - x_k) - (u_i - x_k) + d_k)`` for the vertices k near each, (n, 3)."""
+    out = np.empty_like(U)
+    for i in prange(len(U)):
+        x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[i, k], weight[i, k]
+            a, b, c = U[i, 0] - X[j, 0], U[i, 1] - X[j, 1], U[i, 2] - X[j, 2]
+            u, v, w = turned(q, j, a, b, c)
+            x += share * (u - a + D[j, 0])
+            y += share * (v - b + D[j, 1])
+            z += share * (w - c + D[j, 2])
+        out[i, 0], out[i, 1], out[i, 2] = U[i, 0] + x, U[i, 1] + y, U[i, 2] + z
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _gathered(b: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray, c: int) -> np.ndarray:
+    """``P^T b``, (c, 3), for ``b`` (f, 3) and the ``rows`` (f,) of the interpolation P."""
+    out = np.zeros((c, 3))
+    for f in range(len(rows)):
+        for k in range(near.shape[1]):
+            j, share = near[rows[f], k], weight[rows[f], k]
+            for axis in range(3):
+                out[j, axis] += share * b[f, axis]
+    return out
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _spread(X: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """``P X``, (f, 3), for ``X`` (c, 3) and the same."""
+    out = np.empty((len(rows), 3))
+    for f in prange(len(rows)):
+        x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[rows[f], k], weight[rows[f], k]
+            x += share * X[j, 0]
+            y += share * X[j, 1]
+            z += share * X[j, 2]
+        out[f, 0], out[f, 1], out[f, 2] = x, y, z
+    return out

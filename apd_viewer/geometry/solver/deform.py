@@ -1,0 +1,201 @@
+"""Deform a mesh in one call."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from numbers import Integral
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Reading, Region
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+)
+from apd_viewer.language import tr
+
+# Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
+MOST_ITERATIONS = 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished deformation; the fields of the command line's report.
+
+    Attributes
+    ----------
+    U : (n, 3) float array
+        Deformed positions in the order of the file, mesh units.
+    area_target, volume_target : float or None
+        What was asked of the total area and the volume.
+    volume_capped_rest, volume_capped : float or None
+        Volumes of an open surface, with flat caps over its ``openings``.
+    regions : tuple of Reading
+        What became of each region.
+    local_change : float
+        Largest relative change of the area of a triangle, up or down.
+    energy : float
+        ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
+    warnings : tuple of str
+        What the user should know about the mesh or the result.
+    """
+
+    U: np.ndarray
+    method: str
+    iterations: int
+    converged: bool
+    area_rest: float
+    area: float
+    area_error: float
+    area_target: float | None
+    volume_rest: float | None
+    volume: float | None
+    volume_target: float | None
+    volume_capped_rest: float | None
+    volume_capped: float | None
+    openings: int
+    energy: float
+    handle_drift: float
+    regions: tuple[Reading, ...]
+    local_change: float
+    seconds: float
+    factor_seconds: float
+    seconds_per_iteration: float
+    warnings: tuple[str, ...]
+
+
+def deform(
+    V: np.ndarray,
+    F: np.ndarray,
+    fixed: np.ndarray,
+    targets: np.ndarray,
+    method: str = DEFAULT_METHOD,
+    iterations: int | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+    stiffness: float = 0.0,
+    *,
+    handle: np.ndarray | Sequence[np.ndarray] | None = None,
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    area: float | None = None,
+    volume: float | None = None,
+    regions: Sequence[Region] = (),
+    progress: Callable[[Frame], None] | None = None,
+) -> Result:
+    """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
+
+    Parameters
+    ----------
+    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness, area, volume, regions
+        See :class:`Deformation`.
+    targets : (k, 3) float array
+        A position for each of ``fixed``, mesh units.
+    iterations : int, optional
+        Do exactly so many plain iterations from the rest pose. Without it: until converged.
+    progress : callable, optional
+        Called with every Frame.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    if iterations is not None and (not isinstance(iterations, Integral) or iterations < 1):
+        raise InputError(tr("The number of iterations must be a whole number of at least 1."))
+    started = time.perf_counter()
+    solver = Deformation(
+        V,
+        F,
+        fixed,
+        method=method,
+        handle=handle,
+        tolerance=tolerance,
+        stiffness=stiffness,
+        area_stiffness=area_stiffness,
+        shear_stiffness=shear_stiffness,
+        area=area,
+        volume=volume,
+        regions=regions,
+        plain=iterations is not None,
+    )
+    solver.aim(targets)
+    return iterated(solver, started, iterations, progress)
+
+
+def iterated(
+    solver: Deformation,
+    started: float,
+    iterations: int | None = None,
+    progress: Callable[[Frame], None] | None = None,
+) -> Result:
+    """Iterate from where the solver is until the shape has settled, or ``iterations`` times.
+
+    Parameters
+    ----------
+    solver : Deformation
+        Aimed.
+    started : float
+        When work began, by ``time.perf_counter()``.
+    iterations, progress
+        See :func:`deform`.
+    """
+    iterating = time.perf_counter()
+    count = 0
+    while count < (iterations or MOST_ITERATIONS) and (iterations is not None or not solver.settled):
+        solver.iterate()
+        count += 1
+        if progress:
+            progress(solver.frame())
+    frame = solver.frame()
+    ended = time.perf_counter()
+    return result_of(solver, frame, ended - started, (ended - iterating) / frame.iteration)
+
+
+def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
+    """What came of the iterations that end with ``frame``."""
+    unsettled: tuple[str, ...] = ()
+    if frame.unreached:
+        unsettled = (frame.unreached,)
+    elif solver.missed:
+        unsettled = (
+            tr("Not met after {iteration:,} iterations: {missed}.").format(
+                iteration=frame.iteration, missed=solver.missed
+            ),
+        )
+    elif not frame.settled and frame.iteration == MOST_ITERATIONS:
+        unsettled = (tr("The shape had not settled after {most:,} iterations.").format(most=MOST_ITERATIONS),)
+    return Result(
+        U=frame.U,
+        method=solver.method,
+        iterations=frame.iteration,
+        converged=frame.converged,
+        area_rest=solver.rest.area,
+        area=frame.area,
+        area_error=frame.area_error,
+        area_target=solver.target("the area"),
+        volume_rest=solver.rest.volume,
+        volume=frame.volume,
+        volume_target=solver.target("the volume"),
+        volume_capped_rest=solver.rest.volume_capped,
+        volume_capped=frame.volume_capped,
+        openings=solver.rest.openings,
+        energy=solver.rest.energy(frame.U),
+        handle_drift=frame.handle_drift,
+        regions=solver.readings(frame),
+        local_change=frame.local_change,
+        seconds=seconds,
+        factor_seconds=solver.factor_seconds,
+        seconds_per_iteration=seconds_per_iteration,
+        warnings=solver.rest.warnings(solver.fixed) + unsettled,
+    )

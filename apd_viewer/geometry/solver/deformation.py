@@ -1,0 +1,357 @@
+"""Deform a mesh one iteration at a time: factor once, aim, step."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.linalg.vectors import largest_difference
+from apd_viewer.geometry.mesh.mesh import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.cycles import Cycled
+from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
+from apd_viewer.geometry.solver.guided import guided
+from apd_viewer.geometry.solver.held import handle_of, soft_of, vertex_ids
+from apd_viewer.geometry.solver.li_hui import LiHui
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    KEEP_THE_AREA,
+    PLAIN_ONLY,
+    check_method,
+    check_tolerance,
+    material_of,
+)
+from apd_viewer.geometry.solver.projection import MET
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from apd_viewer.geometry.linalg.linear_solver import Factored
+
+    Method: TypeAlias = Constrained | LiHui
+
+# Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
+# all those to come together will move none by more than _REMAINING, guessed from how fast the steps
+# have become shorter over the last _MEMORY iterations. Wrinkles of fine meshes creep on with ever
+# smaller steps for thousands of iterations: below _CREEP nobody would see them go.
+_STILL = 1e-5
+_REMAINING = 1e-3
+_MEMORY = 10
+_CREEP = 5e-6
+_ROUNDING = 1e-12
+# In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
+_FARTHEST = 1e6
+
+
+class Deformation:
+    """A mesh with some vertices held, deformed one iteration at a time.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions.
+    F : (m, 3) int array
+        Triangles.
+    fixed : (k,) int array
+        Vertices that are held: base and handles together.
+    method : str
+        "exact" (as rigid as possible, the total area kept to the last digits), "local" (every
+        triangle keeps its area), "paper" (Li & Hui: the total area kept to the tolerance, handles give
+        way), "arap" (as rigid as possible) or "sr-arap" (with smooth rotations, as CGAL has it).
+    handle : int array or sequence of int arrays, optional
+        Those of ``fixed`` that are handle, or those of each handle. "paper" needs it; without it no drift is
+        measured.
+    tolerance : float
+        Relative error of the total area that "paper" accepts.
+    stiffness : float
+        Weight of bending, 0 to about 0.1: see :class:`apd_viewer.geometry.energy.rest_shape.Bending`. For "sr-arap"
+        it is CGAL's alpha.
+    area_stiffness, shear_stiffness : float
+        How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).
+    area, volume : float, optional
+        What the total area and the enclosed volume should be, in percent of what they are at rest. Without,
+        "exact" and "paper" keep the area; all else is free. "paper" cannot keep a volume.
+    regions : sequence of Region, optional
+        Parts that are measured, or that have an area to keep.
+    plain : bool
+        Do plain iterations, a local and a global step each: comparable with other programs, and slow.
+        Without, the energy is minimised by quasi-Newton steps, where the method minimises one: "paper" and
+        "sr-arap" do not.
+    rest : RestMesh, optional
+        Of the same V and F, to save computing it again.
+    factored : callable, optional
+        Makes a factor: see :class:`apd_viewer.geometry.energy.elastic.Elastic`.
+    soft : Soft
+        Vertices that are drawn along by handles, and not held.
+
+    Raises
+    ------
+    InputError
+        If the mesh or the held vertices cannot be used; the message says why.
+    """
+
+    def __init__(
+        self,
+        V: np.ndarray,
+        F: np.ndarray,
+        fixed: np.ndarray,
+        *,
+        method: str = DEFAULT_METHOD,
+        handle: np.ndarray | Sequence[np.ndarray] | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+        stiffness: float = 0.0,
+        area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+        shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+        area: float | None = None,
+        volume: float | None = None,
+        regions: Sequence[Region] = (),
+        plain: bool = False,
+        rest: RestMesh | None = None,
+        factored: Factored | None = None,
+        soft: Soft = NO_SOFT,
+    ) -> None:
+        if rest is None:
+            V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+            check_mesh(V, F)
+            rest = RestMesh(V, F)
+        self.rest = rest
+        self.method = method
+        self._total = 0
+        self.fixed = vertex_ids(fixed, len(rest.V))
+        self._solve_ids, self._chosen, self._inverse = np.unique(
+            rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
+        )
+        self._handle_of = handle_of(handle, rest, self._solve_ids)
+        check_method(method, self._handle_of)
+        check_tolerance(tolerance)
+        self._tolerance = tolerance
+        material = material_of(method, stiffness, area_stiffness, shear_stiffness)
+        if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
+            raise InputError(tr("Every vertex is held; leave some free to deform."))
+        self._descends = not plain and method not in PLAIN_ONLY
+        with cores_for(len(rest.shape.V)):
+            goals = self._goals(area, volume, regions)
+            started = time.perf_counter()
+            self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
+            elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
+            self._method = self._made(elastic, goals)
+        self.factor_seconds = time.perf_counter() - started
+        self.aim(rest.V[self.fixed])
+
+    def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
+        if self.method == "paper":
+            of = np.concatenate([self._handle_of, self._soft.handle + 1])
+            return LiHui(elastic, of, goals, self._tolerance)
+        return guided(elastic, goals, kind=Cycled) if self._descends else Constrained(elastic, goals)
+
+    def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
+        if not isinstance(regions, Sequence):
+            raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
+        patches = [patch_of(self.rest, region) for region in regions]
+        if area is None and self.method in KEEP_THE_AREA:
+            area = 100.0
+        if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
+            raise InputError(
+                tr("The method 'paper' keeps only the total area; choose 'exact' for a volume or a region.")
+            )
+        goals = make_goals(self.rest, area, volume, regions)
+        self._regions, self._patches = tuple(regions), patches
+        return goals
+
+    @property
+    def tolerance(self) -> float:
+        """Relative error of the total area that "paper" accepts."""
+        return self._tolerance
+
+    @tolerance.setter
+    def tolerance(self, tolerance: float) -> None:
+        check_tolerance(tolerance)
+        self._tolerance = tolerance
+        if isinstance(self._method, LiHui):
+            self._method.tolerance = tolerance
+
+    def keep(
+        self, area: float | None = None, volume: float | None = None, regions: Sequence[Region] = ()
+    ) -> None:
+        """Ask for other areas or another volume from now on; nothing is factored for it.
+
+        Parameters
+        ----------
+        area, volume, regions
+            See the class.
+        """
+        with cores_for(len(self.rest.shape.V)):
+            self._method.keep(self._goals(area, volume, regions))
+        self._begin()
+
+    def aim(
+        self, targets: np.ndarray, U: np.ndarray | None = None, soft_targets: np.ndarray | None = None
+    ) -> None:
+        """Hold the fixed vertices at ``targets`` from now on.
+
+        Parameters
+        ----------
+        targets : (k, 3) float array
+            A position for each of ``fixed``.
+        U : (n, 3) float array, optional
+            Continue from these positions; otherwise from where the last iteration ended.
+        soft_targets : (s, 3) float array, optional
+            Where each of the soft vertices is drawn to; without, to where it is at rest.
+        """
+        targets = numbers(targets, tr("Targets"))
+        if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
+            raise InputError(
+                tr("Targets must be {n} finite positions, one for each held vertex.").format(
+                    n=len(self.fixed)
+                )
+            )
+        if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
+            raise InputError(tr("A target is absurdly far from the mesh; check its unit and the transform."))
+        asked = targets[self._chosen] - self.rest.weld.offset_of(self.fixed[self._chosen])
+        apart = targets - self.rest.weld.offset_of(self.fixed) - asked[self._inverse.ravel()]
+        if np.abs(apart).max() > (1e-9 + self.rest.weld.slack) * self.rest.diagonal:
+            raise InputError(tr("A vertex is held at two places at once; give it one target."))
+        if U is not None:
+            U = numbers(U, tr("Positions to start from"))
+            if U.shape != self.rest.V.shape or not np.isfinite(U).all():
+                raise InputError(
+                    tr("Positions to start from must be {n} finite positions.").format(n=len(self.rest.V))
+                )
+        self._asked, self._targets = asked, targets
+        with cores_for(len(self.rest.shape.V)):
+            if U is not None:
+                self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+            drawn = self.rest.shape.V[self._soft.ids]
+            if soft_targets is not None:
+                drawn = numbers(soft_targets, "Soft targets")[self._drawn]
+            self._method.aim(np.concatenate([self._asked, drawn]) if len(drawn) else self._asked)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._iteration = 0
+        self._steps: deque[float] = deque(maxlen=_MEMORY + 1)
+
+    def step(self) -> Frame:
+        """One iteration; the shape after it and its readings."""
+        self.iterate()
+        return self.frame()
+
+    def iterate(self) -> None:
+        """One iteration, without the readings of its shape."""
+        method = self._method
+        before = method.U
+        with cores_for(len(before)):
+            if self._descends and isinstance(method, Constrained):
+                method.descend()
+            else:
+                method.iterate()
+            step = largest_difference(method.U, before)
+        self._iteration += 1
+        self._total += 1
+        self._steps.append(step / self.rest.diagonal)
+
+    @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for, such as a factor."""
+        return self._method.ready
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing more comes of iterating."""
+        method = self._method
+        return method.stuck or (method.met and self._still())
+
+    def frame(self) -> Frame:
+        """The shape after the last iteration, and its readings."""
+        method, settled = self._method, self.settled
+        with cores_for(len(method.U)):
+            found = self.rest.survey(method.U)
+            regions = tuple(patch.area(method.U) for patch in self._patches)
+            energy = method.energy
+        return Frame(
+            U=frozen(self._spread(method.U)),
+            iteration=self._iteration,
+            **found._asdict(),
+            area_error=found.area / self.rest.area - 1.0,
+            handle_drift=self._drift(),
+            converged=settled and method.met,
+            settled=settled,
+            regions=regions,
+            unreached=self._unreached() if method.stuck else None,
+            energy=energy,
+            total=self._total,
+        )
+
+    def _spread(self, U: np.ndarray) -> np.ndarray:
+        """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
+        spread = self.rest.spread(U, self._solve_ids)
+        if self.rest.weld.offset is not None and self.method != "paper":
+            spread[self.fixed] = self._targets  # what is joined with a tolerance is held without
+        return spread
+
+    def readings(self, frame: Frame) -> tuple[Reading, ...]:
+        """What became of each region in ``frame``."""
+        readings = []
+        for region, patch, area in zip(self._regions, self._patches, frame.regions, strict=True):
+            with cores_for(len(self.rest.shape.V)):
+                rest = patch.area(self.rest.shape.V)
+            target = None if region.area is None else rest * region.area / 100.0
+            readings.append(Reading(region.name, rest, area, target))
+        return tuple(readings)
+
+    def target(self, name: str) -> float | None:
+        """What "the area" or "the volume" should be; None if nothing was asked."""
+        return next((goal.target for goal in self._method.goals if goal.name == name), None)
+
+    def _still(self) -> bool:
+        if not self._steps:
+            return False
+        last = self._steps[-1]
+        if self._descends and isinstance(self._method, Constrained):
+            return self._method.exhausted or (last <= _ROUNDING and not self._method.hides)
+        if last <= _ROUNDING:
+            return True
+        if last > _STILL or len(self._steps) <= _MEMORY or last >= self._steps[0]:
+            return False
+        rate = (last / self._steps[0]) ** (1.0 / _MEMORY)
+        return last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING
+
+    def _drift(self) -> float:
+        away = self._method.held[: len(self._asked)] - self._asked
+        handles = range(1, int(self._handle_of.max()) + 1)
+        centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
+        return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
+
+    @property
+    def missed(self) -> str | None:
+        """What is asked for and not met by the last frame, and how near it came; None if all is met."""
+        method = self._method
+        missed = [
+            goal.shortfall(float(value))
+            for goal, value in zip(method.goals, method.values, strict=True)
+            if abs(goal.miss(float(value))) > MET
+        ]
+        # The paper's method comes nearer round by round: that it is not there yet is no news.
+        return ", ".join(missed) if missed and isinstance(method, Constrained) else None
+
+    def _unreached(self) -> str | None:
+        missed = self.missed
+        if missed is None:
+            return None
+        return tr(
+            "Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
+        ).format(missed=missed)

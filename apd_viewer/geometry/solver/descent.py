@@ -1,0 +1,81 @@
+"""Steps that go downhill in energy among the shapes that meet the goals.
+
+The slope that counts is that of the Lagrangian, ``G - mult g``, where the multipliers leave none of it
+along the directions y of the projection: then a step d followed by the projection changes the energy by
+just ``(G - mult g) . d`` to first order, whichever directions y are. Where it vanishes, the conditions of
+Karush, Kuhn and Tucker hold.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.linalg.lbfgs import Memory
+from apd_viewer.geometry.solver.projection import Projection
+
+_REMEMBERED = 5
+# What a step must bring of what its slope promises [Armijo 1966].
+_SHARE_OF_PROMISE = 1e-4
+_HALVINGS = 12
+
+
+class Descent:
+    """Quasi-Newton steps of an elastic surface whose goals are met.
+
+    Parameters
+    ----------
+    elastic : Elastic
+    projection : Projection
+    """
+
+    def __init__(self, elastic: Elastic, projection: Projection) -> None:
+        self._elastic, self._projection = elastic, projection
+        self._memory = Memory(len(elastic.free), _REMEMBERED)
+        # The last step, and G and g where it began.
+        self._last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        self.multipliers = np.zeros(len(projection.goals))
+        self.energy = elastic.energy
+
+    def step(self, held: np.ndarray) -> bool:
+        """One step with the held vertices at ``held`` (k, 3), where they are; False if nothing is lower."""
+        elastic, projection = self._elastic, self._projection
+        projection.evaluate(elastic.U)
+        if projection.worn:
+            projection.refresh(elastic.U)
+        G = elastic.residual(held)
+        g = np.array([vectors.taken(gradient, elastic.free) for gradient in projection.g])
+        self.multipliers = projection.multipliers(G)
+        slope = G.copy()
+        vectors.add(slope, -self.multipliers, g.reshape(-1, *G.shape))
+        if self._last is not None:
+            step, G_before, g_before = self._last
+            change = slope - G_before
+            vectors.add(change, self.multipliers, g_before)
+            self._memory.learn(step, change)
+        before = vectors.taken(elastic.U, elastic.free)
+        arrived = self._go(before, slope, held)
+        self._last = (arrived - before, G, g.reshape(-1, *G.shape)) if arrived is not None else None
+        return arrived is not None
+
+    def _go(self, before: np.ndarray, slope: np.ndarray, held: np.ndarray) -> np.ndarray | None:
+        """Walk downhill from the free positions ``before`` (f, 3); where that led, or None if nowhere."""
+        elastic, start = self._elastic, self._elastic.U
+        while True:
+            way = self._memory.direction(slope, elastic.solve)
+            promise = 4.0 * float(vectors.dots(slope[None], way)[0])
+            for halvings in range(_HALVINGS):
+                share = 0.5**halvings
+                U, _ = self._projection.onto(elastic.assembled(before + share * way, held))
+                elastic.local_step(U)
+                energy = elastic.energy
+                enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
+                if enough and self._projection.met:
+                    self.energy = energy
+                    return vectors.taken(U, elastic.free)
+            elastic.local_step(start)
+            self._projection.evaluate(start)
+            if not len(self._memory):
+                return None
+            self._memory.forget()

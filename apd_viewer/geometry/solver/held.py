@@ -1,0 +1,62 @@
+"""Which vertices are held, and by which handle, as a caller names them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import whole_numbers
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+    from apd_viewer.geometry.pose.constraints import Soft
+
+
+# What vertices are named for: what they are called as an array, and what is said where one is not there.
+_SAID = {
+    "held": (tr("The held vertices"), tr("A held vertex does not exist: ids go from 0 to {last:,}.")),
+    "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids go from 0 to {last:,}.")),
+}
+
+
+def vertex_ids(given: np.ndarray | Sequence[int], n: int, what: str = "held") -> np.ndarray:
+    """The ids of vertices, (k,) int64, of a mesh of ``n``; raises InputError where they are none."""
+    name, otherwise = _SAID[what]
+    ids = whole_numbers(given, name).ravel()
+    if len(ids) and (ids.min() < 0 or ids.max() >= n):
+        raise InputError(otherwise.format(last=n - 1))
+    return ids
+
+
+def handle_of(
+    handle: np.ndarray | Sequence[np.ndarray] | None, rest: RestMesh, solve_ids: np.ndarray
+) -> np.ndarray:
+    """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
+    if handle is not None and not isinstance(handle, (np.ndarray, Sequence)):
+        raise InputError(tr("The handle must be an array of vertex ids, or a list of such arrays."))
+    several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
+    handles = () if handle is None else handle if several else (handle,)
+    number = np.zeros(len(solve_ids), dtype=np.int64)
+    for k, ids in enumerate(handles, start=1):
+        ids = np.unique(rest.weld.inverse[vertex_ids(ids, len(rest.V), "handle")])
+        if not np.isin(ids, solve_ids).all():
+            raise InputError(
+                tr("A handle vertex is not held; name the handle's vertices among the held ones.")
+            )
+        mine = np.searchsorted(solve_ids, ids)
+        if (number[mine] > 0).any():
+            raise InputError(tr("A vertex belongs to two handles; give it to one of them."))
+        number[mine] = k
+    return number
+
+
+def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np.ndarray]:
+    """What is soft of the solve, and which of the given it is; held vertices are not, nor loose pieces."""
+    ids, which = np.unique(rest.weld.inverse[soft.ids], return_index=True)
+    piece = rest.shape.piece
+    free = np.isin(piece[ids], piece[solve_ids]) & ~np.isin(ids, solve_ids)
+    return soft.among(which[free])._replace(ids=ids[free]), which[free]

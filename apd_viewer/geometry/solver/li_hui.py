@@ -1,0 +1,112 @@
+"""Area-preserving deformation as the paper has it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import diags_array
+
+from apd_viewer.geometry.mesh.operators import area
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.elastic import Elastic
+    from apd_viewer.geometry.solver.goals import Goal
+
+
+class LiHui:
+    """Area-preserving deformation [Li & Hui, Area-preserving Deformation of 3D Objects].
+
+    A round is (i) ARAP iterations with the handle at h, giving a shape of area A; (ii) free
+    vertices scaled about the base's centroid B_c by ``s = sqrt(A0 / A)`` (Eqs. 2 and 6), the handle
+    moved by ``(s - 1)(H_c - B_c)`` (Eq. 8); (iii) a blend (Eq. 9) towards those positions c,
+
+        min_U  sum_i m_i |u_i - c_i|^2 + (kappa / 2) E(U; R),    m_i = vertex area / mean vertex area,
+
+    with base and handle held. Rounds are repeated, from the moved handle, until the area is within
+    the tolerance. Steps (ii) and (iii) are cheap, so they are applied after *every* ARAP iteration:
+    each shape that is shown is the one that the round would end with, were it to end now.
+
+    Parameters
+    ----------
+    elastic : Elastic
+    handle_of : (k,) int array
+        For each held vertex the number of its handle, from 1; 0 is base. Each handle moves as one.
+    goals : (Goal,)
+        The total area.
+    tolerance : float
+        Relative error of the area that is accepted.
+    """
+
+    # Literally (kappa = 0) Eq. 9 returns the corrected points and leaves a crease at the base.
+    KAPPA = 1.0
+    ITERATIONS_A_ROUND = 20
+    # The area is always tried for again.
+    stuck = False
+
+    def __init__(
+        self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...], tolerance: float
+    ) -> None:
+        self._elastic = elastic
+        self._base = np.flatnonzero(handle_of == 0)
+        self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
+        self.tolerance = tolerance
+        self._m = elastic.rest.masses[elastic.free][:, None]
+        self._blend = elastic.factored(
+            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr()
+        )
+        self.U = elastic.U
+        self.keep(goals)
+
+    @property
+    def ready(self) -> bool:
+        """Whether an iteration has nothing to wait for."""
+        return self._elastic.factor.ready and self._blend.ready
+
+    @property
+    def energy(self) -> float:
+        """The energy of ``U``, which is not the shape that minimises it."""
+        return self._elastic.energy_at(self.U)
+
+    @property
+    def met(self) -> bool:
+        """Whether the area of ``U`` is close enough to what it should be."""
+        return abs(self.goals[0].miss(float(self.values[0]))) <= self.tolerance * self._wanted
+
+    def keep(self, goals: tuple[Goal, ...]) -> None:
+        """Bring the total area to another value from now on."""
+        (self._area,) = self.goals = goals
+        self._wanted = self._area.target / self._area.rest
+        self.values = np.array([self._area.value(self.U)])
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+        self._elastic.restart(U)
+        self.U = U
+
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold the base at its ``targets``, and start the handles from their ``targets`` (k, 3)."""
+        self._h = self.held = targets
+        self._iteration = 0
+
+    def iterate(self) -> None:
+        """One ARAP iteration, corrected and blended; at the end of a round the handle may move."""
+        self._elastic.iterate(self._h)
+        self._correct_and_blend()
+        self._iteration += 1
+        if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self.met:
+            self._h = self.held
+
+    def _correct_and_blend(self) -> None:
+        elastic, target = self._elastic, self._area.target
+        # A shape that has collapsed cannot be scaled back to its area.
+        s = np.sqrt(target / max(area(elastic.U, elastic.rest.F), 1e-6 * target))
+        base_centroid = self._h[self._base].mean(axis=0)
+        self.held = self._h.copy()
+        for handle in self._handles:
+            self.held[handle] += (s - 1.0) * (self._h[handle].mean(axis=0) - base_centroid)
+
+        c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
+        pull = elastic.pull(self.held)
+        self.U = elastic.assembled(self._blend.solve(self._m * c + self.KAPPA * pull), self.held)
+        self.values = np.array([self._area.value(self.U)])

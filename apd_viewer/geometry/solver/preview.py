@@ -1,0 +1,60 @@
+"""What a fine surface will look like, before there was time for a global step of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.solver.coarse import Coarse
+from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.projection import Projection
+
+
+class Preview:
+    """Shapes of a fine surface that a coarse one carries along.
+
+    They are not at rest, but held where they are asked to be, and they meet the goals, as all others do.
+
+    Parameters
+    ----------
+    elastic : Elastic
+        The fine surface; it is not touched.
+    coarse : Coarse
+    goals : tuple of Goal
+
+    Attributes
+    ----------
+    free : (f,) int array
+        Vertices that may move.
+    U : (n, 3) float array
+        The last shape.
+    """
+
+    def __init__(self, elastic: Elastic, coarse: Coarse, goals: tuple[Goal, ...]) -> None:
+        self._elastic, self._coarse = elastic, coarse
+        self.free = elastic.free
+        self.U = elastic.U
+        self._projection = Projection(self, goals)
+        self._projection.refresh(self.U)
+
+    @property
+    def values(self) -> np.ndarray:
+        """What the goals measure at ``U``, (g,) float array."""
+        return self._projection.values
+
+    @property
+    def met(self) -> bool:
+        """Whether all goals are met at ``U``."""
+        return self._projection.met
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """A smooth answer of the free vertices to forces, both (f, 3): the directions to meet goals along."""
+        return self._coarse.give_way(b_f)
+
+    def follow(self, targets: np.ndarray) -> None:
+        """Go where the coarse surface is, with the held vertices at ``targets`` (k, 3)."""
+        U = self._coarse.carried(self._elastic.U)
+        U[self._elastic.fixed] = targets[: len(self._elastic.fixed)]
+        if self._projection.worn:
+            self._projection.refresh(U)
+        self.U, _ = self._projection.onto(U)

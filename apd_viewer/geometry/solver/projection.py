@@ -1,0 +1,202 @@
+"""Back onto the shapes that meet all goals, by Newton's method along a few fixed directions.
+
+With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest ways to change what
+the goals measure. They need not be those of today's gradients, only to lead there.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.solver.goals import Goal
+
+# Relative to the value at rest; one order better than is promised.
+MET = 1e-10
+_NEWTON_STEPS = 8
+# By how much of itself a miss, relative to the value at rest, changes the slopes: about 1, measured.
+_CURVED = 4.0
+# A step that brought less than this part of what it should have, or the contrary, teaches nothing.
+_PLAUSIBLE = 0.1
+# Directions are made anew once a goal has to go so much farther along its own as at first.
+_FADED = 2.0
+
+
+class Yielding(Protocol):
+    """A surface that gives way to forces: all that a projection needs of it."""
+
+    @property
+    def U(self) -> np.ndarray:
+        """Current positions, (n, 3) float array."""
+
+    @property
+    def free(self) -> np.ndarray:
+        """Vertices that may move, (f,) int array."""
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """How the free vertices give way to the forces ``b_f``, both (f, 3)."""
+
+
+class Projection:
+    """The goals of an elastic surface, and the way to meet them.
+
+    Parameters
+    ----------
+    elastic : Yielding
+    goals : tuple of Goal
+
+    Attributes
+    ----------
+    values : (g,) float array
+        What the goals measure at the positions found or looked at last.
+    g : (g, n, 3) float array
+        Their gradients at the positions looked at last.
+    """
+
+    def __init__(self, elastic: Yielding, goals: tuple[Goal, ...]) -> None:
+        self._elastic = elastic
+        self.goals = goals
+        self._target = np.array([goal.target for goal in goals])
+        self._unit = np.array([abs(goal.rest) for goal in goals])
+        self.g = np.zeros((len(goals), *elastic.U.shape))
+        self._y = np.zeros_like(self.g)
+        self._inverse = np.zeros((len(goals), len(goals)))
+        self._inverse_at_first = self._inverse
+        self._reach = np.full(len(goals), np.inf)
+        self.evaluate(elastic.U)
+
+    @property
+    def met(self) -> bool:
+        """Whether all goals are met at the positions found or looked at last."""
+        return self.worst <= MET
+
+    @property
+    def worst(self) -> float:
+        """The largest miss there, relative to the value at rest."""
+        return _worst(self.values, self._target, self._unit)
+
+    @property
+    def worn(self) -> bool:
+        """Whether the directions are no longer good ones."""
+        return _worn(self._inverse, self._inverse_at_first)
+
+    def evaluate(self, U: np.ndarray) -> None:
+        """Find values and gradients at ``U`` (n, 3)."""
+        both = zip(self.goals, self.g, strict=True)
+        self.values = np.array([goal.value_and_gradient(U, g) for goal, g in both])
+
+    def refresh(self, U: np.ndarray) -> None:
+        """The same, with the directions that are best there."""
+        self.evaluate(U)
+        free = self._elastic.free
+        for y, g in zip(self._y, self.g, strict=True):
+            y[free] = self._elastic.solve(g[free])
+        slopes = self._slopes()
+        movable = np.flatnonzero(np.diag(slopes) > 0.0)
+        # A goal that depends on nothing that is free cannot be moved, and is not waited for.
+        self._reach = np.full(len(self.goals), np.inf)
+        self._reach[movable] = self._unit[movable]
+        scale = np.sqrt(np.diag(slopes)[movable])
+        scales, block = np.outer(scale, scale), np.ix_(movable, movable)
+        self._inverse = self._inverse_at_first = np.zeros_like(slopes)
+        # Goals that ask for the same are met as well as they can be.
+        self._inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
+
+    def _slopes(self) -> np.ndarray:
+        """How fast each goal (rows) changes along each direction (columns)."""
+        slopes = [vectors.dots(self._y, g) for g in self.g]
+        return np.array(slopes).reshape(2 * (len(self.goals),))
+
+    def multipliers(self, G: np.ndarray) -> np.ndarray:
+        """How much of each goal's gradient to take from ``G`` (f, 3) so that no direction is uphill, (g,)."""
+        free = self._elastic.free
+        along = [vectors.dots(vectors.taken(y, free)[None], G)[0] for y in self._y]
+        if not along:
+            return np.zeros(0)
+        return np.linalg.lstsq(self._slopes().T, np.array(along), rcond=1e-10)[0]
+
+    def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The positions near ``U`` (n, 3) that meet the goals, if there are any, and how far along each way.
+
+        Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
+        step has brought [Broyden 1965]: values cost less than gradients. Such a step leaves of a miss about
+        as much as the product of the last two, and no less than slopes that are off in other directions can
+        spoil; where that is nothing, the last step is not measured.
+        """
+        mu = np.zeros(len(self.goals))
+        self.values = self._measured(U)
+        worst = foreseen = self._worst_that_can_move(self.values)
+        share = 1.0
+        fresh = False  # whether gradients and directions are those of U
+        for _ in range(_NEWTON_STEPS):
+            if worst <= MET:
+                break
+            missing = self._target - self.values
+            step = share * (self._inverse @ missing)
+            there = vectors.moved(U, step, self._y)
+            if foreseen <= MET:
+                self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
+                return there, mu + step
+            tried = self._measured(there)
+            left = self._worst_that_can_move(tried)
+            if left < (1.0 - 0.1 * share) * worst:
+                self._inverse = _learned(self._inverse, step, tried - self.values)
+                foreseen = left * max(left / worst, _CURVED * worst)
+                U, self.values, worst, mu, share, fresh = there, tried, left, mu + step, 1.0, False
+            elif fresh:
+                share *= 0.5
+            else:
+                self.refresh(U)
+                fresh, foreseen = True, worst
+        return U, mu
+
+    def _measured(self, U: np.ndarray) -> np.ndarray:
+        return np.array([goal.value(U) for goal in self.goals])
+
+    def _worst_that_can_move(self, values: np.ndarray) -> float:
+        return _worst(values, self._target, self._reach)
+
+
+# Kernels, small as they are: every iteration asks for them several times.
+
+
+@njit(cache=True, nogil=True)
+def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """The inverse slopes that would have asked for this ``step`` to make such a ``change``."""
+    g = len(step)
+    expected, pulled = np.zeros(g), np.zeros(g)
+    for i in range(g):
+        for j in range(g):
+            expected[i] += inverse[i, j] * change[j]
+            pulled[j] += step[i] * inverse[i, j]
+    along = (step * expected).sum()
+    if along <= _PLAUSIBLE * (step * step).sum():
+        return inverse
+    learned = np.empty_like(inverse)
+    for i in range(g):
+        for j in range(g):
+            learned[i, j] = inverse[i, j] + (step[i] - expected[i]) / along * pulled[j]
+    return learned
+
+
+@njit(cache=True, nogil=True)
+def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
+    """Whether a goal has to go much farther along its own direction than at first."""
+    faded = False
+    for i in range(len(inverse)):
+        faded |= inverse[i, i] > _FADED * at_first[i, i]
+    return faded
+
+
+@njit(cache=True, nogil=True)
+def _worst(values: np.ndarray, targets: np.ndarray, units: np.ndarray) -> float:
+    """The largest of ``|values - targets| / units``; infinite if one is no number."""
+    worst = 0.0
+    for i in range(len(values)):
+        miss = abs(values[i] - targets[i]) / units[i]
+        if not miss <= worst:
+            worst = miss if miss == miss else np.inf
+    return worst
