@@ -17,9 +17,9 @@ from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selection_files import read_selection_file
 from apd_viewer.files.survey_formats import read_region, read_transform
-from apd_viewer.geometry.analysis.crossings import crossings
-from apd_viewer.geometry.analysis.examination import examined
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.analysis.shape_check import examined
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import MOST_ITERATIONS, Result, deform

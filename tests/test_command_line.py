@@ -17,8 +17,8 @@ import apd_viewer
 from apd_viewer import headless
 from apd_viewer.__main__ import main
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
-from apd_viewer.geometry.analysis.crossings import crossings
 from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.solver.deform import deform

@@ -17,7 +17,7 @@ from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.geometry.pose.motions import turned_about
+from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.document import opened
 from apd_viewer.session.saved import save_session
 from apd_viewer.session.view import Standpoint, View

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.atomic_file import replacing
-from apd_viewer.geometry.analysis.examination import Examination, examined
+from apd_viewer.geometry.analysis.shape_check import Examination, examined
 
 if TYPE_CHECKING:
     from pathlib import Path

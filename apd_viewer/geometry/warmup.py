@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry.analysis import change, local_change
+from apd_viewer.geometry.analysis import area_change, deviation
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region
 from apd_viewer.geometry.solver.methods import METHODS
@@ -17,7 +17,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
 
     Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
     """
-    local_change.warm_up()
+    area_change.warm_up()
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]
@@ -32,7 +32,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
         for _ in range(3):
             solver.step()
     if not enough():
-        change.warm_up()
+        deviation.warm_up()
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
+from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.geometry.mesh.thinning import Thinning
 from apd_viewer.session import wire
 from apd_viewer.session.messages import Answer, Found, Message, Order, Step
 from apd_viewer.session.processes import START, Process, started

@@ -11,7 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.mesh import Weld, frozen
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.mesh.regions import region_areas
+from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 
 @once
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
-    """Area of each region at rest: see :func:`apd_viewer.geometry.mesh.regions.region_areas`."""
+    """Area of each region at rest: see :func:`apd_viewer.geometry.mesh.region_areas.region_areas`."""
     return tuple(region_areas(V, F, member, count).tolist())
 
 

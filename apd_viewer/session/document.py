@@ -11,8 +11,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.selection import Selection, numbered
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.geometry.mesh.regions import region_areas
-from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.mesh.region_areas import region_areas
+from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
 from apd_viewer.geometry.pose.frame import MET, Frame
 from apd_viewer.geometry.solver.goals import Region

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.examination import Examination
+from apd_viewer.geometry.analysis.shape_check import Examination
 from apd_viewer.session import wire
 from apd_viewer.session.examining_process import NOBODY_LOOKED
 from apd_viewer.session.mailbox import Mailbox

@@ -10,7 +10,7 @@ from apd_viewer.session.stage import Activity, Listener, Stage
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.geometry.analysis.examination import Examination
+    from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
 

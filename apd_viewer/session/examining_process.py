@@ -12,7 +12,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.examination import examined
+from apd_viewer.geometry.analysis.shape_check import examined
 from apd_viewer.session import wire
 from apd_viewer.session.processes import leave_interrupts_to_the_owner
 

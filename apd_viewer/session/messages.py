@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from apd_viewer.geometry.mesh.thinning import Thinning
+from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.requests import Account, Request
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.geometry.pose.motions import shifted
+from apd_viewer.geometry.pose.transforms import shifted
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.sweep import sweep_of
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
-from apd_viewer.geometry.pose.motions import bend, scaled_about, shifted, turned_about, twist
+from apd_viewer.geometry.pose.transforms import bend, scaled_about, shifted, turned_about, twist
 from apd_viewer.language import tr
 from apd_viewer.session import derived
 from apd_viewer.session.expressions import angle, length, number

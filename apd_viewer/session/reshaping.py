@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
-from apd_viewer.geometry.picking.selecting import grown, mirrored, shrunk, smoothed
+from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smoothed
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import numpy as np
 from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.selection import MOST_REGIONS
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame

@@ -22,7 +22,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.guided import make_ready
+from apd_viewer.geometry.solver.multilevel import make_ready
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.deforming import deformation_of

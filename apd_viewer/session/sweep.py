@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
-from apd_viewer.geometry.pose.motion_paths import ScrewPath, Turn, path_of
+from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session import derived

@@ -27,8 +27,8 @@ from enum import Enum
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.mesh.thinning import Thinning
 from apd_viewer.language import tr
 from apd_viewer.session.child import Child, Published
 from apd_viewer.session.document import Document

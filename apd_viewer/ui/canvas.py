@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, QPointF, QRectF, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QWidget
 
-from apd_viewer.geometry.picking.sketch import Sketch
+from apd_viewer.geometry.picking.preview_surface import Sketch
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.painted_part import Part

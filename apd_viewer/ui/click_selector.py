@@ -13,7 +13,7 @@ from apd_viewer.ui.selector import Selector, act_of, begins
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 
-    from apd_viewer.geometry.picking.skin import Skin
+    from apd_viewer.geometry.picking.surface_index import Skin
     from apd_viewer.ui.surface import Hit, Surface
     from apd_viewer.ui.viewport import Viewport
 

@@ -29,7 +29,7 @@ from apd_viewer.ui.statusbar import Hint
 from apd_viewer.ui.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.change import Change
+    from apd_viewer.geometry.analysis.deviation import Change
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
@@ -191,7 +191,7 @@ class ComparisonWindow(QWidget):
         mesh, skin = state.document.mesh, state.skin
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.change import Change, warm_up, write_shades
+            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
 
             warm_up()
             return _Ready(Change(mesh.V, skin.joined, skin.source), write_shades)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.pose.motions import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.ui.camera import unit
 from apd_viewer.ui.gizmo_geometry import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
 

@@ -17,7 +17,7 @@ from apd_viewer.ui.scales import Measure, Scale, span_of, usual
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.geometry.analysis.change import Change
+    from apd_viewer.geometry.analysis.deviation import Change
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.legend import Legend
@@ -179,7 +179,7 @@ class HeatMap(QObject):
         self._legend.say(tr("Preparing to measure…"))
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.change import Change, warm_up, write_shades
+            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
 
             warm_up()
             return _Ready(mesh, Change(mesh.V, skin.joined, skin.source), write_shades)
@@ -283,7 +283,7 @@ class HeatMap(QObject):
             return
         surface = self._canvas.surface
         if self._places is None:
-            from apd_viewer.geometry.analysis.change import worst
+            from apd_viewer.geometry.analysis.deviation import worst
 
             self._places = worst(self.values, surface.U, _APART * self._size, _PLACES)
         if not len(self._places):

@@ -16,7 +16,7 @@ from apd_viewer.ui.method_view import HEAD, MethodView
 from apd_viewer.ui.viewport import link
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.change import Change
+    from apd_viewer.geometry.analysis.deviation import Change
     from apd_viewer.session.document import State
     from apd_viewer.ui.camera import Camera
     from apd_viewer.ui.pointer import Place

@@ -18,7 +18,7 @@ from apd_viewer.ui.surface import Surface
 from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.change import Change
+    from apd_viewer.geometry.analysis.deviation import Change
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 

@@ -14,7 +14,7 @@ from apd_viewer.ui.selector import Selector, act_of, begins
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.geometry.picking.skin import Skin
+    from apd_viewer.geometry.picking.surface_index import Skin
     from apd_viewer.geometry.picking.visibility import Boxes
     from apd_viewer.ui.surface import Surface
     from apd_viewer.ui.viewport import Viewport

@@ -29,7 +29,7 @@ from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.local_change import LocalChange
+    from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
     from apd_viewer.session.trace import Trace
@@ -268,7 +268,7 @@ class Plots(QWidget):
 
     def _local_change(self, state: State) -> LocalChange:
         """How the triangles differ from rest; found once for a shape."""
-        from apd_viewer.geometry.analysis.local_change import local_change
+        from apd_viewer.geometry.analysis.area_change import local_change
         from apd_viewer.session.derived import triangle_areas
 
         U, mesh = state.frame.U, state.document.mesh
@@ -357,6 +357,6 @@ class ChartView(QWidget):
 
 def _load() -> None:
     """Compile what the histogram needs, or load it from the cache."""
-    from apd_viewer.geometry.analysis.local_change import warm_up
+    from apd_viewer.geometry.analysis.area_change import warm_up
 
     warm_up()

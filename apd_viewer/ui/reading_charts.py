@@ -13,7 +13,7 @@ from apd_viewer.ui.chart import Bars, Chart, Curve, Mark
 from apd_viewer.ui.number_format import short, signed, significant
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.local_change import LocalChange
+    from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.trace import Trace
     from apd_viewer.session.units import Unit

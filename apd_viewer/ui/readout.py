@@ -15,8 +15,8 @@ from apd_viewer.session.sentences import about_caps
 from apd_viewer.ui.number_format import length, short, signed, significant
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.examination import Examination
     from apd_viewer.geometry.analysis.inspection import Inspection
+    from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.document import Document, State
     from apd_viewer.session.units import Unit

@@ -15,7 +15,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Part, Pictures, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.motions import decomposed
+from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
 from apd_viewer.session.sentences import of_crossings
 from apd_viewer.session.units import Unit
@@ -26,8 +26,8 @@ from apd_viewer.ui.number_format import short, significant
 if TYPE_CHECKING:
     from apd_viewer.files.fingerprint import Fingerprint
     from apd_viewer.files.html_page import Drawing
-    from apd_viewer.geometry.analysis.examination import Examination
-    from apd_viewer.geometry.analysis.local_change import LocalChange
+    from apd_viewer.geometry.analysis.area_change import LocalChange
+    from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.session.document import State
 
 _LIBRARIES = (

@@ -23,7 +23,7 @@ from apd_viewer.ui.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
     from apd_viewer.files import html_page
-    from apd_viewer.geometry.analysis.local_change import LocalChange
+    from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.session.document import State
     from apd_viewer.session.session import Session
     from apd_viewer.session.view import View
@@ -211,8 +211,8 @@ class Reporting:
 def _measured(state: State, view: View, scale: Scale) -> _Measured:
     """Find out what takes a while."""
     from apd_viewer.files.fingerprint import fingerprint
-    from apd_viewer.geometry.analysis.change import Change, write_shades
-    from apd_viewer.geometry.analysis.local_change import local_change
+    from apd_viewer.geometry.analysis.area_change import local_change
+    from apd_viewer.geometry.analysis.deviation import Change, write_shades
     from apd_viewer.session.derived import triangle_areas
     from apd_viewer.ui.report import Evidence
 

@@ -17,7 +17,7 @@ from apd_viewer.ui import readout
 from apd_viewer.ui.section import Section, quiet
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.examination import Examination
+    from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.session.document import State
 
 

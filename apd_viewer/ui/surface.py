@@ -9,13 +9,13 @@ import pyvista as pv
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-from apd_viewer.geometry.picking.sketch import Sketch
+from apd_viewer.geometry.picking.preview_surface import Sketch
 from apd_viewer.ui.shading import headlight, match_background, scale_heat, shade
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
-    from apd_viewer.geometry.picking.skin import Skin
+    from apd_viewer.geometry.picking.surface_index import Skin
     from apd_viewer.ui.color_maps import ColorMap
     from apd_viewer.ui.viewport import Viewport
 

@@ -15,7 +15,7 @@ from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.examination import Examination
+    from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.session.document import State
     from apd_viewer.session.units import Unit
 

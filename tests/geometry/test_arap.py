@@ -8,7 +8,7 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 

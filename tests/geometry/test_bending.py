@@ -6,7 +6,7 @@ import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
 from apd_viewer.geometry.energy.elastic import Elastic, Material
-from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.solver.deform import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness, packed_volume
-from apd_viewer.geometry.analysis.examination import examined
+from apd_viewer.geometry.analysis.shape_check import examined
 from apd_viewer.geometry.mesh.operators import area, volume
 
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)

@@ -7,7 +7,7 @@ from meshes import box, grid, rabbit, rotation, soup, sphere, tube
 from numpy.testing import assert_allclose
 
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.mesh.caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation

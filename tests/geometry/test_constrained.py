@@ -10,7 +10,7 @@ from apd_viewer.geometry.energy import elastic as elastic_module
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import area, volume
-from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.constrained_descent import Constrained
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals

@@ -5,8 +5,8 @@ import pytest
 from meshes import rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.solver.cycles import Cycled
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.restarts import Cycled
 
 V, F = tube(80, 120, height=4.0)
 REST = RestMesh(V, F)

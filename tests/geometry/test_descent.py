@@ -7,7 +7,7 @@ from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 from apd_viewer.geometry.energy.elastic import Elastic, Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.lbfgs import Memory
-from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.constrained_descent import Constrained
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals

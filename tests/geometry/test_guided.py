@@ -7,11 +7,11 @@ from meshes import rotation, sample_bottle, soup, sphere, tube
 from apd_viewer.geometry.energy.elastic import Elastic, Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.measures import area_of
-from apd_viewer.geometry.solver.coarse import Coarse, _blended, _difference
-from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.coarse_level import Coarse, _blended, _difference
+from apd_viewer.geometry.solver.constrained_descent import Constrained
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals
-from apd_viewer.geometry.solver.guided import Guided, guided, make_ready
+from apd_viewer.geometry.solver.multilevel import Guided, guided, make_ready
 
 TUBE = tube(80, 120, height=4.0)
 
@@ -195,7 +195,7 @@ def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
     V, F = mesh
     rest = RestMesh(V, F)
     make_ready(rest)
-    monkeypatch.delattr("apd_viewer.geometry.energy.rest_shape.thinned")
+    monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.thinned")
     for method in ("arap", "exact", "local"):
         assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._method, Guided)
 

@@ -5,7 +5,7 @@ import pytest
 from meshes import box, rotation, sphere
 from scipy.stats import ortho_group
 
-from apd_viewer.geometry.analysis.local_change import local_change
+from apd_viewer.geometry.analysis.area_change import local_change
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import face_areas
 

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic import Elastic, Material
 from apd_viewer.geometry.energy.membrane import Membrane, _project
-from apd_viewer.geometry.energy.rest_shape import RestShape
+from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.deform import deform

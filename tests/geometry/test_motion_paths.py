@@ -8,8 +8,8 @@ from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.motion_paths import Turn, path_of
-from apd_viewer.geometry.pose.motions import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.screw_motion import Turn, path_of
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 
 coordinates = st.floats(-10, 10)
 points = st.tuples(coordinates, coordinates, coordinates).map(np.array)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.motions import (
+from apd_viewer.geometry.pose.transforms import (
     bend,
     decomposed,
     scaled_about,

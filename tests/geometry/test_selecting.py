@@ -14,7 +14,8 @@ from apd_viewer.geometry.mesh.adjacency import ALONE, CROWDED, filled, opposite_
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.picking import selecting
-from apd_viewer.geometry.picking.selecting import (
+from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.picking.vertex_sets import (
     RINGS,
     border_loop,
     grown,
@@ -24,7 +25,6 @@ from apd_viewer.geometry.picking.selecting import (
     shrunk,
     smoothed,
 )
-from apd_viewer.geometry.picking.skin import Skin
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(

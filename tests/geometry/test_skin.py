@@ -6,8 +6,8 @@ from meshes import box, grid, soup, sphere
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking.sketch import Sketch
-from apd_viewer.geometry.picking.skin import Skin, _drape, warm_up
+from apd_viewer.geometry.picking.preview_surface import Sketch
+from apd_viewer.geometry.picking.surface_index import Skin, _drape, warm_up
 
 
 def draped(skin, U, origin=(0.0, 0.0, 0.0)):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from meshes import box, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.picking.visibility import FAN, TOUCHING, boxes_in_boxes, visible
 
 

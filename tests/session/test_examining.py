@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
-from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session import examiner

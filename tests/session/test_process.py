@@ -398,7 +398,7 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
     altered(
         """
         import sys
-        from apd_viewer.geometry.energy import rest_shape
+        from apd_viewer.geometry.energy import solve_mesh
         from apd_viewer.session import solver
         solver._LARGE = 2500
         real = rest_shape.thinned

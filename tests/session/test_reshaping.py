@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from test_session import Driven
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.geometry.picking.selecting import RINGS
+from apd_viewer.geometry.picking.vertex_sets import RINGS
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.document import Document, opened
 from apd_viewer.session.named_parts import NamedRegion

@@ -7,7 +7,7 @@ from meshes import box, ends
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.geometry.pose.motions import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.session.document import opened
 from apd_viewer.session.sweep import sweep_of, twist_of

@@ -11,7 +11,7 @@ from driving import Mouse, grey, idle, settle, show
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow, QMessageBox
 
-from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.surface import Surface

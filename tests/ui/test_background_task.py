@@ -8,7 +8,7 @@ from driving import idle
 from meshes import sphere
 from PySide6.QtCore import QObject
 
-from apd_viewer.geometry.analysis.change import Change
+from apd_viewer.geometry.analysis.deviation import Change
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.scales import Measure

@@ -8,7 +8,7 @@ from driving import LEFT, Mouse, centre, document, idle, settle, show
 from meshes import box, sphere
 from PySide6.QtCore import Qt
 
-from apd_viewer.geometry.analysis.change import Change
+from apd_viewer.geometry.analysis.deviation import Change
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.document import opened

@@ -5,7 +5,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.painter import Painter
 
 ALT = Qt.KeyboardModifier.AltModifier

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
-from apd_viewer.geometry.picking.skin import Skin
+from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.camera import MARGIN
 from apd_viewer.ui.gizmo import Gizmo
 from apd_viewer.ui.painter import Painter

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.files.meshes import save_mesh
 from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
-from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.session import examiner
 from apd_viewer.session.document import opened

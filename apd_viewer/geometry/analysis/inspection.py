@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.analysis.defects import defects
-from apd_viewer.geometry.mesh.caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.mesh import TOLERANCE, Mesh, frozen
 from apd_viewer.geometry.mesh.operators import face_areas, volume, why_no_volume
-from apd_viewer.geometry.mesh.pieces import pieces
 from apd_viewer.language import tr, trn
 
 # A needle's longest edge is so many times its height.

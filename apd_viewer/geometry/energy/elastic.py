@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import coo_array, diags_array, hstack
 
-from apd_viewer.geometry.energy import cells
+from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.membrane import Membrane
-from apd_viewer.geometry.energy.rest_shape import RestShape
-from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.rotations import turn_rotations
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
@@ -178,18 +178,18 @@ class Elastic:
             pull = self._bending.pull(self.q, material.bending)
             more = pull if more is _NOTHING else more + pull
         terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
-        return cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
+        return arap_cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
 
     def from_held(self, targets: np.ndarray) -> np.ndarray:
         """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
         if targets is not self._targets or self._from_held is None:
-            self._targets, self._from_held = targets, vectors.product(self._blocks[1], targets)
+            self._targets, self._from_held = targets, parallel_ops.product(self._blocks[1], targets)
         return self._from_held
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
-        residual = vectors.product(self.K_ff, vectors.taken(self.U, self.free))
-        vectors.add(residual, _MINUS, self.pull(targets)[None])
+        residual = parallel_ops.product(self.K_ff, parallel_ops.taken(self.U, self.free))
+        parallel_ops.add(residual, _MINUS, self.pull(targets)[None])
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
@@ -204,7 +204,7 @@ class Elastic:
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return vectors.placed(self.U, self._place, X, targets)
+        return parallel_ops.placed(self.U, self._place, X, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
@@ -214,13 +214,13 @@ class Elastic:
         self._turn_cells(U, q)
 
     def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
-        rest, material, S0 = self.rest, self.material, cells.FLAT
+        rest, material, S0 = self.rest, self.material, arap_cells.FLAT
         if self._bending is not None:
             S0 = self._bending.moments(U, material.bending / material.rigidity)
         if self._coupling > 0.0:
-            cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, q)
+            arap_cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, q)
         else:
-            cells.local_step(*rest.graph, rest.V, U, S0, q)
+            arap_cells.local_step(*rest.graph, rest.V, U, S0, q)
 
     def turn(self, turns: np.ndarray) -> None:
         """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""
@@ -246,7 +246,7 @@ class Elastic:
 
     def _without_membrane(self, U: np.ndarray, q: np.ndarray) -> float:
         """The terms of cells that are turned by ``q`` (n, 4), and of springs, at ``U`` (n, 3)."""
-        E = self.material.rigidity * cells.energy(*self.rest.graph, self.rest.V, U, q)
+        E = self.material.rigidity * arap_cells.energy(*self.rest.graph, self.rest.V, U, q)
         if self._bending is not None:
             E += self.material.bending * self._bending.energy(U, q)
         if len(self.soft.ids):

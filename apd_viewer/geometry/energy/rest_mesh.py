@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.rest_shape import RestShape
-from apd_viewer.geometry.linalg.cores import cores_for
-from apd_viewer.geometry.mesh.caps import Caps, capped_volume
+from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
+from apd_viewer.geometry.mesh.loose_vertices import UnreferencedVertices
 from apd_viewer.geometry.mesh.measures import survey
 from apd_viewer.geometry.mesh.mesh import Weld
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
-from apd_viewer.geometry.mesh.thinning import Thinning
-from apd_viewer.geometry.mesh.unreferenced import UnreferencedVertices
 from apd_viewer.language import tr
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.linalg import parallel_ops
 
 
 class Memory:
@@ -43,8 +43,8 @@ class Memory:
 
         A step over which the slope fell says nothing that a minimum can be sought by, and is left out.
         """
-        bend = float(vectors.dots(step[None], change)[0])
-        lengths = vectors.dots(step[None], step)[0] * vectors.dots(change[None], change)[0]
+        bend = float(parallel_ops.dots(step[None], change)[0])
+        lengths = parallel_ops.dots(step[None], step)[0] * parallel_ops.dots(change[None], change)[0]
         if not bend > 1e-10 * np.sqrt(lengths):
             return
         full = len(self._order) == len(self._steps)
@@ -52,8 +52,8 @@ class Memory:
         self._steps[place], self._changes[place] = step, change
         self._order.append(place)
         count = len(self._order)
-        self._products[place, :count] = vectors.dots(self._changes[:count], step)
-        self._products[:count, place] = vectors.dots(self._steps[:count], change)
+        self._products[place, :count] = parallel_ops.dots(self._changes[:count], step)
+        self._products[:count, place] = parallel_ops.dots(self._steps[:count], change)
 
     def direction(self, gradient: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """The quasi-Newton step for a ``gradient`` (count, 3): downhill, of length about 1.
@@ -67,16 +67,16 @@ class Memory:
         rest = -gradient
         if not order:
             return solve(rest)
-        along = vectors.dots(self._steps[:count], rest)
+        along = parallel_ops.dots(self._steps[:count], rest)
         first = np.zeros(count)
         for k, i in reversed(list(enumerate(order))):
             newer = order[k + 1 :]
             first[i] = (along[i] - sum(first[j] * P[i, j] for j in newer)) / P[i, i]
-        vectors.add(rest, -first, self._changes[:count])
+        parallel_ops.add(rest, -first, self._changes[:count])
         step = solve(rest)
-        across = vectors.dots(self._changes[:count], step)
+        across = parallel_ops.dots(self._changes[:count], step)
         second = np.zeros(count)
         for k, i in enumerate(order):
             second[i] = first[i] - (across[i] + sum(second[j] * P[j, i] for j in order[:k])) / P[i, i]
-        vectors.add(step, second, self._steps[:count])
+        parallel_ops.add(step, second, self._steps[:count])
         return step

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for
 
 FAN = 8  # triangles in a box, boxes in a larger box
 _BITS = 3  # of FAN

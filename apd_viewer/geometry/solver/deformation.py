@@ -12,16 +12,15 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.cores import cores_for
-from apd_viewer.geometry.linalg.vectors import largest_difference
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.constrained import Constrained
-from apd_viewer.geometry.solver.cycles import Cycled
+from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
+from apd_viewer.geometry.solver.constrained_descent import Constrained
+from apd_viewer.geometry.solver.goal_projection import MET
 from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
-from apd_viewer.geometry.solver.guided import guided
-from apd_viewer.geometry.solver.held import handle_of, soft_of, vertex_ids
 from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -34,7 +33,8 @@ from apd_viewer.geometry.solver.methods import (
     check_tolerance,
     material_of,
 )
-from apd_viewer.geometry.solver.projection import MET
+from apd_viewer.geometry.solver.multilevel import guided
+from apd_viewer.geometry.solver.restarts import Cycled
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class Deformation:
     tolerance : float
         Relative error of the total area that "paper" accepts.
     stiffness : float
-        Weight of bending, 0 to about 0.1: see :class:`apd_viewer.geometry.energy.rest_shape.Bending`. For "sr-arap"
+        Weight of bending, 0 to about 0.1: see :class:`apd_viewer.geometry.energy.solve_mesh.Bending`. For "sr-arap"
         it is CGAL's alpha.
     area_stiffness, shear_stiffness : float
         How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).

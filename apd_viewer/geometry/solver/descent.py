@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.lbfgs import Memory
-from apd_viewer.geometry.solver.projection import Projection
+from apd_viewer.geometry.solver.goal_projection import Projection
 
 _REMEMBERED = 5
 # What a step must bring of what its slope promises [Armijo 1966].
@@ -45,16 +45,16 @@ class Descent:
         if projection.worn:
             projection.refresh(elastic.U)
         G = elastic.residual(held)
-        g = np.array([vectors.taken(gradient, elastic.free) for gradient in projection.g])
+        g = np.array([parallel_ops.taken(gradient, elastic.free) for gradient in projection.g])
         self.multipliers = projection.multipliers(G)
         slope = G.copy()
-        vectors.add(slope, -self.multipliers, g.reshape(-1, *G.shape))
+        parallel_ops.add(slope, -self.multipliers, g.reshape(-1, *G.shape))
         if self._last is not None:
             step, G_before, g_before = self._last
             change = slope - G_before
-            vectors.add(change, self.multipliers, g_before)
+            parallel_ops.add(change, self.multipliers, g_before)
             self._memory.learn(step, change)
-        before = vectors.taken(elastic.U, elastic.free)
+        before = parallel_ops.taken(elastic.U, elastic.free)
         arrived = self._go(before, slope, held)
         self._last = (arrived - before, G, g.reshape(-1, *G.shape)) if arrived is not None else None
         return arrived is not None
@@ -64,7 +64,7 @@ class Descent:
         elastic, start = self._elastic, self._elastic.U
         while True:
             way = self._memory.direction(slope, elastic.solve)
-            promise = 4.0 * float(vectors.dots(slope[None], way)[0])
+            promise = 4.0 * float(parallel_ops.dots(slope[None], way)[0])
             for halvings in range(_HALVINGS):
                 share = 0.5**halvings
                 U, _ = self._projection.onto(elastic.assembled(before + share * way, held))
@@ -73,7 +73,7 @@ class Descent:
                 enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
                 if enough and self._projection.met:
                     self.energy = energy
-                    return vectors.taken(U, elastic.free)
+                    return parallel_ops.taken(U, elastic.free)
             elastic.local_step(start)
             self._projection.evaluate(start)
             if not len(self._memory):

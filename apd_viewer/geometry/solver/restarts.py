@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.guided import Guided
+from apd_viewer.geometry.solver.multilevel import Guided
 
 # Another shape is worth moving to if it takes so much of the energy away.
 _GAIN = 1e-3

@@ -1,7 +1,7 @@
 """Sets of vertices, found by how a mesh hangs together and by its shape.
 
 A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
-of :class:`apd_viewer.geometry.picking.skin.Skin`. What a set says of the other vertices means nothing.
+of :class:`apd_viewer.geometry.picking.surface_index.Skin`. What a set says of the other vertices means nothing.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from numba import njit
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.mesh.adjacency import ALONE
-from apd_viewer.geometry.mesh.pieces import pieces
+from apd_viewer.geometry.mesh.components import pieces
 
 # Smoothing changes nothing that is more rings away from the border.
 RINGS = 5

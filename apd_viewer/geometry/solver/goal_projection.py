@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
-from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.solver.goals import Goal
 
 # Relative to the value at rest; one order better than is promised.
@@ -107,13 +107,13 @@ class Projection:
 
     def _slopes(self) -> np.ndarray:
         """How fast each goal (rows) changes along each direction (columns)."""
-        slopes = [vectors.dots(self._y, g) for g in self.g]
+        slopes = [parallel_ops.dots(self._y, g) for g in self.g]
         return np.array(slopes).reshape(2 * (len(self.goals),))
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """How much of each goal's gradient to take from ``G`` (f, 3) so that no direction is uphill, (g,)."""
         free = self._elastic.free
-        along = [vectors.dots(vectors.taken(y, free)[None], G)[0] for y in self._y]
+        along = [parallel_ops.dots(parallel_ops.taken(y, free)[None], G)[0] for y in self._y]
         if not along:
             return np.zeros(0)
         return np.linalg.lstsq(self._slopes().T, np.array(along), rcond=1e-10)[0]
@@ -136,7 +136,7 @@ class Projection:
                 break
             missing = self._target - self.values
             step = share * (self._inverse @ missing)
-            there = vectors.moved(U, step, self._y)
+            there = parallel_ops.moved(U, step, self._y)
             if foreseen <= MET:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.analysis.nearest import distances
-from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.analysis.surface_distance import distances
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes
 

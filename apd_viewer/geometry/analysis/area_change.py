@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import frozen
 
 # Bins an octave of c; the octaves reach from 2^_LOWEST, which is nothing but rounding, to 2^_HIGHEST.

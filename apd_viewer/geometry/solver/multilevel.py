@@ -6,13 +6,13 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.rest_shape import FEWEST, RestShape
-from apd_viewer.geometry.linalg.cores import cores_for
-from apd_viewer.geometry.mesh.thinning import Thinning
-from apd_viewer.geometry.solver.coarse import Coarse
-from apd_viewer.geometry.solver.constrained import WORTH_WHILE, Constrained
+from apd_viewer.geometry.energy.solve_mesh import FEWEST, RestShape
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.solver.coarse_level import Coarse
+from apd_viewer.geometry.solver.coarse_preview import Preview
+from apd_viewer.geometry.solver.constrained_descent import WORTH_WHILE, Constrained
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.preview import Preview
 
 # Below so many free vertices a surface finds its way as soon alone.
 _ALONE = 4 * FEWEST

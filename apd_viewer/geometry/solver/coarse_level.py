@@ -15,12 +15,12 @@ from numba import njit, prange
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.energy.rest_shape import RestShape
-from apd_viewer.geometry.linalg.cores import cores_for
+from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.mesh.thinning import Thinning
-from apd_viewer.geometry.solver.constrained import Constrained
+from apd_viewer.geometry.solver.constrained_descent import Constrained
 from apd_viewer.geometry.solver.goals import Goal
 
 # A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.

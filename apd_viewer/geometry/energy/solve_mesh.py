@@ -9,9 +9,11 @@ import numpy as np
 import scipy.sparse as sp
 from numba import njit, prange
 
-from apd_viewer.geometry.energy import cells
-from apd_viewer.geometry.linalg import vectors
+from apd_viewer.geometry.energy import arap_cells
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.mesh.components import pieces
+from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import (
     border_vertices,
@@ -20,8 +22,6 @@ from apd_viewer.geometry.mesh.operators import (
     laplacian,
     vertex_areas,
 )
-from apd_viewer.geometry.mesh.pieces import pieces
-from apd_viewer.geometry.mesh.thinning import Thinning, edge_length, neighbourhoods, thinned
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
 # than it takes to tell where the full one goes.
@@ -115,8 +115,8 @@ class RestShape:
     def energy(self, U: np.ndarray) -> float:
         """Eq. 1 at ``U`` (n, 3) with the rotations that are optimal for it."""
         q = self.identity()
-        cells.local_step(*self.graph, self.V, U, cells.FLAT, q)
-        return float(cells.energy(*self.graph, self.V, U, q))
+        arap_cells.local_step(*self.graph, self.V, U, arap_cells.FLAT, q)
+        return float(arap_cells.energy(*self.graph, self.V, U, q))
 
     def identity(self) -> np.ndarray:
         """Rotations of the rest pose, (n, 4) unit quaternions."""
@@ -156,7 +156,7 @@ class Bending:
 
     def apply(self, X: np.ndarray) -> np.ndarray:
         """``C X`` for ``X`` (n, 3)."""
-        return vectors.product(self.C, X)
+        return parallel_ops.product(self.C, X)
 
     def pull(self, q: np.ndarray, weight: float) -> np.ndarray:
         """``weight`` times what curvature turned by ``q`` (n, 4) asks for: ``grad E = 4 (K U - pull)``."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.solver.coarse import Coarse
+from apd_viewer.geometry.solver.coarse_level import Coarse
+from apd_viewer.geometry.solver.goal_projection import Projection
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.projection import Projection
 
 
 class Preview:

@@ -12,7 +12,7 @@ from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
 from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
-from apd_viewer.geometry.picking.selecting import border_loop, inside, piece_of
+from apd_viewer.geometry.picking.vertex_sets import border_loop, inside, piece_of
 from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes, visible
 
 

@@ -19,8 +19,8 @@ from numba import njit
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.descent import Descent
+from apd_viewer.geometry.solver.goal_projection import MET, Projection
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.projection import MET, Projection
 
 # The directions y age as the shape turns: made anew after so many iterations.
 _REFRESH = 100

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.motions import decomposed, linear_about, shifted, turned_about
+from apd_viewer.geometry.pose.transforms import decomposed, linear_about, shifted, turned_about
 from apd_viewer.language import tr
 
 # Radians. Nearer to half a turn than this, rounding decides which way round it goes.

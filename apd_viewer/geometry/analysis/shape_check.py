@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
-from apd_viewer.geometry.analysis.crossings import crossings
+from apd_viewer.geometry.analysis.self_intersections import crossings
 
 
 class Examination(NamedTuple):
