@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
-from apd_viewer.files.atomic_file import replacing
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
 from apd_viewer.files.report import room_of, write_report
-from apd_viewer.files.selection_files import read_selection_file
-from apd_viewer.files.survey_formats import read_region, read_transform
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.files.selections.survey_formats import read_region, read_transform
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.analysis.shape_check import examined
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
 
-    from apd_viewer.files.selection import Selection
+    from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 _MOST_VERTICES = 100  # of a finding in a report

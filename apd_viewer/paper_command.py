@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from apd_viewer import paper_tables
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
-from apd_viewer.files.atomic_folder import filling
 from apd_viewer.files.samples import open_sample
+from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from apd_viewer.files.samples import open_sample, resource
-from apd_viewer.files.survey_formats import read_transform
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.pose.frame import Frame

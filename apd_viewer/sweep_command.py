@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
-from apd_viewer.files.atomic_folder import filling
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
-from apd_viewer.files.selection_files import read_selection_file
-from apd_viewer.files.survey_formats import read_transform
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.files.selections.survey_formats import read_transform
+from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr

@@ -16,7 +16,7 @@ import numpy as np
 from apd_viewer.__main__ import main
 from apd_viewer.figures.shapes import Picture, draw_shapes
 from apd_viewer.files.samples import open_sample, resource
-from apd_viewer.files.survey_formats import read_transform
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.solver.deform import deform

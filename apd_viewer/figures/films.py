@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 
 if TYPE_CHECKING:
     from collections.abc import Callable

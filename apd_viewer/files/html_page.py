@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, TypeAlias
 
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import LANGUAGE
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.archive import Archive, npy
-from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
+from apd_viewer.files.storage.archive import Archive, npy
+from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.mesh.mesh import Baked, Mesh, check_mesh, frozen
 from apd_viewer.language import tr
 

@@ -10,15 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
-from apd_viewer.files.foreign import read_3mf
-from apd_viewer.files.gltf import read_gltf
-from apd_viewer.files.obj import read_obj
-from apd_viewer.files.off import read_off
-from apd_viewer.files.parsed import Parsed
-from apd_viewer.files.ply import read_ply
-from apd_viewer.files.reading import in_one_line
-from apd_viewer.files.stl import read_stl
+from apd_viewer.files.formats.foreign import read_3mf
+from apd_viewer.files.formats.gltf import read_gltf
+from apd_viewer.files.formats.obj import read_obj
+from apd_viewer.files.formats.off import read_off
+from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.ply import read_ply
+from apd_viewer.files.formats.stl import read_stl
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.reading import in_one_line
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.shape_check import Examination, examined
 
 if TYPE_CHECKING:

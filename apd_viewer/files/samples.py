@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.survey_formats import read_selection
+from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

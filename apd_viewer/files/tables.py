@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 
 Cell: TypeAlias = float | str | None
 

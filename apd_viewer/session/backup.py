@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from apd_viewer.files.atomic_file import flush_to_disk
-from apd_viewer.files.lock import Lock
+from apd_viewer.files.storage.atomic_file import flush_to_disk
+from apd_viewer.files.storage.lock import Lock
 from apd_viewer.language import tr
 from apd_viewer.session.document import State
 from apd_viewer.session.mailbox import Mailbox

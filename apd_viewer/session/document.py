@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import Selection, numbered
+from apd_viewer.files.selections.selection import Selection, numbered
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.mesh.region_areas import region_areas

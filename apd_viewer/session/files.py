@@ -10,8 +10,8 @@ import numpy as np
 
 from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
-from apd_viewer.files.selection import Selection
-from apd_viewer.files.selection_files import read_selection_file, write_selection
+from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.baking import baked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from itertools import count
 
-from apd_viewer.files.selection import numbered
+from apd_viewer.files.selections.selection import numbered
 
 
 def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:

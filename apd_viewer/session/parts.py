@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from apd_viewer.files.selection import MOST_REGIONS
+from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.named_parts import Handle

@@ -13,9 +13,9 @@ import time
 from pathlib import Path, PurePath
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.archive import Archive
-from apd_viewer.files.json_fields import Fields
-from apd_viewer.files.lock import Lock, take
+from apd_viewer.files.storage.archive import Archive
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.lock import Lock, take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.document import State

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.archive import Archive, npy, write_archive
-from apd_viewer.files.json_fields import Fields
 from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
-from apd_viewer.files.reading import content_of
+from apd_viewer.files.storage.archive import Archive, npy, write_archive
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.reading import content_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.document import State, opened
@@ -57,7 +57,7 @@ def save_session(
         Whether to put a copy of the mesh into it. There is one in any case where no file holds the mesh.
     at_once : bool
         Whether it is wanted in a moment, and may be larger; see
-        :func:`apd_viewer.files.archive.write_archive`.
+        :func:`apd_viewer.files.storage.archive.write_archive`.
 
     Returns
     -------

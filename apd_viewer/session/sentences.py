@@ -12,7 +12,7 @@ from apd_viewer.language import tr, trn
 from apd_viewer.session.units import Unit
 
 if TYPE_CHECKING:
-    from apd_viewer.files.selection import Selection
+    from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.analysis.inspection import Finding
     from apd_viewer.geometry.mesh.mesh import Mesh
 

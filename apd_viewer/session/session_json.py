@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from apd_viewer.files.json_fields import Fields
-from apd_viewer.files.selection import MOST_REGIONS
+from apd_viewer.files.selections.selection import MOST_REGIONS
+from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPen
 from PySide6.QtSvg import QSvgRenderer
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
 from apd_viewer.ui.theme import DARK, LIGHT
 

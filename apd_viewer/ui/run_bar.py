@@ -185,7 +185,7 @@ class RunBar(QWidget):
         results, target = self._results, _free(folder, self._name)
 
         def work() -> Path:
-            from apd_viewer.files.atomic_folder import filling
+            from apd_viewer.files.storage.atomic_folder import filling
 
             with filling(target) as scratch:
                 shutil.copytree(results, scratch, dirs_exist_ok=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 
 
 @pytest.fixture

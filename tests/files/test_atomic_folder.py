@@ -5,7 +5,7 @@ import os
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_folder import filling
+from apd_viewer.files.storage.atomic_folder import filling
 
 
 def test_the_files_are_there_at_the_end_and_not_before(tmp_path):

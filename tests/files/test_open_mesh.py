@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshes import box, grid, soup
 
+from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.polygons import Polygons
 from apd_viewer.files.samples import resource
 
 # Six corners, of which the last coincides with the first and the fourth is used by no face.

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from meshes import box, rotation, soup, sphere
 
-import apd_viewer.files.atomic_file
+import apd_viewer.files.storage.atomic_file
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -152,7 +152,7 @@ def test_a_folder_that_may_not_be_written_to(ball, target, monkeypatch):
     def denied(*args, **kwargs):  # root may write everywhere, so permissions cannot be taken away here
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(apd_viewer.files.atomic_file.tempfile, "mkstemp", denied)
+    monkeypatch.setattr(apd_viewer.files.storage.atomic_file.tempfile, "mkstemp", denied)
     with pytest.raises(InputError, match=r"old\.\w+ cannot be written \(Permission denied\)"):
         save_mesh(ball, ball.V, target)
 

@@ -7,7 +7,7 @@ import pytest
 from test_selection_files import N, painted
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import LEAST_AREA, MOST_AREA, Selection
+from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
 from apd_viewer.geometry.pose.constraints import BASE, FREE
 from apd_viewer.geometry.solver import goals
 

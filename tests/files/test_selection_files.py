@@ -14,9 +14,13 @@ from meshes import sphere
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.files.selection import LEAST_AREA, MOST_AREA, Selection
-from apd_viewer.files.selection_files import SELECTION_FORMATS, read_selection_file, write_selection
-from apd_viewer.files.survey_formats import read_selection
+from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
+from apd_viewer.files.selections.selection_files import (
+    SELECTION_FORMATS,
+    read_selection_file,
+    write_selection,
+)
+from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 

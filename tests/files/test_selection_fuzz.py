@@ -9,8 +9,12 @@ import pytest
 from test_selection_files import MESH, N, painted
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import Selection
-from apd_viewer.files.selection_files import SELECTION_FORMATS, read_selection_file, write_selection
+from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.selections.selection_files import (
+    SELECTION_FORMATS,
+    read_selection_file,
+    write_selection,
+)
 
 CASES = 300
 ABSURD = (

@@ -9,8 +9,8 @@ from meshes import box
 from test_selection_files import MESH, N, painted
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import Selection
-from apd_viewer.files.selection_files import SELECTION_FORMATS, write_selection
+from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.selections.selection_files import SELECTION_FORMATS, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 

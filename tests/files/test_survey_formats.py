@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.survey_formats import read_region, read_selection, read_transform
+from apd_viewer.files.selections.survey_formats import read_region, read_selection, read_transform
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from meshes import moved, rotation, sample_bottle
 from scipy.spatial import cKDTree
 
 from apd_viewer.files.samples import open_sample, resource
-from apd_viewer.files.survey_formats import read_transform
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 from apd_viewer.geometry.pose.constraints import HANDLE, constraints
 from apd_viewer.geometry.solver.deform import deform

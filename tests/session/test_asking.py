@@ -11,7 +11,7 @@ from test_session import factored as factored
 from test_session import session as session
 from test_session import slow as slow
 
-from apd_viewer.files.selection import MOST_REGIONS
+from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.solver.deformation import Deformation

@@ -25,9 +25,9 @@ from test_saved import VIEW, check_equal
 from test_session import BENT, Driven, pose
 
 from apd_viewer.errors import InputError
-from apd_viewer.files import lock as lock_module
-from apd_viewer.files.lock import take
 from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.storage import lock as lock_module
+from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session import backup as backup_module

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.archive import npy
+from apd_viewer.files.storage.archive import npy
 from apd_viewer.session.saved import open_session
 
 GOOD = Path(__file__).with_name("version-1.apd")

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 
 from apd_viewer.api import deform
 from apd_viewer.files.samples import resource
-from apd_viewer.files.survey_formats import read_transform
+from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.ui.gizmo import Along
 from apd_viewer.ui.gizmo_geometry import RING, RINGS

@@ -13,9 +13,9 @@ from itertools import chain
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed, turned
-from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits, numbers, plain
+from apd_viewer.files.formats.parsed import Parsed, turned
+from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -12,8 +12,8 @@ import re
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import Selection, check_count
-from apd_viewer.files.text import numbers
+from apd_viewer.files.formats.text import numbers
+from apd_viewer.files.selections.selection import Selection, check_count
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.selection import MOST_REGIONS, Selection, check_count
+from apd_viewer.files.selections.selection import MOST_REGIONS, Selection, check_count
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr

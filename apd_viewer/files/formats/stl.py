@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed
-from apd_viewer.files.text import Edits, numbers, plain
+from apd_viewer.files.formats.parsed import Parsed
+from apd_viewer.files.formats.text import Edits, numbers, plain
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

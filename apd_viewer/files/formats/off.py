@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed, turned
-from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits, lines, numbers, plain, shown, whole_numbers
+from apd_viewer.files.formats.parsed import Parsed, turned
+from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.text import Edits, lines, numbers, plain, shown, whole_numbers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -14,9 +14,9 @@ from urllib.parse import unquote
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.gltf_scene import a_list, carried, one, parts, placed, whole
-from apd_viewer.files.json_spans import spans
-from apd_viewer.files.parsed import Parsed, turned
+from apd_viewer.files.formats.gltf_scene import a_list, carried, one, parts, placed, whole
+from apd_viewer.files.formats.json_spans import spans
+from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.ply import PlyFile, read_ply
-from apd_viewer.files.selection import Selection, check_count, labels_of, member_of
+from apd_viewer.files.formats.ply import PlyFile, read_ply
+from apd_viewer.files.selections.selection import Selection, check_count, labels_of, member_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.parsed import Parsed, turned
-from apd_viewer.files.polygons import Polygons
-from apd_viewer.files.text import Edits, numbers, shown, whole_numbers
+from apd_viewer.files.formats.parsed import Parsed, turned
+from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.text import Edits, numbers, shown, whole_numbers
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

@@ -19,14 +19,14 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.atomic_file import replacing
-from apd_viewer.files.reading import content_of, in_one_line
-from apd_viewer.files.selection import Selection
-from apd_viewer.files.selection_dmat import dmat_of, read_dmat
-from apd_viewer.files.selection_json import json_of, read_json
-from apd_viewer.files.selection_npz import npz_of, read_npz
-from apd_viewer.files.selection_ply import ply_of, read_selection_ply
-from apd_viewer.files.survey_formats import read_selection, sel_of
+from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.selections.selection_dmat import dmat_of, read_dmat
+from apd_viewer.files.selections.selection_json import json_of, read_json
+from apd_viewer.files.selections.selection_npz import npz_of, read_npz
+from apd_viewer.files.selections.selection_ply import ply_of, read_selection_ply
+from apd_viewer.files.selections.survey_formats import read_selection, sel_of
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.storage.reading import content_of, in_one_line
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

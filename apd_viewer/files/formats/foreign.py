@@ -8,7 +8,7 @@ import zipfile
 
 import numpy as np
 
-from apd_viewer.files.parsed import Parsed
+from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.language import tr
 
 _MOST = 1 << 31  # bytes; beyond that an archive is broken, or meant to do harm

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from apd_viewer.files.atomic_file import replacing
+from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.language import tr
 

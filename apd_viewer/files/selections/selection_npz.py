@@ -13,7 +13,7 @@ import zipfile
 
 import numpy as np
 
-from apd_viewer.files.selection import Selection, labels_of, member_of
+from apd_viewer.files.selections.selection import Selection, labels_of, member_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 

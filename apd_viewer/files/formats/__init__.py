@@ -1,0 +1,1 @@
+"""Mesh formats, a module each, and what they share."""

@@ -1,0 +1,1 @@
+"""Selections and transforms on disk, a module a format."""

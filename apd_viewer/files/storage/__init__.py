@@ -1,0 +1,1 @@
+"""Whole, atomic and locked access to files."""
