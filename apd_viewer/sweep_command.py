@@ -19,10 +19,10 @@ from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
-from apd_viewer.session.document import opened
-from apd_viewer.session.saved import open_session
-from apd_viewer.session.sweep import DEFAULT_ITERATIONS, SWEPT, sweep_of, twist_of
-from apd_viewer.session.view import SUFFIX, Standpoint
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import SUFFIX, Standpoint
+from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SWEPT, sweep_of, twist_of
 
 if TYPE_CHECKING:
     import argparse
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from apd_viewer.files.tables import Cell
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.document import Document
-    from apd_viewer.session.sweep import Step, Sweep
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.studies.sweep import Step, Sweep
 
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 _SWEPT_SHARE = 0.9  # of the work; the rest draws

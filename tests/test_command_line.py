@@ -23,10 +23,10 @@ from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.session.document import opened
-from apd_viewer.session.replaying import replay
-from apd_viewer.session.saved import open_session, save_session
-from apd_viewer.session.view import View
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.studies.replaying import replay
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"

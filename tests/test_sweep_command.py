@@ -18,9 +18,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.session.document import opened
-from apd_viewer.session.saved import save_session
-from apd_viewer.session.view import Standpoint, View
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.storage.saved import save_session
 
 BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
 

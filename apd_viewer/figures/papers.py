@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from apd_viewer.session.paper_curves import Held, Loss
+    from apd_viewer.session.studies.paper_curves import Held, Loss
 
 _LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
 # From few iterations to many: one hue, ever darker.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from apd_viewer.session.sweep import Step
+    from apd_viewer.session.studies.sweep import Step
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve
@@ -33,7 +33,7 @@ def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "
     ----------
     steps : sequence of Step
     abscissa : str
-        What tells the steps apart: see :attr:`apd_viewer.session.sweep.Sweep.abscissa`.
+        What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
     folder : Path
     name : str
         Of the files, without ending.

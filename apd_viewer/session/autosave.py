@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.session.backup import Backup, Copy
-from apd_viewer.session.document import Document, State
-from apd_viewer.session.recovery import Leftover
+from apd_viewer.session.model.document import Document, State
+from apd_viewer.session.model.view import View
 from apd_viewer.session.stage import Activity, Listener, Stage
-from apd_viewer.session.view import View
+from apd_viewer.session.storage.backup import Backup, Copy
+from apd_viewer.session.storage.recovery import Leftover
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.history import Entry
+    from apd_viewer.session.model.history import Entry
 
 
 # A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more

@@ -9,12 +9,12 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.expressions import length
 from apd_viewer.session.posing import names_of
+from apd_viewer.session.quantities.expressions import length
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
 
 _IDS = re.compile(r"[\d\s,;–-]+")
 _ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")

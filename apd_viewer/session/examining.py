@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.examiner import Examiner, Shape
+from apd_viewer.session.processes.examiner import Examiner, Shape
 from apd_viewer.session.stage import Activity, Listener, Stage
 
 if TYPE_CHECKING:

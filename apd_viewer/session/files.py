@@ -14,11 +14,10 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.baking import baked
-from apd_viewer.session.document import State, opened
-from apd_viewer.session.errand import Errand, Errands
-from apd_viewer.session.saved import open_session, save_session
-from apd_viewer.session.sentences import (
+from apd_viewer.session.jobs.errand import Errand, Errands
+from apd_viewer.session.model.baking import baked
+from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.sentences import (
     about_baking,
     about_export,
     about_findings,
@@ -26,8 +25,9 @@ from apd_viewer.session.sentences import (
     about_selection,
     about_session,
 )
-from apd_viewer.session.units import Unit
-from apd_viewer.session.view import SUFFIX, View
+from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.saved import open_session, save_session
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures

@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.history import History
+from apd_viewer.session.model.history import History
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
     from apd_viewer.session.stage import Listener, Stage
 
 # Presses of a key that follow each other within so many seconds are one step.

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import MOST_HANDLES
 from apd_viewer.language import tr
-from apd_viewer.session.named_parts import Handle
-from apd_viewer.session.names import new_name, next_name
+from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.names import new_name, next_name
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures

@@ -11,12 +11,12 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.transforms import bend, scaled_about, shifted, turned_about, twist
 from apd_viewer.language import tr
-from apd_viewer.session import derived
-from apd_viewer.session.expressions import angle, length, number
+from apd_viewer.session.model import derived
+from apd_viewer.session.quantities.expressions import angle, length, number
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document, State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.quantities.units import Unit
 
 
 class Motion(Enum):

@@ -12,8 +12,8 @@ from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smo
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
-    from apd_viewer.session.painted_part import Part
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.painted_part import Part
 
 Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 

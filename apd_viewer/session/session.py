@@ -15,21 +15,21 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
 from apd_viewer.session.by_numbers import chosen, place
-from apd_viewer.session.document import State, rest_frame
 from apd_viewer.session.examining import Examining
-from apd_viewer.session.expressions import length
 from apd_viewer.session.files import Files
 from apd_viewer.session.gestures import Gestures
-from apd_viewer.session.history import History
-from apd_viewer.session.named_parts import IDENTITY
-from apd_viewer.session.painted_part import Part
+from apd_viewer.session.model.document import State, rest_frame
+from apd_viewer.session.model.history import History
+from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of
+from apd_viewer.session.processes.worker import Worker
+from apd_viewer.session.quantities.expressions import length
 from apd_viewer.session.reshaping import Change, reshaped
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.stage import Activity, Listener, Stage
-from apd_viewer.session.trace import Trace
-from apd_viewer.session.worker import Worker
 
 __all__ = ["Activity", "Listener", "Session"]
 

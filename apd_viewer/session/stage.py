@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from apd_viewer.session.document import Document, State
-from apd_viewer.session.requests import Reply, Request, alike, factored_for
-from apd_viewer.session.trace import Trace
-from apd_viewer.session.view import View
-from apd_viewer.session.worker import Worker
+from apd_viewer.session.model.document import Document, State
+from apd_viewer.session.model.trace import Trace
+from apd_viewer.session.model.view import View
+from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
+from apd_viewer.session.processes.worker import Worker
 
 
 class Activity(Enum):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.session import Session
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import LANGUAGE, tr
-from apd_viewer.session.processes import keep_freed_memory
+from apd_viewer.session.processes.processes import keep_freed_memory
 
 # pyvistaqt takes the first binding that it finds, and PyQt5 comes first.
 os.environ["QT_API"] = "pyside6"
@@ -38,7 +38,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.view import SUFFIX
+from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.ui.garbage import GuiThreadGC
 from apd_viewer.ui.loading import Loading
 

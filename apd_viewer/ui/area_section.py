@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui import readout
 from apd_viewer.ui.dial import PERCENT, Dial
 from apd_viewer.ui.fields import Check, percent_field
@@ -18,7 +18,7 @@ from apd_viewer.ui.theme import LIGHT, Theme
 from apd_viewer.ui.units import UnitButton
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
     from apd_viewer.session.session import Session
 
 # For the values of Activity.

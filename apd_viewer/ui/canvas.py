@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.geometry.picking.preview_surface import Sketch
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.painted_part import Part
-from apd_viewer.session.view import Standpoint, View
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.ui.best_view import aside, facing, in_view, surroundings
 from apd_viewer.ui.click_selector import ClickSelector, Reach
 from apd_viewer.ui.coloring import Coloring
@@ -38,7 +38,7 @@ from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.document import Document, State
+    from apd_viewer.session.model.document import Document, State
 
 
 _NUDGE = 5.0  # pixels, about

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.ui.palette import drawn_along, label_colors, tinted
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document
+    from apd_viewer.session.model.document import Document
     from apd_viewer.ui.marks import Marks
     from apd_viewer.ui.surface import Surface
 

@@ -11,8 +11,8 @@ from apd_viewer.ui.scales import Measure, usual
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.session.units import Unit
     from apd_viewer.ui.actions import Actions
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.comparison_window import ComparisonWindow

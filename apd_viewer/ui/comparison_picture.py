@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QImage, QPainter
 
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.chart import tabular
 from apd_viewer.ui.plot_files import write_picture
 from apd_viewer.ui.scale_bar import colors_along

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.comparison import COMPARED, Comparison, Outcome
+from apd_viewer.session.studies.comparison import COMPARED, Comparison, Outcome
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.comparison_picture import SHARPNESS, Shown, write_comparison
@@ -31,8 +31,8 @@ from apd_viewer.ui.theme import LIGHT, Theme, mark
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Change
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.camera import Camera
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.scales import Scale

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 from apd_viewer.files.meshes import FORMATS, WRITTEN, dropped
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.view import SUFFIX
+from apd_viewer.session.model.view import SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")

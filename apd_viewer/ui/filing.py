@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMessageBox, QWidget
 
-from apd_viewer.session.view import SUFFIX
+from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.memory import Memory, own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.document import State
-    from apd_viewer.session.recovery import Leftover
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
-    from apd_viewer.session.view import View
+    from apd_viewer.session.storage.recovery import Leftover
 
 
 class Filing:
@@ -71,7 +71,7 @@ class Filing:
 
     def leftovers(self) -> list[Leftover]:
         """What was left by programs that were killed, locked for this window."""
-        from apd_viewer.session.recovery import leftovers
+        from apd_viewer.session.storage.recovery import leftovers
 
         return leftovers(self._recovery) if self._recovery is not None else []
 

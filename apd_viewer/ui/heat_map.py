@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.background_task import BackgroundTask
 from apd_viewer.ui.place_mark import PlaceMark
 from apd_viewer.ui.scales import Measure, Scale, span_of, usual

@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.fields import Choice, Number, small_button
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.scale_bar import ScaleBar

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.scales import Scale
 
 # In units of the drawing, which are pixels of the window.

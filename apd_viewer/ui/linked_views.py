@@ -11,13 +11,13 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QGridLayout, QWidget
 
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.method_view import HEAD, MethodView
 from apd_viewer.ui.viewport import link
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Change
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
     from apd_viewer.ui.camera import Camera
     from apd_viewer.ui.pointer import Place
     from apd_viewer.ui.scales import Scale

@@ -20,8 +20,8 @@ from apd_viewer.ui.turntable import Turntable
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.canvas import Canvas
     from apd_viewer.ui.look_actions import LookActions
     from apd_viewer.ui.memory import Memory

@@ -8,14 +8,14 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
-from apd_viewer.session.wall import NO_WALL, Wall
+from apd_viewer.session.quantities.wall import NO_WALL, Wall
 from apd_viewer.ui.memory import own_file
 from apd_viewer.ui.scales import Measure
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
-    from apd_viewer.session.view import View
     from apd_viewer.ui.health import Health
     from apd_viewer.ui.heat_map import HeatMap
     from apd_viewer.ui.memory import Memory
@@ -56,7 +56,7 @@ class Measuring(QObject):
         """Show what is known of the shape on screen now."""
         if self._session is None or self._session.state is None:
             return
-        from apd_viewer.session.sentences import of_crossings
+        from apd_viewer.session.model.sentences import of_crossings
 
         examining, mesh = self._session.examining, self._session.state.document.mesh
         found = examining.found

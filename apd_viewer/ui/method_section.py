@@ -15,7 +15,7 @@ from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document
+    from apd_viewer.session.model.document import Document
 
 
 class MethodSection(Section):

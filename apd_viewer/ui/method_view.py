@@ -19,8 +19,8 @@ from apd_viewer.ui.viewport import Viewport
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Change
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
 
 HEAD = 32  # px
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from PySide6.QtGui import QAction
 
-    from apd_viewer.session.document import Document
+    from apd_viewer.session.model.document import Document
 
 _TWIST = tr("Drag a ring around the handle to twist, an arrow to bend")
 

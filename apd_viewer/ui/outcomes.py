@@ -13,9 +13,9 @@ from apd_viewer.ui.readout import volumes
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.session.comparison import Outcome
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.studies.comparison import Outcome
 
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15

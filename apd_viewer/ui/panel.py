@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVB
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.area_section import AreaSection
 from apd_viewer.ui.dial import Dial
 from apd_viewer.ui.method_section import MethodSection
@@ -23,7 +23,7 @@ from apd_viewer.ui.theme import Theme
 from apd_viewer.ui.volume_section import VolumeSection
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import Document, State
+    from apd_viewer.session.model.document import Document, State
     from apd_viewer.ui.pose_actions import PoseActions
 
 _WIDTH = 296

@@ -21,8 +21,8 @@ from apd_viewer.ui.section import Section, quiet
 from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
 
 _DRIFT = tr("How far a handle is from where it was put; the farthest of several")
 

@@ -24,15 +24,15 @@ from PySide6.QtWidgets import (
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.icons import SIZE, icon
 from apd_viewer.ui.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.trace import Trace
     from apd_viewer.session.session import Session
-    from apd_viewer.session.trace import Trace
     from apd_viewer.ui.chart import Chart
     from apd_viewer.ui.memory import Memory
     from apd_viewer.ui.notice import Notice
@@ -231,7 +231,7 @@ class Plots(QWidget):
 
     @property
     def _trace(self) -> Trace:
-        from apd_viewer.session.trace import Trace
+        from apd_viewer.session.model.trace import Trace
 
         return Trace() if self._session is None else self._session.trace
 
@@ -269,7 +269,7 @@ class Plots(QWidget):
     def _local_change(self, state: State) -> LocalChange:
         """How the triangles differ from rest; found once for a shape."""
         from apd_viewer.geometry.analysis.area_change import local_change
-        from apd_viewer.session.derived import triangle_areas
+        from apd_viewer.session.model.derived import triangle_areas
 
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:
@@ -313,7 +313,7 @@ class Plots(QWidget):
     def write_trace(self, path: Path) -> None:
         """Write the readings of the gesture as CSV; raises InputError."""
         from apd_viewer.files.tables import write_table
-        from apd_viewer.session.trace import COLUMNS
+        from apd_viewer.session.model.trace import COLUMNS
 
         write_table(path, COLUMNS, self._trace.rows)
 

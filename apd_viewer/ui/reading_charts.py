@@ -14,9 +14,9 @@ from apd_viewer.ui.number_format import short, signed, significant
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.document import Document, State
-    from apd_viewer.session.trace import Trace
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.trace import Trace
+    from apd_viewer.session.quantities.units import Unit
 
 _ROUNDING = 1e-15  # less of an error is nothing but rounding
 _DEEPEST = 1e-4

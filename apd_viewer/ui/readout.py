@@ -11,15 +11,15 @@ from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr, trc
-from apd_viewer.session.sentences import about_caps
+from apd_viewer.session.model.sentences import about_caps
 from apd_viewer.ui.number_format import length, short, signed, significant
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection
     from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.document import Document, State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.quantities.units import Unit
 
 NOTHING, LATER = "–", "…"
 METHOD_NAMES = {

@@ -18,8 +18,8 @@ from apd_viewer.ui.viewport import Viewport
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from apd_viewer.session.recovery import Leftover
     from apd_viewer.session.session import Session
+    from apd_viewer.session.storage.recovery import Leftover
     from apd_viewer.ui.filing import Filing
 
 _MARGIN = 12
@@ -124,7 +124,7 @@ class RecoveryBar(QFrame):
     def _show_next(self) -> None:
         self.setVisible(bool(self._waiting))
         if self._waiting:
-            from apd_viewer.session.recovery import ago
+            from apd_viewer.session.storage.recovery import ago
 
             left = self._waiting[0]
             name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)

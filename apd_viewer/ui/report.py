@@ -17,9 +17,9 @@ from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Par
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
-from apd_viewer.session.sentences import of_crossings
-from apd_viewer.session.units import Unit
-from apd_viewer.session.wall import Wall, mass
+from apd_viewer.session.model.sentences import of_crossings
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall, mass
 from apd_viewer.ui import readout
 from apd_viewer.ui.number_format import short, significant
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from apd_viewer.files.html_page import Drawing
     from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
 
 _LIBRARIES = (
     "numpy",

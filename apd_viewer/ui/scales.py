@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.ui.number_format import short
 

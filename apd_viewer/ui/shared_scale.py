@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.fields import Number
 from apd_viewer.ui.scale_bar import ScaleBar
 from apd_viewer.ui.scales import Scale

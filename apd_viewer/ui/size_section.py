@@ -10,15 +10,15 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.session.expressions import MOST_CHARACTERS
-from apd_viewer.session.units import Unit
-from apd_viewer.session.wall import NO_WALL, Wall, mass
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import NO_WALL, Wall, mass
 from apd_viewer.ui import readout
 from apd_viewer.ui.section import Section, quiet
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
 
 
 class SizeSection(Section):

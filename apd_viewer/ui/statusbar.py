@@ -12,9 +12,9 @@ from apd_viewer.language import tr, trn
 from apd_viewer.ui.number_format import short
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.session.units import Unit
     from apd_viewer.ui.painter import Painter
 
 

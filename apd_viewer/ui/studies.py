@@ -9,8 +9,8 @@ from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
-    from apd_viewer.session.view import View
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
     from apd_viewer.ui.memory import Memory
 
 

@@ -16,7 +16,7 @@ from apd_viewer.ui.scene_picture import scene_picture
 from apd_viewer.ui.surface import Surface
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
     from apd_viewer.ui.scales import Scale
     from apd_viewer.ui.viewport import Viewport
 

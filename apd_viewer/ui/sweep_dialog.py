@@ -20,16 +20,16 @@ from PySide6.QtWidgets import (
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
-from apd_viewer.session.saved import save_session
-from apd_viewer.session.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
+from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
 from apd_viewer.ui.fields import Check, Choice, Number
 from apd_viewer.ui.figure_view import FigureView
 from apd_viewer.ui.on_screen import resize_on_screen
 from apd_viewer.ui.run_bar import RunBar
 
 if TYPE_CHECKING:
-    from apd_viewer.session.document import State
-    from apd_viewer.session.view import View
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
     from apd_viewer.ui.memory import Memory
 
 _POSED, _TWIST = "posed", "twist"

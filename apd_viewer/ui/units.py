@@ -10,7 +10,7 @@ from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
 from PySide6.QtWidgets import QMenu, QToolButton
 
 from apd_viewer.language import tr
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.icons import icon
 from apd_viewer.ui.memory import own_file
 from apd_viewer.ui.theme import LIGHT, Theme

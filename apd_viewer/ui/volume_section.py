@@ -16,8 +16,8 @@ from apd_viewer.ui.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.document import State
-    from apd_viewer.session.units import Unit
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
 
 _TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
 

@@ -44,10 +44,10 @@ from apd_viewer.ui.wiring import connect_hand, connect_parts, connect_settings
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.session.document import State
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.session.units import Unit
-    from apd_viewer.session.view import View
 
 
 class Window(QMainWindow):

@@ -46,7 +46,7 @@ class Journal:
 
 def digest(document) -> str:
     """A word for all that a document says, the mesh with it."""
-    from apd_viewer.session.session_json import document_said
+    from apd_viewer.session.storage.session_json import document_said
 
     arrays = document.mesh.V, document.mesh.F, document.labels, document.member, document.grip
     said = hashlib.sha1(json.dumps(document_said(document)).encode())
@@ -86,7 +86,7 @@ class Hand:
 
     def _note_what_is_kept(self) -> None:
         """What is being written may be found, though the hand has not come to write down that it is done."""
-        from apd_viewer.session.backup import Backup
+        from apd_viewer.session.storage.backup import Backup
 
         put = Backup.put
 

@@ -30,11 +30,11 @@ from apd_viewer.files.storage import lock as lock_module
 from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session import backup as backup_module
-from apd_viewer.session import recovery
-from apd_viewer.session.document import opened
-from apd_viewer.session.recovery import LONGEST_KEPT, ago, leftovers, lock_path
-from apd_viewer.session.saved import open_session, save_session
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.storage import backup as backup_module
+from apd_viewer.session.storage import recovery
+from apd_viewer.session.storage.recovery import LONGEST_KEPT, ago, leftovers, lock_path
+from apd_viewer.session.storage.saved import open_session, save_session
 
 ROOT = Path(__file__).parents[2]
 KILLS = 8
@@ -460,7 +460,7 @@ def play(folder: Path) -> None:
     """Do random things without an end, in a session that keeps them; log the number and the time of each."""
     import in_thread
 
-    from apd_viewer.session import child
+    from apd_viewer.session.processes.processes import child
 
     child.start_process = in_thread.InThread
     chance = random.Random()

@@ -14,10 +14,10 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.baking import baked
-from apd_viewer.session.document import opened
-from apd_viewer.session.saved import open_session, save_session
-from apd_viewer.session.view import View
+from apd_viewer.session.model.baking import baked
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.saved import open_session, save_session
 
 VIEW = View()
 

@@ -11,8 +11,8 @@ from test_worker import document
 
 import apd_viewer
 from apd_viewer.geometry.energy import elastic
-from apd_viewer.session import child
-from apd_viewer.session.comparison import COMPARED, Comparison
+from apd_viewer.session.processes.processes import child
+from apd_viewer.session.studies.comparison import COMPARED, Comparison
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def begun():
 @pytest.fixture
 def cold(compiled, monkeypatch):
     """Nothing is compiled or loaded beforehand: here nobody compares how long it takes."""
-    monkeypatch.setattr("apd_viewer.session.solver.warm_up", lambda: None)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
 
 
 def until(comparison, happened):
@@ -93,7 +93,7 @@ def endless(monkeypatch):
     monkeypatch.setattr(
         "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
     )
-    monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 10**9)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 10**9)
 
 
 def test_what_is_not_wanted_any_more_gives_way(begun, cold, monkeypatch):

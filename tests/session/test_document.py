@@ -8,9 +8,9 @@ from meshes import box, ends, soup
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.document import Document, opened
-from apd_viewer.session.named_parts import Handle, NamedRegion
-from apd_viewer.session.names import new_name, next_name
+from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.names import new_name, next_name
 
 
 def document(mesh: Mesh | None = None) -> Document:

@@ -7,8 +7,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from apd_viewer.errors import InputError
-from apd_viewer.session.expressions import MOST_CHARACTERS, angle, length, number
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS, angle, length, number
+from apd_viewer.session.quantities.units import Unit
 
 NAMES = {"L": 2.0, "D": 3.5}
 MM, CM, M = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE

@@ -4,8 +4,8 @@ import numpy as np
 from meshes import box
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.session.document import State, opened
-from apd_viewer.session.history import History
+from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.history import History
 
 REST = opened(Mesh(*box(1, 1, 2)))
 

@@ -10,7 +10,7 @@ from test_session import session as session
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.posing import Motion, amount_of, moved, names_of
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 
 pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}

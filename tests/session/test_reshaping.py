@@ -13,9 +13,9 @@ from test_session import Driven
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.picking.vertex_sets import RINGS
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.document import Document, opened
-from apd_viewer.session.named_parts import NamedRegion
-from apd_viewer.session.painted_part import Part
+from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.named_parts import NamedRegion
+from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.reshaping import Change, reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]

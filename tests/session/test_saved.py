@@ -20,12 +20,12 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.session import saved as saved_module
-from apd_viewer.session.document import State, opened
-from apd_viewer.session.replaying import replay
-from apd_viewer.session.saved import open_session, save_session
+from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.session import Activity, Listener, Session
-from apd_viewer.session.view import Standpoint, View
+from apd_viewer.session.storage import saved as saved_module
+from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.studies.replaying import replay
 
 VIEW = View(
     Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),

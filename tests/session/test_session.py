@@ -14,8 +14,8 @@ from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.document import State
-from apd_viewer.session.history import History
+from apd_viewer.session.model.document import State
+from apd_viewer.session.model.history import History
 from apd_viewer.session.session import Activity, Listener, Session
 
 LONG = 20.0  # seconds; nothing here should come near it
@@ -488,7 +488,7 @@ def test_a_stroke_factors_once_before_the_first_drag(empty, factored):
 
 def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
     known = []
-    monkeypatch.setattr("apd_viewer.session.solver.make_ready", known.append)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.make_ready", known.append)
     empty.show_now(bar())
     assert empty.state.document.problem
     empty.until(lambda: known)
@@ -873,7 +873,7 @@ def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
 
 def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
     monkeypatch.setattr(Deformation, "settled", False)
-    monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 30)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 30)
     session.drag(BENT)
     session.settle()
     assert session.activity is Activity.UNREACHED

@@ -14,7 +14,7 @@ from test_session import Driven, solver_threads
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.painted_part import Part
+from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.posing import Motion
 from apd_viewer.session.reshaping import Change
 from apd_viewer.session.session import Activity

@@ -10,8 +10,8 @@ from test_session import Driven, pose
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.document import opened
-from apd_viewer.session.trace import COLUMNS, MOST, Trace
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.trace import COLUMNS, MOST, Trace
 
 REST = opened(Mesh(*box(1, 1, 2)))
 

@@ -14,12 +14,12 @@ from test_session import BENT, LONG, pose
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.child import Published
-from apd_viewer.session.document import Document, opened
-from apd_viewer.session.named_parts import Handle, NamedRegion
-from apd_viewer.session.requests import Reply, Request
-from apd_viewer.session.solver import Solver
-from apd_viewer.session.worker import Worker
+from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.processes.child import Published
+from apd_viewer.session.processes.requests import Reply, Request
+from apd_viewer.session.processes.solver import Solver
+from apd_viewer.session.processes.worker import Worker
 
 
 class Remembering(Worker):

@@ -28,10 +28,10 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.document import opened
-from apd_viewer.session.saved import save_session
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Activity
-from apd_viewer.session.view import View
+from apd_viewer.session.storage.saved import save_session
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.picture_dialog import PictureDialog

@@ -14,7 +14,7 @@ from PySide6.QtGui import QImage
 import apd_viewer
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.outcomes import _error, columns
 
@@ -38,7 +38,7 @@ def paint_ends(window):
 @pytest.fixture
 def bar(qtbot, window, compiled, monkeypatch):
     """A window on a bar that is bent."""
-    monkeypatch.setattr("apd_viewer.session.solver.warm_up", lambda: None)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
     window.filing.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
     paint_ends(window)
@@ -256,7 +256,7 @@ def endless(monkeypatch):
     monkeypatch.setattr(
         "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
     )
-    monkeypatch.setattr("apd_viewer.session.solver.MOST_ITERATIONS", 10**9)
+    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 10**9)
 
 
 def solvers():

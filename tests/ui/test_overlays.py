@@ -11,8 +11,8 @@ from PySide6.QtCore import Qt
 from apd_viewer.geometry.analysis.deviation import Change
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.document import opened
-from apd_viewer.session.units import Unit
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.ui.palette import FREE_COLOR
 from apd_viewer.ui.scales import Measure, Scale

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.session.document import opened
+from apd_viewer.session.model.document import opened
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.picture_dialog import PictureDialog
 from apd_viewer.ui.pictures import Wish

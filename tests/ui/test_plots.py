@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QMenu
 
-from apd_viewer.session.trace import COLUMNS
+from apd_viewer.session.model.trace import COLUMNS
 from apd_viewer.ui import plot_files
 from apd_viewer.ui.color_maps import DIVERGING
 from apd_viewer.ui.plots import Plots

@@ -16,10 +16,10 @@ from PySide6.QtWidgets import QMessageBox
 from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import frozen
-from apd_viewer.session.document import opened
-from apd_viewer.session.recovery import leftovers
-from apd_viewer.session.saved import open_session, save_session
-from apd_viewer.session.view import View
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.recovery import leftovers
+from apd_viewer.session.storage.saved import open_session, save_session
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import recovery_folder
 

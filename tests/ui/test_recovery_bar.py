@@ -6,10 +6,10 @@ from driving import idle
 from PySide6.QtCore import Qt
 
 from apd_viewer.files.samples import open_sample
-from apd_viewer.session.document import opened
-from apd_viewer.session.recovery import owned
-from apd_viewer.session.saved import save_session
-from apd_viewer.session.view import View
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.recovery import owned
+from apd_viewer.session.storage.saved import save_session
 
 
 @pytest.fixture

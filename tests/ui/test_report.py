@@ -17,11 +17,11 @@ from PySide6.QtGui import QImage
 from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session import examiner
-from apd_viewer.session.document import opened
-from apd_viewer.session.painted_part import Part
-from apd_viewer.session.saved import open_session
-from apd_viewer.session.units import Unit
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.processes.processes import examiner
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.saved import open_session
 from apd_viewer.ui import dialogs
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.ui.palette import BASE_COLOR, HANDLE_COLORS
 from apd_viewer.ui.scales import Measure, Scale, nice, usual

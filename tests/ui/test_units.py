@@ -11,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt, QTimer
 from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import resource
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.units import Unit
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui import memory
 from apd_viewer.ui.memory import Memory
 from apd_viewer.ui.units import Units

@@ -1,0 +1,21 @@
+"""The shape on screen taken for the one at rest: what is asked from then on is measured from there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import State, rest_frame
+
+
+def baked(state: State) -> State:
+    """The state at rest in the shape that it has, with its paint; raises InputError if it has no area."""
+    mesh = state.document.mesh.baked(state.frame.U)
+    inspection = inspect(mesh)
+    if inspection.area <= 0.0:
+        raise InputError(tr("The shape has no area any more and cannot be at rest; undo a step first."))
+    document = replace(state.document.regripped(mesh.V), mesh=mesh).at_rest()
+    at_rest = State(document, inspection, state.skin, rest_frame(mesh, inspection))
+    return at_rest.at(document, replace(at_rest.frame, regions=document.region_areas(mesh.V)))

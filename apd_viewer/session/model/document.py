@@ -1,0 +1,371 @@
+"""What the user has said, and the shape that answers it: frozen values, replaced and never edited."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import Selection, numbered
+from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.region_areas import region_areas
+from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
+from apd_viewer.geometry.pose.frame import MET, Frame
+from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+)
+from apd_viewer.language import tr
+from apd_viewer.session.model import derived
+from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
+from apd_viewer.session.model.names import next_name
+
+# These say nothing of the total area.
+_LEAVE_THE_AREA = ("arap", "sr-arap")
+
+
+class Asked(NamedTuple):
+    """What is asked of areas and of the volume, as :meth:`Deformation.keep` takes it."""
+
+    area: float | None
+    volume: float | None
+    regions: tuple[Region, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """Everything that the user said, nothing derived. Compared by identity; arrays are read-only.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    labels : (n,) uint8 array of BASE, FREE, and HANDLE + k for ``handles[k]``
+    grip : (n, 3) float array
+        Positions when the labels were last changed: what base and handles were gripped at.
+    member : (n,) uint8 array
+        k + 1 for the vertices of ``regions[k]``, 0 for those in none.
+    handles : tuple of Handle, never empty
+    regions : tuple of NamedRegion
+    method : str
+    tolerance : float
+        Relative error of the area that "paper" accepts.
+    stiffness, area_stiffness, shear_stiffness : float
+        See :class:`apd_viewer.geometry.solver.deformation.Deformation`.
+    area : float
+        What the total area should be, in percent of what it is at rest.
+    hold_area : bool
+        Whether "local" keeps the total area too.
+    volume : float or None
+        What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+    """
+
+    mesh: Mesh
+    labels: np.ndarray
+    grip: np.ndarray
+    member: np.ndarray
+    handles: tuple[Handle, ...] = (Handle(numbered(tr("Handle"), 1)),)
+    regions: tuple[NamedRegion, ...] = ()
+    method: str = DEFAULT_METHOD
+    tolerance: float = DEFAULT_TOLERANCE
+    stiffness: float = 0.0
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
+    area: float = 100.0
+    hold_area: bool = False
+    volume: float | None = None
+
+    # What follows from it
+
+    @property
+    def problem(self) -> str | None:
+        """What must be painted before a handle can move, as a sentence; None if nothing."""
+        return derived.problem(self.labels)
+
+    @property
+    def counts(self) -> np.ndarray:
+        """Number of the vertices with each label, (256,) int array."""
+        return derived.counts(self.labels)
+
+    def centre(self, k: int) -> np.ndarray | None:
+        """Centre of what handle ``k`` was gripped at, (3,); None if it holds nothing."""
+        return derived.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
+
+    def pivot(self, k: int) -> np.ndarray | None:
+        """What handle ``k`` turns about, where that was gripped, (3,); None if it holds nothing."""
+        centre, own = self.centre(k), self.handles[k].pivot
+        return centre if own is None or centre is None else own
+
+    def constraints(self) -> Constraints:
+        """Held vertices and where they are held; raises InputError where ``problem`` says why."""
+        return constraints(self.labels, self.grip, [handle.pose for handle in self.handles], self.soft)
+
+    @property
+    def soft(self) -> Soft:
+        """What the handles draw along, of free vertices."""
+        falloffs = tuple(handle.falloff for handle in self.handles)
+        if not any(falloffs):
+            return NO_SOFT
+        return derived.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
+
+    @property
+    def posed(self) -> bool:
+        """Whether a handle is to be elsewhere than where it was gripped."""
+        return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
+
+    @property
+    def targets(self) -> tuple[float | None, ...]:
+        """Percentages that were said: of the area, the volume and each region."""
+        return self.area, self.volume, *(part.area for part in self.regions)
+
+    @property
+    def kept(self) -> tuple[float | None, ...]:
+        """What of the targets the method is asked for: a region has an area once it has a triangle."""
+        leaves_area = self.method in _LEAVE_THE_AREA or (self.method == "local" and not self.hold_area)
+        only_area = self.method == "paper"
+        return (
+            None if leaves_area else self.area,
+            None if only_area else self.volume,
+            *(
+                part.area if at_rest > 0.0 and not only_area else None
+                for part, at_rest in zip(self.regions, self.rest_areas, strict=True)
+            ),
+        )
+
+    @property
+    def asked(self) -> Asked:
+        """The same, with the vertices of the regions."""
+        area, volume, *areas = self.kept
+        regions = tuple(
+            Region(part.name, np.flatnonzero(self.member == k), percent)
+            for k, (part, percent) in enumerate(zip(self.regions, areas, strict=True), start=1)
+        )
+        return Asked(area, volume, regions)
+
+    @property
+    def rest_areas(self) -> tuple[float, ...]:
+        """Area of each region at rest."""
+        if not self.regions:
+            return ()
+        return derived.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
+
+    def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
+        """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""
+        if U is self.mesh.V or not self.regions:
+            return self.rest_areas
+        return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
+
+    def painted_like(self, other: Document) -> bool:
+        """Whether both have the very same arrays of paint: labels and regions."""
+        return self.labels is other.labels and self.member is other.member
+
+    def says_as(self, other: Document) -> bool:
+        """Whether nothing was said between the two, but for paint that came to be as it had been."""
+        others = (field.name for field in fields(self) if field.name not in ("labels", "member"))
+        if any(getattr(self, name) is not getattr(other, name) for name in others):
+            return False
+        return np.array_equal(self.labels, other.labels) and np.array_equal(self.member, other.member)
+
+    @property
+    def asks_of_regions(self) -> bool:
+        """Whether the area of any region is asked for."""
+        return any(region.area is not None for region in self.regions)
+
+    # The same document, but for one thing
+
+    def with_settings_of(self, other: Document) -> Document:
+        """The same document, deformed by the method and the weights of another."""
+        return replace(
+            self,
+            method=other.method,
+            tolerance=other.tolerance,
+            stiffness=other.stiffness,
+            area_stiffness=other.area_stiffness,
+            shear_stiffness=other.shear_stiffness,
+            hold_area=other.hold_area,
+        )
+
+    def regripped(self, U: np.ndarray) -> Document:
+        """The same document, with base and handles gripped where they are at ``U`` (n, 3)."""
+        return replace(self, grip=U, handles=tuple(handle.gripped() for handle in self.handles))
+
+    def at_rest(self) -> Document:
+        """The same document with all handles put back, and 100 % where any percentage was said."""
+        regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
+        volume = None if self.volume is None else 100.0
+        handles = tuple(replace(handle, pose=IDENTITY) for handle in self.handles)
+        return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
+
+    def painted(self, ids: np.ndarray, label: int) -> Document:
+        """The document with the vertices ``ids``, and those at the same places, labelled."""
+        labels = self._with(self.labels, ids, label)
+        return self if labels is self.labels else replace(self, labels=labels)
+
+    def painted_region(self, ids: np.ndarray, number: int) -> Document:
+        """The document with ``ids``, and those at the same places, in region ``number``; 0 is none."""
+        member = self._with(self.member, ids, number)
+        return self if member is self.member else replace(self, member=member)
+
+    def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
+        ids = self.mesh.weld.everywhere(ids)
+        if (codes[ids] == code).all():
+            return codes
+        painted = codes.copy()
+        painted[ids] = code
+        return frozen(painted)
+
+    @property
+    def selection(self) -> Selection:
+        """What is painted, with its names."""
+        names = [handle.name for handle in self.handles], [region.name for region in self.regions]
+        areas = [region.area for region in self.regions]
+        return Selection.of(self.labels, self.member, *names, areas)
+
+    def with_selection(self, selection: Selection) -> Document:
+        """The same document, painted in another way."""
+        regions = map(NamedRegion, selection.regions, selection.areas)
+        weld = self.mesh.weld
+        codes = selection.labels, selection.member
+        if len(weld.first) < len(weld.inverse):  # both sides of a seam are painted alike
+            codes = frozen(codes[0][weld.first][weld.inverse]), frozen(codes[1][weld.first][weld.inverse])
+        labels, member = codes
+        return replace(
+            self,
+            labels=labels,
+            member=member,
+            handles=tuple(map(Handle, selection.handles)),
+            regions=tuple(regions),
+        )
+
+    def moved(self, k: int, pose: np.ndarray) -> Document:
+        """The same document with handle ``k`` at ``pose`` (4, 4)."""
+        return self.with_handle(k, replace(self.handles[k], pose=frozen(np.array(pose, dtype=np.float64))))
+
+    def with_handle(self, k: int, handle: Handle) -> Document:
+        """The same document with another handle ``k``, or one more."""
+        return replace(self, handles=(*self.handles[:k], handle, *self.handles[k + 1 :]))
+
+    def with_region(self, k: int, region: NamedRegion) -> Document:
+        """The same document with another region ``k``, or one more."""
+        return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
+
+    def with_next_region(self) -> Document:
+        """The same document with one more region, whose name is not in use."""
+        name = next_name(tr("Region"), [region.name for region in self.regions])
+        return self.with_region(len(self.regions), NamedRegion(name))
+
+    def without_handle(self, k: int) -> Document:
+        """The same document without handle ``k``; what it held is free."""
+        left = self.handles[:k] + self.handles[k + 1 :]
+        labels = _without(self.labels, HANDLE + k, FREE)
+        return replace(self, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
+
+    def without_region(self, k: int) -> Document:
+        """The same document without region ``k``."""
+        left = self.regions[:k] + self.regions[k + 1 :]
+        return replace(self, regions=left, member=_without(self.member, k + 1, 0))
+
+
+def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
+    """The codes with ``instead`` for the one that is gone, and those above counted one down."""
+    return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A document and the shape that belongs to it: what undo brings back.
+
+    Attributes
+    ----------
+    document : Document
+    inspection : Inspection
+        Readings of the mesh at rest.
+    skin : Skin
+        What is drawn and touched of the mesh.
+    frame : Frame
+        The latest shape, and its readings.
+    """
+
+    document: Document
+    inspection: Inspection
+    skin: Skin
+    frame: Frame
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """The large arrays that keeping this state keeps; most are shared with other states."""
+        document = self.document
+        mesh = document.mesh
+        own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
+        return *own, *self.skin.arrays
+
+    @property
+    def lacks(self) -> bool:
+        """Whether an area or a volume is asked for that the shape does not have."""
+        document, rest, now = self.document, self.inspection, self.frame
+        within = document.tolerance if document.method == "paper" else MET
+        at_rest = rest.area, rest.volume, *document.rest_areas
+        measured = zip(document.kept, at_rest, (now.area, now.volume, *now.regions), strict=True)
+        return any(
+            percent is not None
+            and before is not None
+            and value is not None
+            and abs(value / before - percent / 100.0) > within * percent / 100.0
+            for percent, before, value in measured
+        )
+
+    def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
+        """The state with another document or another frame, and the document's regions measured in it."""
+        before, shown = self.document, self.frame
+        document, frame = document or before, frame or shown
+        # A handle is moved more often than there is something new to measure.
+        same = frame is shown and document.member is before.member and document.regions is before.regions
+        if not same:
+            frame = replace(frame, regions=document.region_areas(frame.U))
+        return State(document, self.inspection, self.skin, frame)
+
+    def unsettled(self) -> State:
+        """The state with a shape that is on its way."""
+        return replace(self, frame=replace(self.frame, converged=False, settled=False))
+
+
+def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
+    """A mesh at rest, with ``labels`` (n,) or nothing painted."""
+    if labels is None:
+        labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
+    inspection = inspect(mesh)
+    if inspection.area <= 0.0:
+        raise InputError(
+            tr("{name} has no area: all its faces are degenerate; export it again.").format(name=mesh.name)
+        )
+    count = max(1, int(labels.max()) - HANDLE + 1)
+    document = Document(
+        mesh,
+        labels,
+        grip=mesh.V,
+        member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
+        handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
+    )
+    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
+    return State(document, inspection, skin, rest_frame(mesh, inspection))
+
+
+def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
+    """The rest shape as a frame, without regions: nothing is left to iterate."""
+    return Frame(
+        U=mesh.V,
+        iteration=0,
+        area=inspection.area,
+        area_error=0.0,
+        volume=inspection.volume,
+        volume_capped=inspection.volume_capped,
+        handle_drift=0.0,
+        converged=True,
+        energy=0.0,
+    )

@@ -1,0 +1,101 @@
+"""Undo and redo: two stacks of states, one entry a gesture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.document import State
+
+
+class Entry(NamedTuple):
+    """A gesture and the state on the other side of it."""
+
+    gesture: str
+    state: State
+
+
+class History:
+    """What can be undone and redone, within a budget of memory.
+
+    Parameters
+    ----------
+    most_bytes : int
+        The oldest entries go when the states together pass this. At least one always stays.
+    """
+
+    def __init__(self, most_bytes: int = 512 * 2**20) -> None:
+        self._most_bytes = most_bytes
+        self._undo: list[Entry] = []
+        self._redo: list[Entry] = []
+
+    @property
+    def latest(self) -> Entry | None:
+        """The gesture that undo would take back; the same one while presses of a key are joined to it."""
+        return self._undo[-1] if self._undo else None
+
+    @property
+    def next_undo(self) -> str | None:
+        """Name of the gesture that undo would take back."""
+        return self._undo[-1].gesture if self._undo else None
+
+    @property
+    def next_redo(self) -> str | None:
+        """Name of the gesture that redo would do again."""
+        return self._redo[-1].gesture if self._redo else None
+
+    @property
+    def done(self) -> list[str]:
+        """Names of the gestures that can be undone, the oldest first."""
+        return [entry.gesture for entry in self._undo]
+
+    @property
+    def undone(self) -> list[str]:
+        """Names of the gestures that can be done again, the next one first."""
+        return [entry.gesture for entry in reversed(self._redo)]
+
+    @property
+    def past(self) -> list[State]:
+        """The states that undo leads back to, the oldest first."""
+        return [entry.state for entry in self._undo]
+
+    def unsaved(self, now: State | None, kept: Sequence[np.ndarray]) -> list[Mesh]:
+        """The meshes, ``now`` or in the past, whose latest shape is neither ``kept`` nor the one at rest."""
+        states = [*self.past, *([now] if now else [])]
+        latest = {id(state.document.mesh): state for state in states}
+        return [
+            state.document.mesh
+            for state in latest.values()
+            if not any(state.frame.U is shape for shape in (state.document.mesh.V, *kept))
+        ]
+
+    def record(self, gesture: str, before: State) -> None:
+        """Remember the state before a gesture that has just been finished."""
+        self._redo.clear()
+        self._undo.append(Entry(gesture, before))
+        while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
+            del self._undo[0]
+
+    def undo(self, now: State) -> State | None:
+        """The state before the last gesture; None if there is none."""
+        return self._swap(self._undo, self._redo, now)
+
+    def redo(self, now: State) -> State | None:
+        """The state after the gesture that was undone last; None if there is none."""
+        return self._swap(self._redo, self._undo, now)
+
+    @staticmethod
+    def _swap(source: list[Entry], target: list[Entry], now: State) -> State | None:
+        if not source:
+            return None
+        gesture, state = source.pop()
+        target.append(Entry(gesture, now))
+        return state
+
+
+def _bytes(entries: list[Entry]) -> int:
+    """Bytes of all the arrays that the entries keep, each counted once."""
+    return sum({id(array): array.nbytes for entry in entries for array in entry.state.arrays}.values())

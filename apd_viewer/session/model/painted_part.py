@@ -1,0 +1,40 @@
+"""What is painted: the base, a handle or a region."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.pose.constraints import FREE
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+
+class Part(NamedTuple):
+    """The base or a handle, by its label, or a region, by its number from 1."""
+
+    code: int
+    is_region: bool = False
+
+    def codes(self, document: Document) -> np.ndarray:
+        """The labels of all vertices, or the numbers of their regions, (n,) uint8."""
+        return document.member if self.is_region else document.labels
+
+    @property
+    def nothing(self) -> int:
+        """The code of what is not painted."""
+        return 0 if self.is_region else FREE
+
+    def of(self, document: Document) -> np.ndarray:
+        """Whether a vertex is in it, (n,) bool."""
+        return np.asarray(self.codes(document) == self.code)
+
+    def become(self, document: Document, wanted: np.ndarray) -> Document:
+        """The document with the ``wanted`` vertices, (n,) bool, and no others, in it."""
+        if self.is_region and self.code > len(document.regions) and wanted.any():
+            document = document.with_next_region()  # none needs to be there, as for a stroke
+        paint = type(document).painted_region if self.is_region else type(document).painted
+        cleared = paint(document, np.flatnonzero(self.of(document) & ~wanted), self.nothing)
+        return paint(cleared, np.flatnonzero(wanted), self.code)

@@ -1,0 +1,81 @@
+"""What is told of files that were opened and written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.language import tr, trn
+from apd_viewer.session.quantities.units import Unit
+
+if TYPE_CHECKING:
+    from apd_viewer.files.selections.selection import Selection
+    from apd_viewer.geometry.analysis.inspection import Finding
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+def about_findings(findings: Sequence[Finding]) -> str | None:
+    """What is unusual about a mesh that was opened; None if nothing is."""
+    if len(findings) > 1:
+        n = len(findings)
+        return trn(
+            "The mesh has {n} finding: the badge at the lower right lists and shows it.",
+            "The mesh has {n} findings: the badge at the lower right lists and shows them.",
+            n,
+        ).format(n=n)
+    return findings[0].sentence if findings else None
+
+
+def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
+    """What is in a mesh file that was written: the area measured on it."""
+    return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
+        name=name, area=unit.area(f"{area:.6g}"), percent=100.0 * area / at_rest
+    )
+
+
+def about_baking(area: float, before: float, unit: Unit) -> str:
+    """What is 100 % from now on, and what it was of the rest area before."""
+    return tr("This is the rest shape now: 100 % is {area}, {percent} % of before. Undo goes back.").format(
+        area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}"
+    )
+
+
+def about_session(name: str, embedded: bool) -> str:
+    """What is in a session file that was written."""
+    said = tr("Saved {name}, with a copy of the mesh in it.") if embedded else tr("Saved {name}.")
+    return said.format(name=name)
+
+
+def about_selection(name: str, left_out: Sequence[str]) -> str:
+    """What is in a selection file that was written."""
+    said = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
+    return said.format(name=name, things=tr(" and the ").join(left_out))
+
+
+def about_loaded_selection(name: str, selection: Selection) -> str:
+    """What a selection file was made for."""
+    if selection.same_mesh:
+        return tr("Painted as {name} says.").format(name=name)
+    return tr("Painted as {name} says; it was made for another shape of as many vertices.").format(name=name)
+
+
+def about_caps(openings: int) -> str:
+    """How a surface with so many openings was closed to measure its volume."""
+    said = trn("with its mouth capped flat", "with its {n:,} openings capped flat", openings)
+    return said.format(n=openings)
+
+
+def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
+    """What there is to say of the triangles that pass through others; nothing where there are none."""
+    if crossing is None or not len(crossing):
+        return ()
+    from apd_viewer.geometry.analysis.inspection import (
+        Finding,  # here, because the window says some of these first
+    )
+
+    said = tr("{n:,} triangles pass through others; the volume is wrong by what they share.")
+    where = frozen(np.unique(mesh.F[crossing]))
+    return (Finding("self-intersections", said.format(n=len(crossing)), where),)

@@ -1,0 +1,138 @@
+"""The readings of a shape on its way: from where a gesture began, or a step was made, to where it settles."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import frozen
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.frame import Frame
+    from apd_viewer.session.model.document import Document, State
+
+COLUMNS = (
+    "seconds",
+    "iteration",
+    "area",
+    "area_error",
+    "area_miss",
+    "volume",
+    "energy",
+    "local_change",
+)
+# Of samples; a plot is hardly wider in pixels. Even, so that every other one can go.
+MOST = 512
+
+
+@dataclass(eq=False)
+class _Start:
+    """Where a trace begins: what was asked for there, its readings, and when that was."""
+
+    asked: Document | None
+    readings: list[float]
+    moment: float
+    let_go: float | None = None
+
+
+class Trace:
+    """What was measured of the frames that were shown, in memory that does not grow.
+
+    A trace begins with the shape that it leads away from. Once it is full every other sample is left out, and
+    from then on every other frame; the latest one is always there.
+
+    Parameters
+    ----------
+    clock : callable
+        The time in seconds.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._rows = np.empty((MOST, len(COLUMNS)))
+        self._start = _Start(None, [], 0.0)
+        self._next: _Start | None = None
+        self._forget()
+        self._total: int | None = None
+
+    def _forget(self) -> None:
+        self._count = self._iteration = 0
+        self._since = self._stride = 1
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column by its name of ``COLUMNS``, read-only; not a number where nothing is known.
+
+        Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
+        ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.
+        """
+        return frozen(self._rows[: self._count, COLUMNS.index(name)].copy())
+
+    @property
+    def rows(self) -> np.ndarray:
+        """All samples, (k, 8) float array, read-only."""
+        return frozen(self._rows[: self._count].copy())
+
+    @property
+    def let_go_at(self) -> float | None:
+        """When the hand let go, in seconds since the beginning; None if it did not, or there was none."""
+        moment = self._start.let_go
+        return None if moment is None else moment - self._start.moment
+
+    def begin(self, state: State) -> None:
+        """Another trace, which leads away from ``state``."""
+        self._next = self._total = None
+        self._begin(_Start(state.document, _readings(state.document, state.frame), self._clock()))
+
+    def expect(self, asked: Document | None, state: State) -> None:
+        """Begin another trace from ``state``, once there is a frame that answers something else than this."""
+        self._next = _Start(asked, _readings(state.document, state.frame), self._clock())
+
+    def let_go(self) -> None:
+        """The gesture has ended; the shape may yet have to settle."""
+        (self._next or self._start).let_go = self._clock()
+
+    def add(self, document: Document, frame: Frame) -> None:
+        """A frame that answers ``document`` has come."""
+        coming = self._next
+        if coming is not None and document is not coming.asked:
+            self._next = None
+            self._begin(coming)
+        # A frame that nobody looked at was never measured, and its iterations count all the same.
+        more = frame.iteration if self._total is None else frame.total - self._total
+        self._iteration += more if more >= 0 else frame.total  # of another solver
+        self._total = frame.total
+        self._keep([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
+
+    def _begin(self, start: _Start) -> None:
+        self._start = replace(start, asked=None)  # or it would keep its mesh
+        self._forget()
+        self._keep([0.0, 0.0, *start.readings])
+
+    def _keep(self, row: list[float]) -> None:
+        if self._count > 1 and self._since < self._stride:
+            self._since += 1
+        else:
+            self._since = 1
+            if self._count == MOST:
+                self._rows[: MOST // 2] = self._rows[::2]
+                self._count = MOST // 2
+                self._since += self._stride  # what was left out last
+                self._stride *= 2
+            self._count += 1
+        self._rows[self._count - 1] = row
+
+
+def _readings(document: Document, frame: Frame) -> list[float]:
+    """The readings of a frame, in the order of the columns from the area on."""
+    wanted = (document.kept[0] or 100.0) / 100.0
+    miss = abs((1.0 + frame.area_error) / wanted - 1.0)
+    known = frame.volume, frame.energy
+    volume, energy = (np.nan if value is None else value for value in known)
+    return [frame.area, frame.area_error, miss, volume, energy, frame.local_change]

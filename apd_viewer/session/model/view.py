@@ -1,0 +1,53 @@
+"""How the user looks at a mesh: plain values, which the window fills in and follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from apd_viewer.session.quantities.wall import NO_WALL, Wall
+
+SUFFIX = ".apd"  # of a session file
+
+Point: TypeAlias = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Standpoint:
+    """Where the camera stands.
+
+    Attributes
+    ----------
+    position, focal, up : tuple of 3 floats
+        Mesh units; ``up`` is a direction.
+    angle : float
+        Vertical opening angle, radians.
+    """
+
+    position: Point
+    focal: Point
+    up: Point
+    angle: float
+
+
+@dataclass(frozen=True)
+class View:
+    """What a session file says of the window.
+
+    Attributes
+    ----------
+    camera : Standpoint or None
+        None where nobody has looked yet: the mesh is shown whole.
+    unit : str
+        Symbol of the unit of length: the value of a :class:`apd_viewer.session.quantities.units.Unit`.
+    wall : Wall
+        What the surface is made of, as it was typed.
+    overlay : str or None
+        What the colours show, by the value of a :class:`apd_viewer.ui.scales.Measure`; empty where they show
+        what is painted, None where nothing is said of them.
+    """
+
+    camera: Standpoint | None = None
+    unit: str = ""
+    wall: Wall = NO_WALL
+    overlay: str | None = None

@@ -1,0 +1,198 @@
+"""The process that the solver has to itself, seen from outside."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import pickle
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step
+from apd_viewer.session.processes.processes import START, Process, started, wire
+from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
+from apd_viewer.session.processes.shared_memory import Tray
+
+_START = START.format(module="solver_process")
+
+
+def start_process() -> Process:
+    """Start the process; raises OSError if it cannot be started."""
+    return started(_START)
+
+
+class Published(NamedTuple):
+    """A reply, and the tray that its shape came on."""
+
+    reply: Reply
+    tray: Tray | None = None
+    put: int = 0
+
+    def look(self) -> None:
+        """Say that it is being looked at: the solver then lays down another."""
+        if self.tray is not None:
+            self.tray.look(self.put)
+
+
+class Child:
+    """A solver process: takes requests, one after another, and publishes what comes of them.
+
+    Parameters
+    ----------
+    publish : callable
+        Called with every Published, on a thread of the child.
+    learned : callable
+        Called on that thread with a mesh and its thinnings, once the process has found them.
+    ended : callable
+        Called on that thread, last, when the process has come to its end, for whatever reason.
+
+    Attributes
+    ----------
+    alive : bool
+    dismissed : bool
+        It was ended on purpose.
+
+    Raises
+    ------
+    OSError
+        If there can be no process.
+    """
+
+    def __init__(
+        self,
+        publish: Callable[[Published], object],
+        learned: Callable[[Mesh, tuple[Thinning, ...]], object],
+        ended: Callable[[Child], object],
+    ) -> None:
+        self.alive = True
+        self.dismissed = False
+        self._publish, self._learned, self._ended = publish, learned, ended
+        self._process = start_process()
+        self._packer = wire.Packer()
+        self._numbers = itertools.count(1)
+        self._orders: dict[int, tuple[Request, Tray | None]] = {}
+        self._tray: tuple[int, Tray | None] | None = None
+        self._start: Request | None = None
+        self._finder_of: Mesh | None = None
+        self._received = threading.Event()
+        self._received.set()
+        self._thread = threading.Thread(target=self._listen, name="answers", daemon=True)
+        self._thread.start()
+
+    def wait_until_received(self) -> None:
+        """Wait until the process has received what was sent, or has ended."""
+        self._received.wait()
+
+    def send(self, request: Request, thinnings: tuple[Thinning, ...]) -> bool:
+        """Send a request, the last one having been received; False if the process has ended.
+
+        The ``thinnings`` of its mesh, where they are known, save the process finding them.
+        """
+        self._received.clear()
+        number, tray = next(self._numbers), self._tray_for(request)
+        self._orders[number] = request, tray
+        # With every order, as the process may never look at the one before; what it found itself it has.
+        known = () if request.document.mesh is self._finder_of else thinnings
+        order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
+        message = self._packer.packed(order)
+        with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
+            if self.alive:
+                wire.write(self._process.stdin, message)
+        if not self.alive:
+            self._discard_envelope()
+        return self.alive
+
+    def dismiss(self) -> None:
+        """End the process now, whatever it is doing; does not wait for it."""
+        self.dismissed = True
+        self._process.kill()
+
+    def join(self) -> None:
+        """Wait until all has ended."""
+        self._thread.join()
+
+    def _tray_for(self, request: Request) -> Tray | None:
+        n = len(request.U)
+        if self._tray is None or self._tray[0] != n:
+            try:
+                self._tray = n, Tray(n)
+            except OSError:  # no room: the shapes come with the answers
+                self._tray = n, None
+        return self._tray[1]
+
+    def _from_its_start(self, request: Request) -> Request:
+        """The request with the shape that the first of its kind started from.
+
+        The process goes on from where it is, and needs it only if it has seen none of them. So it travels
+        once, and not with every pose.
+        """
+        start = self._start
+        if (
+            start is None
+            or start.generation != request.generation
+            or not alike(factored_for(start.document), factored_for(request.document))
+        ):
+            self._start = start = request
+        return replace(request, U=start.U)
+
+    # The thread
+
+    def _listen(self) -> None:
+        process = self._process
+        try:
+            while (message := wire.read(process.stdout)) is not None:
+                self._hear(pickle.loads(message))
+        finally:
+            self.alive = False
+            process.kill()
+            process.wait()
+            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
+                process.stdin.close()
+            process.stdout.close()
+            self._discard_envelope()
+            self._received.set()
+            self._ended(self)
+
+    def _hear(self, message: Message) -> None:
+        if isinstance(message, Answer):
+            self._hear_answer(message)
+        elif isinstance(message, Found):
+            self._finder_of = self._orders[message.number][0].document.mesh
+            self._learned(self._finder_of, message.thinnings)
+        elif message.step is Step.RECEIVED:
+            self._discard_envelope()
+            self._received.set()
+        else:
+            for number in [n for n in list(self._orders) if n < message.number]:
+                del self._orders[number]
+
+    def _hear_answer(self, answer: Answer) -> None:
+        if answer.failure:
+            self._start = (
+                None  # what the process had has gone with it: the next one starts from what is shown
+            )
+        request, tray = self._orders[answer.number]
+        frame = answer.frame
+        if frame is not None:
+            U = frozen(frame.U if tray is None or answer.put is None else tray.carry(answer.put))
+            frame = replace(frame, U=U)
+        reply = Reply(
+            request.document,
+            request.generation,
+            frame,
+            answer.finished,
+            answer.seconds,
+            answer.failure,
+            answer.warning,
+            account=answer.account,
+        )
+        self._publish(Published(reply, tray, answer.put) if answer.put else Published(reply))
+
+    def _discard_envelope(self) -> None:
+        envelope, self._packer.envelope = self._packer.envelope, None
+        if envelope is not None:
+            envelope.discard()

@@ -1,0 +1,34 @@
+"""From a document to the deformation that answers it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.geometry.solver.deformation import Deformation
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+    from apd_viewer.geometry.linalg.linear_solver import Factored
+    from apd_viewer.geometry.pose.constraints import Constraints
+    from apd_viewer.session.model.document import Document
+
+
+def deformation_of(
+    document: Document, held: Constraints, rest: RestMesh | None = None, factored: Factored | None = None
+) -> Deformation:
+    """What deforms the mesh of a document as it says, with what is ``held``; it is not aimed yet."""
+    return Deformation(
+        document.mesh.V,
+        document.mesh.F,
+        held.fixed,
+        method=document.method,
+        handle=held.handles,
+        tolerance=document.tolerance,
+        stiffness=document.stiffness,
+        area_stiffness=document.area_stiffness,
+        shear_stiffness=document.shear_stiffness,
+        **document.asked._asdict(),
+        rest=rest,
+        factored=factored,
+        soft=held.soft,
+    )

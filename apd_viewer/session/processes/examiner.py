@@ -1,0 +1,134 @@
+"""Examines the newest shape in a process of its own, which is ended when nobody asks any more."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.shape_check import Examination
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.processes.examining_process import NOBODY_LOOKED
+from apd_viewer.session.processes.processes import START, Process, started, wire
+
+_START = START.format(module="examining_process")
+# A shape that has settled is often moved again at once, and what starts has more urgent things to do.
+_CALM, _AT_FIRST = 0.3, 2.0  # s
+# What is known where the process has died, or there can be none.
+UNKNOWN = Examination(None, (math.nan, math.nan, math.nan), math.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What is to be examined: positions ``U`` (n, 3), and triangles ``F`` (m, 3) that hang together."""
+
+    U: np.ndarray
+    F: np.ndarray
+
+
+class Examiner:
+    """Examines one shape at a time; the newest wins.
+
+    Parameters
+    ----------
+    wake : callable
+        Called on a thread when there is an examination to take.
+    """
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        self._wake = wake
+        self._shapes: Mailbox[Shape] = Mailbox()
+        self._found: Mailbox[tuple[Shape, Examination]] = Mailbox()
+        self._wanted: Shape | None = None
+        self._process: Process | None = None
+        self._busy = False
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="examiner", daemon=True)
+        self._thread.start()
+
+    def ask(self, shape: Shape) -> None:
+        """Examine ``shape`` soon, and no other one any more. Never blocks."""
+        self.forget()
+        self._wanted = shape
+        self._shapes.put(shape)
+
+    def forget(self) -> None:
+        """Examine nothing: whatever is under way is ended."""
+        self._wanted = None
+        self._shapes.take()
+        with self._lock:
+            if self._busy and self._process is not None:
+                self._process.kill()
+
+    def take(self) -> tuple[Shape, Examination] | None:
+        """What was found of the shape that was asked for last, once; None if nothing is known yet."""
+        found = self._found.take()
+        return found if found is not None and found[0] is self._wanted else None
+
+    def close(self) -> None:
+        """End the process and the thread."""
+        self.forget()
+        self._closed.set()
+        self._shapes.close()
+        self._thread.join()
+
+    # The thread "examiner"
+
+    def _run(self) -> None:
+        begun = False
+        while self._shapes.comes_within(threading.TIMEOUT_MAX):
+            self._closed.wait(_CALM if begun else _AT_FIRST)
+            begun = True
+            shape = self._shapes.wait()
+            if shape is None:
+                break
+            found = self._examined(shape)
+            if shape is self._wanted:
+                self._found.put((shape, found))
+                self._wake()
+        self._end_process()
+
+    def _examined(self, shape: Shape) -> Examination:
+        try:
+            with self._lock:
+                if shape is not self._wanted:
+                    return UNKNOWN
+                if self._process is None:
+                    self._process = started(_START)
+                process, self._busy = self._process, True
+            found = _answer(process, shape)
+        except OSError:  # there can be no process
+            found = None
+        with self._lock:
+            self._busy = False
+        if found is None:
+            self._end_process()
+        return UNKNOWN if found is None else found
+
+    def _end_process(self) -> None:
+        with self._lock:
+            process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
+                process.stdin.close()
+            process.stdout.close()
+
+
+def _answer(process: Process, shape: Shape) -> Examination | None:
+    """What a process says of a shape; None if it has died."""
+    with contextlib.suppress(OSError, ValueError):
+        wire.write(process.stdin, np.ascontiguousarray(shape.F, dtype=np.int32))
+        wire.write(process.stdin, np.ascontiguousarray(shape.U))
+        crossing, boxes = wire.read(process.stdout), wire.read(process.stdout)
+        if crossing is not None and boxes is not None:
+            ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
+            dx, dy, dz, packed = np.frombuffer(boxes).tolist()
+            return Examination(ids, (dx, dy, dz), packed)
+    return None

@@ -1,0 +1,44 @@
+"""A process that examines shapes, seen from inside.
+
+The library that looks for crossings holds the interpreter, and cannot be stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from typing import BinaryIO
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.shape_check import examined
+from apd_viewer.session.processes.processes import leave_interrupts_to_the_owner, wire
+
+_NICENESS = 10  # nobody waits for it
+NOBODY_LOOKED = b"-"
+
+
+def main(replies: int) -> None:
+    """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
+    leave_interrupts_to_the_owner()
+    if hasattr(os, "nice"):
+        os.nice(_NICENESS)
+    # What is left to be written when nobody listens any more is lost as the sink is closed.
+    with contextlib.suppress(OSError, ValueError), os.fdopen(replies, "wb") as sink:
+        serve(sys.stdin.buffer, sink)
+
+
+def serve(source: BinaryIO, sink: BinaryIO) -> None:
+    """Examine the shapes that come from ``source`` until it ends.
+
+    A shape are two messages: its triangles (m, 3) int32, and its positions (n, 3) float64. The answer are two
+    as well: the triangles that pass through others, int64, and the three sizes of its box along the axes with
+    the volume of its smallest box, float64.
+    """
+    while (triangles := wire.read(source)) is not None and (positions := wire.read(source)) is not None:
+        F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
+        found = examined(np.frombuffer(positions).reshape(-1, 3), F)
+        crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
+        wire.write(sink, crossing)
+        wire.write(sink, np.array([*found.size, found.packed]).tobytes())

@@ -1,0 +1,61 @@
+"""A process that factors one matrix and solves with it, seen from inside.
+
+Factoring holds the interpreter for seconds and cannot be stopped, except with the process that does it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+from typing import BinaryIO
+
+import numpy as np
+
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.session.processes.processes import leave_interrupts_to_the_owner, wire
+
+_NICENESS = 10  # what is shown meanwhile comes first
+_DEATH_OF_THE_PARENT = 1  # of prctl(2)
+
+
+def main(replies: int) -> None:
+    """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
+    leave_interrupts_to_the_owner()
+    if hasattr(os, "nice"):
+        os.nice(_NICENESS)
+    _end_with_the_owner()
+    with os.fdopen(replies, "wb") as sink, contextlib.suppress(OSError, ValueError):
+        serve(sys.stdin.buffer, sink)
+
+
+def serve(source: BinaryIO, sink: BinaryIO) -> None:
+    """Factor the matrix that comes from ``source``, say how that went, and solve until ``source`` ends.
+
+    A matrix are three messages: where its rows start, columns, entries. The word on it is empty, or says what
+    is wrong with it. After that every message is a right-hand side (n, 3), and its answer the solution.
+    """
+    parts = [wire.read(source) for _ in range(3)]
+    if None in parts:
+        return
+    start, column, entry = (
+        np.frombuffer(bytearray(part or b""), dtype)  # cholespy takes no array that is read-only
+        for part, dtype in zip(parts, (np.int32, np.int32, np.float64), strict=True)
+    )
+    try:
+        factor = LinearSolver.from_rows(start, column, entry)
+    except Exception as error:
+        wire.write(sink, (str(error) or type(error).__name__).encode())
+        return
+    del parts, start, column, entry
+    wire.write(sink, b"")
+    while (message := wire.read(source)) is not None:
+        wire.write(sink, factor.solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
+
+
+def _end_with_the_owner() -> None:
+    """Where the system offers it: that a killed owner closes our input is not noticed while factoring."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)

@@ -1,0 +1,128 @@
+"""Factors that are made in processes of their own, so that nobody need wait for one that nobody needs."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.linalg.linear_solver import rows_of
+from apd_viewer.language import tr
+from apd_viewer.session.processes.processes import START, Process, started, wire
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.geometry.linalg.linear_solver import Matrix
+
+_START = START.format(module="factor_process")
+_MOST_DEATHS = 3
+_ENDED = tr("the process that factors has ended {times} times; it may lack memory")
+
+
+class FarFactor:
+    """The factor of a symmetric positive definite matrix, in a process of its own.
+
+    It is begun by :meth:`begin` or by whoever asks for it, and begun again if the process dies; :meth:`close`
+    ends it, however far it is.
+
+    Parameters
+    ----------
+    matrix : callable
+        Returns what to factor, a symmetric positive definite (n, n) csr_array. It is called on another
+        thread, so without kernels that run in parallel, and again if the process dies.
+    """
+
+    elsewhere = True
+
+    def __init__(self, matrix: Callable[[], Matrix]) -> None:
+        self._matrix = matrix
+        self._process: Process | None = None
+        self._thread: threading.Thread | None = None
+        self._error: Exception | None = None
+        self._missing = True
+        self._deaths = 0
+
+    @property
+    def ready(self) -> bool:
+        """Whether :meth:`solve` need not wait until it is factored."""
+        self.begin()
+        return not self._factors
+
+    @property
+    def _factors(self) -> bool:
+        return self._thread is not None and self._thread.is_alive()
+
+    def begin(self) -> None:
+        """Start a process, if there is none or it has died."""
+        if self._factors or not self._missing or self._error is not None:
+            return
+        if self._process is not None:
+            self.close()
+            self._deaths += 1
+        if self._deaths == _MOST_DEATHS:
+            self._error = MemoryError(_ENDED.format(times=_MOST_DEATHS))
+            return
+        # Not on the thread that waits for it: on Linux it ends with the thread that has started it.
+        self._process, self._missing = started(_START), False
+        self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
+        self._thread.start()
+
+    def solve(self, B: np.ndarray) -> np.ndarray:
+        """Return ``A^-1 B`` for ``B`` of shape (n, 3), float64.
+
+        Raises
+        ------
+        ValueError
+            If the matrix is not positive definite.
+        MemoryError
+            If the process dies again and again.
+        OSError
+            If there can be no process.
+        """
+        while True:
+            while not self.ready:
+                self._join()
+            if self._error is not None:
+                raise self._error
+            X = self._answer_to(np.ascontiguousarray(B))
+            if X is not None:
+                self._deaths = 0
+                return np.frombuffer(X).reshape(B.shape).copy()
+
+    def close(self) -> None:
+        """End the process; there is no factor any more."""
+        if (process := self._process) is not None:
+            process.kill()
+            self._join()
+            process.wait()
+            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
+                process.stdin.close()
+            process.stdout.close()
+
+    def _join(self) -> None:
+        if self._thread is not None:
+            self._thread.join()
+
+    def _send(self) -> None:
+        try:
+            word = self._answer_to(*rows_of(self._matrix()))
+        except Exception as error:  # told to whoever waits for it
+            self._error = error
+            return
+        if word:
+            self._error = ValueError(word.decode())
+
+    def _answer_to(self, *messages: np.ndarray) -> bytes | None:
+        """The answer of the process; None if it has died."""
+        process = self._process
+        assert process is not None
+        with contextlib.suppress(OSError, ValueError):
+            for message in messages:
+                wire.write(process.stdin, message)
+            if (answer := wire.read(process.stdout)) is not None:
+                return answer
+        self._missing = True
+        return None

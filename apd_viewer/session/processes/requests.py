@@ -1,0 +1,94 @@
+"""What the solver is asked, and what it answers: whole values, so that skipping one loses nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.session.model.document import Document
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What to work on.
+
+    Attributes
+    ----------
+    document : Document
+    generation : int
+        Counts jumps of the state. A new one starts from ``U``; the same one goes on from where
+        the solver is.
+    U : (n, 3) float array
+        The shape to start from.
+    iterate : bool
+        Otherwise only make ready: factor, so that the first drag need not wait.
+    accounts : bool
+        Whether the last reply should say what it took.
+    """
+
+    document: Document
+    generation: int
+    U: np.ndarray
+    iterate: bool
+    accounts: bool = False
+
+
+@dataclass(frozen=True)
+class Account:
+    """What an answer cost, by the same measure for every method.
+
+    Attributes
+    ----------
+    energy : float
+        Eq. 1 of the shape, each undirected edge counted twice, squared lengths.
+    seconds : float
+        Time from the mesh at rest to the last iteration: factoring and iterating.
+    """
+
+    energy: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Reply:
+    """What came of a request: a frame, or a sentence that says why there is none.
+
+    Attributes
+    ----------
+    finished : bool
+        Nothing more comes for this request.
+    seconds : float
+        Time that an iteration takes.
+    warning : str or None
+        What the user should know about what is held.
+    news : str or None
+        What has happened to the solver meanwhile.
+    account : Account or None
+        With the last reply, where it was asked for.
+    """
+
+    document: Document
+    generation: int
+    frame: Frame | None
+    finished: bool
+    seconds: float = 0.0
+    failure: str | None = None
+    warning: str | None = None
+    news: str | None = None
+    account: Account | None = None
+
+
+def factored_for(document: Document) -> tuple[object, ...]:
+    """What a factorization depends on: where any of it differs, another one is needed."""
+    weights = document.stiffness, document.area_stiffness, document.shear_stiffness
+    falloffs = tuple(handle.falloff for handle in document.handles)
+    return (document.mesh, document.labels, document.method, *weights, falloffs)
+
+
+def alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
+    """Whether two tuples are equal; arrays only if they are the very same."""
+    return len(a) == len(b) and all(
+        x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
+    )

@@ -1,0 +1,215 @@
+"""What answers requests, in a process of its own: prepares, iterates, and turns to the newest one.
+
+An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
+and none of them is measured; the one with which a request is finished always is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.linear_solver import Factor
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.multilevel import make_ready
+from apd_viewer.geometry.warmup import warm_up
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.factoring import FarFactor
+from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Progress, Step
+from apd_viewer.session.processes.requests import Account, alike, factored_for
+from apd_viewer.session.processes.shared_memory import Tray
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.linalg.linear_solver import Matrix
+
+_NOTHING = np.zeros((0, 3))
+_MOMENT = 0.0005  # s
+_SOON = 1.0  # s
+_NO_ROOM = tr("There is not enough memory for this mesh; close other programs and try again.")
+# Matrices with so many rows take more than half a second to factor.
+_LARGE = 100_000
+
+
+class Solver:
+    """Answers orders one after another, and keeps what the next one may need again.
+
+    Parameters
+    ----------
+    orders : Mailbox of Order
+        Where the newest order is; its end is the end of :meth:`run`.
+    tell : callable
+        Called with every message.
+    """
+
+    def __init__(self, orders: Mailbox[Order], tell: Callable[[Message], None]) -> None:
+        self._orders = orders
+        self._tell = tell
+        self._tray: Tray | None = None
+        self._rest: tuple[Mesh, RestMesh] | None = None
+        self._solver: Deformation | None = None
+        self._factors: list[FarFactor] = []
+        self._warning: str | None = None
+        self._key: tuple[object, ...] = ()
+        self._goals: tuple[object, ...] = ()
+        self._poses: tuple[object, ...] = ()
+        self._generation: int | None = None
+        self._warm = False
+
+    def run(self, at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None) -> None:
+        """Answer orders until there are no more.
+
+        While there are none ``at_leisure(called)`` is called, until it has come to its end: it should return
+        soon once ``called()``.
+        """
+        done = not self._orders.comes_within(_SOON) and self._rested(at_leisure)
+        while (order := self._orders.wait()) is not None:
+            self._tell(Progress(order.number, Step.TURNED_TO))
+            try:
+                self._answer(order)
+            except InputError as error:
+                self._fail(order, str(error))
+            except Exception as error:
+                # A defect or a lack of memory must reach the screen, and the next request a solver.
+                traceback.print_exc()
+                said = str(error) or type(error).__name__
+                stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
+                self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)
+            if not done and not self._orders.waiting:
+                done = self._rested(at_leisure)
+        self._drop()
+
+    def _rested(self, at_leisure: Callable[[Callable[[], bool]], object]) -> bool:
+        """Whether there was time for all of it."""
+        at_leisure(lambda: self._orders.waiting)
+        return not self._orders.waiting
+
+    def _drop(self) -> None:
+        """Forget the deformation, and end what is being factored for it."""
+        self._solver = None
+        for factor in self._factors:
+            factor.close()
+        self._factors = []
+
+    def _fail(self, order: Order, message: str) -> None:
+        self._drop()
+        self._tell(Answer(order.number, None, failure=message))
+
+    def _answer(self, order: Order) -> None:
+        request = order.request
+        if self._rest is not None and self._rest[0] is not request.document.mesh:
+            self._drop()
+            self._rest = self._tray = None
+        if request.document.problem:
+            # While it is painted. A mesh that cannot be deformed is refused once it should be.
+            with contextlib.suppress(InputError):
+                make_ready(self._rest_of(order))
+            return
+        if request.accounts and not self._warm:
+            warm_up()  # or the first method that is asked for would pay for all
+            self._warm = True
+        self._rest_of(order)
+        started = time.perf_counter()
+        solver = self._prepared(order)
+        if request.iterate:
+            self._iterate(order, solver, started)
+        else:
+            self._have_factored()
+
+    def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
+        tray, account = self._tray_of(order), None
+        iterations, since, last = 0, time.perf_counter(), 0
+        while True:  # once at least, or poses that come faster than they are prepared show nothing
+            while not solver.ready:
+                if self._orders.waiting:
+                    return
+                time.sleep(_MOMENT)
+            solver.iterate()
+            iterations += 1
+            finished = solver.settled or iterations >= MOST_ITERATIONS
+            if finished:
+                took = time.perf_counter() - started
+                while tray is not None and not tray.free and not self._orders.waiting:
+                    time.sleep(_MOMENT)
+            if tray is None or (tray.free and (finished or tray.seen)):
+                seconds = (time.perf_counter() - since) / (iterations - last)
+                frame = solver.frame()
+                put = None
+                if finished and order.request.accounts:
+                    account = Account(solver.rest.energy(frame.U), took)
+                if tray is not None:
+                    put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
+                self._tell(Answer(order.number, frame, put, finished, seconds, None, self._warning, account))
+                since, last = time.perf_counter(), iterations
+                self._have_factored()
+            if finished or self._orders.waiting:
+                return
+
+    def _tray_of(self, order: Order) -> Tray | None:
+        if order.tray is None:
+            return None
+        if self._tray is None or self._tray.name != order.tray:
+            self._tray = Tray(len(order.request.document.mesh.V), order.tray)
+        return self._tray
+
+    def _prepared(self, order: Order) -> Deformation:
+        """The solver of the request, told what is asked and aimed; factored only where it must be."""
+        request = order.request
+        document = request.document
+        held = document.constraints()
+        key = factored_for(document)
+        names = tuple(region.name for region in document.regions)
+        goals = (document.targets, document.hold_area, document.member, names)
+        poses = tuple(handle.pose for handle in document.handles)
+        fresh = self._solver is None or not alike(key, self._key)
+        if self._solver is None or fresh:
+            self._drop()  # its memory is needed for the next one
+            self._solver = self._made(order, held)
+            self._warning = self._solver.rest.loose_warning(held.fixed)
+        elif not alike(goals, self._goals):
+            self._solver.keep(*document.asked)
+        self._solver.tolerance = document.tolerance
+        jump = fresh or request.generation != self._generation
+        # Aiming anew would take the paper's handle back to where it was put.
+        if jump or not alike(poses, self._poses):
+            self._solver.aim(held.targets, request.U if jump else None, held.soft_targets)
+        self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
+        return self._solver
+
+    def _made(self, order: Order, held: Constraints) -> Deformation:
+        rest, document = self._rest_of(order), order.request.document
+        return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
+
+    def _factored(self, matrix: Callable[[], Matrix]) -> Factor:
+        self._factors.append(FarFactor(matrix))
+        return self._factors[-1]
+
+    def _have_factored(self) -> None:
+        """See to it that factors are made: after the first shape, which is more urgent."""
+        for factor in self._factors:
+            factor.begin()
+
+    def _rest_of(self, order: Order) -> RestMesh:
+        mesh = order.request.document.mesh
+        if self._rest is None or self._rest[0] is not mesh:
+            rest = RestMesh(mesh.V, mesh.F, mesh.weld, order.thinnings)
+            self._rest = mesh, rest
+            if _is_large(rest) and not order.thinnings:
+                self._tell(Found(order.number, make_ready(rest)))
+        return self._rest[1]
+
+
+def _is_large(rest: RestMesh) -> bool:
+    return len(rest.shape.V) >= _LARGE

@@ -1,0 +1,193 @@
+"""Messages between two processes in which what was the same object here is the same object there.
+
+The solver knows by the identity of meshes and arrays what it need not do again. So every mesh and every array
+travels once, under a number, and is only named from then on, until a message comes that does not mention it.
+"""
+
+from __future__ import annotations
+
+import io
+import itertools
+import pickle
+import struct
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import Mesh, Weld, frozen
+from apd_viewer.session.processes.shared_memory import Envelope, OpenedEnvelope
+
+# Bytes; smaller arrays travel in the message itself.
+LARGE = 16_384
+_LENGTH = struct.Struct("<Q")
+
+
+def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
+    """Write a message; raises OSError or ValueError where nobody reads any more."""
+    content = message.data.cast("B") if isinstance(message, np.ndarray) else message
+    sink.write(_LENGTH.pack(len(content)))
+    sink.write(content)
+    sink.flush()
+
+
+def read(source: BinaryIO) -> bytes | None:
+    """Read a message; None at the end, also where it comes in the middle of one."""
+    head = source.read(_LENGTH.size)
+    if len(head) < _LENGTH.size:
+        return None
+    (length,) = _LENGTH.unpack(head)
+    message = source.read(length)
+    return message if len(message) == length else None
+
+
+class _Array(NamedTuple):
+    """An array that has not been mentioned before; ``place`` is its content, or where in the envelope."""
+
+    number: int
+    dtype: str
+    shape: tuple[int, ...]
+    place: bytes | int
+
+
+class _Mesh(NamedTuple):
+    """A mesh that has not been mentioned before, in numbers of arrays."""
+
+    number: int
+    V: int
+    F: int
+    weld: tuple[int, int] | None
+    path: Path | None
+
+
+class _Parcel(NamedTuple):
+    """A message: the arrays and meshes that are new, in order, and what is made of them."""
+
+    arrays: list[_Array]
+    meshes: list[_Mesh]
+    forgotten: list[int]
+    envelope: str | None
+    content: bytes
+
+
+class Packer:
+    """Makes values into messages for one :class:`Unpacker`.
+
+    Attributes
+    ----------
+    envelope : Envelope or None
+        Has to be discarded by the caller once the last message has been unpacked.
+    """
+
+    def __init__(self) -> None:
+        self.envelope: Envelope | None = None
+        self._numbers = itertools.count()
+        # By id, which stays theirs as long as the objects are kept.
+        self._known: dict[int, tuple[int, Any]] = {}
+        self._mentioned: dict[int, tuple[int, Any]] = {}
+        self._arrays: list[tuple[int, np.ndarray]] = []
+        self._meshes: list[_Mesh] = []
+
+    def packed(self, value: object) -> bytes:
+        """The message for ``value``; raises MemoryError if there is no room for its arrays."""
+        self._mentioned, self._arrays, self._meshes = {}, [], []
+        content = _pickled(value, self)
+        forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
+        arrays = self._laid_out()
+        self._known = self._mentioned
+        name = self.envelope.name if self.envelope else None
+        return pickle.dumps(_Parcel(arrays, self._meshes, forgotten, name, content))
+
+    def number(self, thing: object) -> int | None:
+        """The number under which the other side knows ``thing``; None if it travels as it is."""
+        if isinstance(thing, np.ndarray):
+            return self._array(thing)
+        return self._mesh(thing) if isinstance(thing, Mesh) else None
+
+    def _array(self, array: np.ndarray) -> int:
+        number, new = self._mention(array)
+        if new:
+            self._arrays.append((number, array))
+        return number
+
+    def _mesh(self, mesh: Mesh) -> int:
+        V, F = self._array(mesh.V), self._array(mesh.F)
+        number, new = self._mention(mesh)
+        if new:
+            weld: Weld | None = mesh.__dict__.get("weld")
+            both = (self._array(weld.first), self._array(weld.inverse)) if weld else None
+            self._meshes.append(_Mesh(number, V, F, both, mesh.path))
+        return number
+
+    def _mention(self, thing: object) -> tuple[int, bool]:
+        entry = self._mentioned.get(id(thing)) or self._known.get(id(thing))
+        new = entry is None
+        if entry is None:
+            entry = next(self._numbers), thing
+        self._mentioned[id(thing)] = entry
+        return entry[0], new
+
+    def _laid_out(self) -> list[_Array]:
+        large = [array for _, array in self._arrays if array.nbytes >= LARGE]
+        try:
+            self.envelope = Envelope(large) if large else None
+        except OSError:  # some machines have next to no shared memory: then all goes through the pipe
+            self.envelope, large = None, []
+        offsets = iter(self.envelope.offsets if self.envelope else ())
+        places = [
+            next(offsets) if self.envelope and array.nbytes >= LARGE else array.tobytes()
+            for _, array in self._arrays
+        ]
+        return [
+            _Array(number, array.dtype.str, array.shape, place)
+            for (number, array), place in zip(self._arrays, places, strict=True)
+        ]
+
+
+class Unpacker:
+    """Makes the messages of one :class:`Packer` into values again."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, Any] = {}
+
+    def unpacked(self, message: bytes) -> Any:
+        """The value, with arrays of its own that are read-only."""
+        parcel: _Parcel = pickle.loads(message)
+        for number in parcel.forgotten:
+            del self._known[number]
+        envelope = OpenedEnvelope(parcel.envelope) if parcel.envelope else None
+        for number, dtype, shape, place in parcel.arrays:
+            if isinstance(place, bytes):
+                array = np.frombuffer(place, np.dtype(dtype)).reshape(shape)
+            else:
+                assert envelope is not None
+                array = envelope.array(dtype, shape, place)
+            self._known[number] = frozen(array)
+        if envelope:
+            envelope.close()
+        for mesh in parcel.meshes:
+            self._known[mesh.number] = self._mesh(mesh)
+        return _unpickled(parcel.content, self._known)
+
+    def _mesh(self, told: _Mesh) -> Mesh:
+        known = self._known
+        weld = (known[told.weld[0]], known[told.weld[1]]) if told.weld else None
+        return Mesh.trusted(known[told.V], known[told.F], told.path, weld=weld)
+
+
+def _pickled(value: object, packer: Packer) -> bytes:
+    class Pickler(pickle.Pickler):
+        def persistent_id(self, thing: object) -> int | None:
+            return packer.number(thing)
+
+    buffer = io.BytesIO()
+    Pickler(buffer, pickle.HIGHEST_PROTOCOL).dump(value)
+    return buffer.getvalue()
+
+
+def _unpickled(content: bytes, known: dict[int, Any]) -> Any:
+    class Unpickler(pickle.Unpickler):
+        def persistent_load(self, number: int) -> Any:
+            return known[number]
+
+    return Unpickler(io.BytesIO(content)).load()

@@ -1,0 +1,225 @@
+"""Drives the solver, which has a process of its own: complete requests in, coalesced replies out.
+
+The process holds whatever would keep the window from answering, and takes nothing with it when it dies:
+
+    ask ──> mailbox ──> thread "solver" ──> child: envelope, pipe ──> process
+    take <── mailbox <── thread "answers" of the child: pipe, tray <──
+
+The thread "solver" alone starts processes and sends. It waits at the mailbox, where the newest request wins,
+for a request or for the word that the process has ended, and then sees to it that a process has the latest
+request. A process that ended by itself is replaced, and the new one goes on from the last shape that came;
+after a few deaths without a shape the request is given up, in a sentence. What one process has found out
+about a mesh, and would take another one long, is kept here; where there is such a thing, the mesh is a large
+one, and a spare process waits, so that a death costs no more than it must.
+
+All that a reply says may be overwritten by the next one, but for news: they go with the reply taken next.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.processes.child import Child, Published
+from apd_viewer.session.processes.requests import Reply, Request
+
+MOST_DEATHS = 3  # one after another, without a shape
+_CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
+
+_DIED = tr("The solver ended unexpectedly and was started again; nothing is lost.")
+_GIVEN_UP = tr(
+    "The solver ended {times} times over this, and left no word; it may lack memory. "
+    "Undo the last step, or close other programs and try again."
+)
+_NOT_SENT = tr("The solver cannot be asked ({why}); undo the last step.")
+_NOT_STARTED = tr("The solver cannot be started ({why}); close other programs and try again.")
+
+
+class _Call(Enum):
+    """What lies in the mailbox when it is no request."""
+
+    LOOK_AFTER_THE_CHILDREN = 1
+
+
+class Worker:
+    """Answers requests, by a process that it starts with the first one.
+
+    Parameters
+    ----------
+    wake : callable
+        Called on a thread of the worker when a reply lies in the empty mailbox; must only pass it on.
+    """
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        self._wake = wake
+        self._requests: Mailbox[Request | _Call] = Mailbox()
+        self._replies: Mailbox[Published] = Mailbox()
+        self._turned_to: Request | None = None
+        self._finished: tuple[Document, int] | None = None
+        self._shape: tuple[int, np.ndarray] | None = None
+        self._known: tuple[Mesh | None, tuple[Thinning, ...]] = None, ()
+        self._news: Mailbox[str] = Mailbox()
+        self._deaths = 0
+        self._last_death = -np.inf
+        self._child: Child | None = None
+        self._spare: Child | None = None
+        self._closed = False
+        self._changing_child = threading.Lock()
+        self._thread = threading.Thread(target=self._run, name="solver", daemon=True)
+        self._thread.start()
+
+    def ask(self, request: Request) -> None:
+        """Turn to ``request`` next, and forget any other that still waits. Never blocks."""
+        self._requests.put(request)
+
+    def take(self) -> Reply | None:
+        """Take the newest reply; None if there is none."""
+        published = self._replies.take()
+        if published is None:
+            return None
+        published.look()
+        news = self._news.take()
+        return replace(published.reply, news=news) if news else published.reply
+
+    def close(self) -> None:
+        """End the process, whatever it is doing, and the threads."""
+        with self._changing_child:
+            self._closed = True
+            children = [child for child in (self._child, self._spare) if child is not None]
+        self._requests.close()
+        for child in children:
+            child.dismiss()
+            child.join()
+        self._thread.join()
+        self._child = self._spare = self._shape = self._turned_to = None
+        self._known = None, ()
+        self._replies.take()
+
+    # The thread "solver"
+
+    def _run(self) -> None:
+        while (called := self._newest()) is not None:
+            if isinstance(called, Request):
+                self._turned_to = called
+            try:
+                if called is self._turned_to or (self._child is not None and not self._child.alive):
+                    while self._turned_to and not self._closed and not self._sent(self._turned_to):
+                        pass
+                self._see_to_a_spare()
+            except Exception as error:
+                self._give_up(error)
+
+    def _newest(self) -> Request | _Call | None:
+        """What there is to do, once the process can take it; None in the end."""
+        if self._child is not None:
+            self._child.wait_until_received()
+        return self._requests.wait()
+
+    def _give_up(self, error: Exception) -> None:
+        """Forget a request that cannot be sent, and the process that may have half of it."""
+        traceback.print_exc()
+        request, self._turned_to = self._turned_to, None
+        if self._child is not None:
+            self._child.dismiss()
+        if request is not None:
+            self._fail(request, _NOT_SENT.format(why=str(error) or type(error).__name__))
+
+    def _sent(self, request: Request) -> bool:
+        """Whether a process has the request now, or it has been given up; otherwise its process has died."""
+        child = self._child
+        if child is not None and not child.alive:
+            self._child = None
+            if not child.dismissed and self._mourn(request):
+                return True
+            child = None
+        if child is None:
+            child = self._started(request)
+            if child is None:
+                return True
+            request = self._resumed(request)
+        mesh, thinnings = self._known
+        return child.send(request, thinnings if mesh is request.document.mesh else ())
+
+    def _started(self, request: Request) -> Child | None:
+        with self._changing_child:
+            if self._closed:
+                return None
+            try:
+                spare, self._spare = self._spare, None
+                self._child = spare if spare is not None and spare.alive else self._new_child()
+            except OSError as error:
+                self._fail(request, _NOT_STARTED.format(why=error.strerror or error))
+            return self._child
+
+    def _new_child(self) -> Child:
+        return Child(self._publish, self._learned, self._ended)
+
+    def _see_to_a_spare(self) -> None:
+        """Have a process ready to take over, or none where a new one is as good."""
+        mesh, thinnings = self._known
+        request, spare = self._turned_to, self._spare
+        wanted = bool(thinnings) and request is not None and mesh is request.document.mesh
+        if wanted and spare is None and not self._deaths:  # the one that has taken over comes first
+            with self._changing_child, contextlib.suppress(OSError):
+                self._spare = None if self._closed else self._new_child()
+        elif not wanted and spare is not None:
+            spare.dismiss()
+            self._spare = None
+
+    def _resumed(self, request: Request) -> Request:
+        """What to ask of a process that knows nothing yet: the request, from the last shape that came."""
+        shape, finished = self._shape, self._finished == (request.document, request.generation)
+        U = shape[1] if shape is not None and shape[0] == request.generation else request.U
+        return replace(request, U=U, iterate=request.iterate and not finished)
+
+    def _mourn(self, request: Request) -> bool:
+        """Count a death; True if the request is given up for it."""
+        now = time.monotonic()
+        calm, self._last_death = now - self._last_death > _CALM, now
+        self._deaths = 1 if calm else self._deaths + 1
+        if self._deaths >= MOST_DEATHS:
+            self._fail(request, _GIVEN_UP.format(times=self._deaths))
+            return True
+        if calm:
+            self._news.put(_DIED)
+            if self._replies.offer(Published(Reply(request.document, request.generation, None, False))):
+                self._wake()
+        return False
+
+    def _fail(self, request: Request, sentence: str) -> None:
+        self._put(Published(Reply(request.document, request.generation, None, True, failure=sentence)))
+
+    def _put(self, published: Published) -> None:
+        if self._replies.put(published):
+            self._wake()
+
+    # The thread "answers"
+
+    def _publish(self, published: Published) -> None:
+        reply = published.reply
+        if reply.frame is not None:
+            self._deaths = 0
+            self._shape = reply.generation, reply.frame.U
+        if reply.finished:
+            self._finished = reply.document, reply.generation
+        self._put(published)
+
+    def _learned(self, mesh: Mesh, thinnings: tuple[Thinning, ...]) -> None:
+        self._known = mesh, thinnings
+        self._requests.offer(_Call.LOOK_AFTER_THE_CHILDREN)
+
+    def _ended(self, _: Child) -> None:
+        if not self._closed:
+            self._requests.offer(_Call.LOOK_AFTER_THE_CHILDREN)

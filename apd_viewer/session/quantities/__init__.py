@@ -1,0 +1,1 @@
+"""Units, typed expressions and the mass of a wall."""

@@ -1,0 +1,94 @@
+"""What a surface is made of, as it was typed, and what it weighs."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import length, number
+from apd_viewer.session.quantities.units import Unit
+
+# In grams a cubic centimetre; what is written without a unit is that.
+_DENSITIES = {
+    "g/cm3": 1.0,
+    "g/cc": 1.0,
+    "g/ml": 1.0,
+    "kg/l": 1.0,
+    "kg/dm3": 1.0,
+    "t/m3": 1.0,
+    "kg/m3": 1e-3,
+    "g/l": 1e-3,
+}
+_SPELLINGS = str.maketrans({"³": "3", "^": "", "∕": "/", "⁄": "/"})
+_UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-z]+\s*/\s*[a-z]+3?)", re.DOTALL)
+_SHOWN = 20  # characters of what makes no sense
+_HEAVIEST = 100.0  # g/cm³; osmium has 22.6
+
+
+class Wall(NamedTuple):
+    """The wall that a surface stands for.
+
+    The texts are kept as they were typed: 0.3mm stay 0.3 mm when the mesh is said to be in centimetres.
+
+    Attributes
+    ----------
+    thickness : str
+        A length, such as ``0.3mm``; a bare number is in mesh units.
+    density : str
+        Such as ``1380 kg/m3``; a bare number is in g/cm³.
+    """
+
+    thickness: str = ""
+    density: str = ""
+
+
+NO_WALL = Wall()
+
+
+def mass(wall: Wall, area: float, unit: Unit) -> float | None:
+    """What a wall of an ``area`` (square mesh units) weighs, in grams; None where nothing was typed.
+
+    Raises
+    ------
+    InputError
+        If one of the two is missing or makes no sense, or the unit of the mesh is not known.
+    """
+    if not any(text.strip() for text in wall):
+        return None
+    if unit is Unit.NONE:
+        raise InputError(tr("A mass needs the unit of the mesh; choose it beside the area."))
+    if not wall.thickness.strip():
+        raise InputError(tr("A mass needs the thickness of the wall; type it, such as 0.3mm."))
+    thickness = length(wall.thickness, unit, {})
+    if not thickness > 0.0:
+        raise InputError(tr("A wall must be thicker than nothing; type a thickness such as 0.3mm."))
+    if not wall.density.strip():
+        raise InputError(tr("A mass needs the density of the wall; type it, such as 1.38 g/cm³."))
+    litres = unit.litres(area * thickness)
+    assert litres is not None
+    return 1000.0 * litres * density(wall.density)
+
+
+def density(text: str) -> float:
+    """The density that a text says, in g/cm³; raises InputError."""
+    parted = _UNIT.fullmatch(text.translate(_SPELLINGS).strip())
+    amount, factor = text, 1.0
+    if parted is not None and parted["amount"]:
+        said = re.sub(r"\s", "", parted["unit"])
+        if said not in _DENSITIES:
+            raise InputError(
+                tr("“{unit}” is no unit of density here; write g/cm³ or kg/m³.").format(unit=said)
+            )
+        amount, factor = parted["amount"], _DENSITIES[said]
+    try:
+        value = factor * number(amount, {})
+    except InputError:
+        sentence = tr("“{text}” is no density; write one such as 1.38 g/cm³.")
+        raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None
+    if not 0.0 < value <= _HEAVIEST:
+        raise InputError(
+            tr("Nothing has a density of {value:.4g} g/cm³; type one such as 1.38 g/cm³.").format(value=value)
+        )
+    return value

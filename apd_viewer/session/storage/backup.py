@@ -1,0 +1,126 @@
+"""A file in which the latest step is safe, written on a thread of its own: nobody waits for a slow disk.
+
+It is safe from the end of this program as soon as the file is in its place, and from that of the power once
+it has been flushed.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from apd_viewer.files.storage.atomic_file import flush_to_disk
+from apd_viewer.files.storage.lock import Lock
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.model.document import State
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.recovery import Leftover, owned, remove
+from apd_viewer.session.storage.saved import save_session
+
+_PATIENCE = 10.0  # s, for the disk, when the program ends
+_FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")
+
+
+@dataclass(frozen=True, eq=False)
+class Copy:
+    """What is to be in the file, and the leftovers that are needless once it is."""
+
+    state: State
+    view: View
+    supersedes: tuple[Leftover, ...] = ()
+
+
+class Backup:
+    """Writes the newest Copy whenever it can, and removes the file in the end.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when it is needed.
+    wake : callable
+        Called on the thread when there is a failure to take.
+    """
+
+    def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
+        self._folder = folder
+        self._wake = wake
+        self._mailbox: Mailbox[tuple[int, Copy]] = Mailbox()
+        self._asked = self._done = 0
+        self._pace = 0.0
+        self._doing = threading.Condition()
+        self._failures: Mailbox[str] = Mailbox()
+        self._failing = False
+        self._mine: tuple[Path, Lock] | None = None
+        self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
+        self._thread.start()
+
+    def put(self, copy: Copy, patience: float = 0.0) -> None:
+        """Have ``copy`` in the file soon, instead of any other that still waits.
+
+        Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
+        before took longer than that.
+        """
+        with self._doing:
+            self._asked += 1
+            self._mailbox.put((self._asked, copy))
+            if self._pace < patience:
+                done = self._doing.wait_for(lambda: self._done == self._asked, patience)
+                self._pace = self._pace if done else patience
+
+    def take_failure(self) -> str | None:
+        """The sentence that says why nothing can be written, once; None if all is well."""
+        return self._failures.take()
+
+    def close(self) -> None:
+        """Remove the file: what is in it has been saved, or is not wanted."""
+        self._mailbox.close()
+        self._thread.join(_PATIENCE)
+
+    # The thread "backup"
+
+    def _run(self) -> None:
+        while (put := self._mailbox.wait()) is not None:
+            number, copy = put
+            self._try(number, copy)
+        if self._mine is not None:
+            remove(*self._mine)
+
+    def _try(self, number: int, copy: Copy) -> None:
+        since = time.monotonic()
+        try:
+            try:
+                path = self._write(copy)
+            finally:
+                self._tell_done(number, time.monotonic() - since)
+            flush_to_disk(path)
+            for left in copy.supersedes:
+                left.discard()
+            self._failing = False
+        except Exception as error:  # whatever it is, the next step is tried again
+            reason = error if isinstance(error, OSError) else error.__cause__
+            if not isinstance(reason, OSError):
+                traceback.print_exc()
+            if not self._failing:
+                self._failing = True
+                why = getattr(reason, "strerror", None) or str(error) or type(error).__name__
+                self._failures.put(_FAILED.format(why=why))
+                self._wake()
+
+    def _tell_done(self, number: int, pace: float) -> None:
+        with self._doing:
+            self._done, self._pace = number, pace
+            self._doing.notify_all()
+
+    def _write(self, copy: Copy) -> Path:
+        if self._mine is not None and not self._mine[1].stands:  # somebody has cleared the folder
+            self._mine[1].release()
+            self._mine = None
+        if self._mine is None:
+            self._mine = owned(self._folder)
+        save_session(self._mine[0], copy.state, copy.view, at_once=True)
+        return self._mine[0]

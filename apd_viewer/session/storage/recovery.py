@@ -1,0 +1,149 @@
+"""What programs have left that were killed: found at the next start, until it is restored or discarded.
+
+Beside every file lies another one, which is locked while the program lives that writes it, and while another
+one offers it. A process id tells nothing: it may be somebody else's by now.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import time
+from pathlib import Path, PurePath
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.archive import Archive
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.lock import Lock, take
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr, trn
+from apd_viewer.session.model.document import State
+from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.storage.saved import open_session
+
+LONGEST_KEPT = 30 * 86400.0  # s
+_NAME = re.compile(r"\d+-\d+")
+_DAY, _HOUR, _MINUTE = 86400.0, 3600.0, 60.0  # s
+_MOST_TRIES = 5
+
+
+class Leftover:
+    """A file of a program that is dead, locked here.
+
+    Parameters
+    ----------
+    path : Path
+    lock : Lock
+
+    Attributes
+    ----------
+    name : str
+        Of the mesh, for people.
+    time : float
+        When it was written, in seconds of :func:`time.time`.
+    mesh : Mesh or None
+        What has been read of it.
+    taken : bool
+        It has been restored: the program that did so keeps it safe.
+    """
+
+    def __init__(self, path: Path, lock: Lock) -> None:
+        self.path = path
+        self.name = _name_of_mesh(path)
+        self.time = path.stat().st_mtime
+        self.mesh: Mesh | None = None
+        self.taken = False
+        self._lock = lock
+
+    def read(self) -> tuple[State, View]:
+        """What is in it; raises InputError if that is damaged, or its mesh is missing."""
+        try:
+            found = open_session(self.path)
+        except InputError as error:
+            why = str(error.__cause__ or error).rstrip(".")
+            raise InputError(
+                tr("What was left of {name} cannot be restored: {why}.").format(name=self.name, why=why)
+            ) from error
+        self.mesh = found[0].document.mesh
+        return found
+
+    def discard(self) -> None:
+        """Remove it for good."""
+        remove(self.path, self._lock)
+
+    def release(self) -> None:
+        """Leave it for the next start."""
+        self._lock.release()
+
+
+def leftovers(folder: Path) -> list[Leftover]:
+    """What dead programs have left in a folder, the newest first; what is too old is removed."""
+    try:
+        stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
+    except OSError:
+        return []
+    found = (_claimed(folder / f"{stem}{SUFFIX}") for stem in stems)
+    return sorted(filter(None, found), key=lambda left: -left.time)
+
+
+def _claimed(path: Path) -> Leftover | None:
+    """The file at ``path``, unless its owner lives, somebody else offers it, or it is none any more."""
+    try:
+        lock = take(lock_path(path))
+    except OSError:
+        return None
+    if lock is None:
+        return None
+    try:
+        left = Leftover(path, lock)
+    except OSError:
+        left = None
+    if left is not None and time.time() - left.time <= LONGEST_KEPT:
+        return left
+    remove(path, lock)
+    return None
+
+
+def owned(folder: Path) -> tuple[Path, Lock]:
+    """A path in ``folder`` for this program alone, and the lock that says so; raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for _ in range(_MOST_TRIES):  # a program that starts just now may look whether this one is dead
+        path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
+        if (lock := take(lock_path(path))) is not None:
+            return path, lock
+    raise OSError(tr("no file in it can be locked"))
+
+
+def lock_path(path: Path) -> Path:
+    """The file beside ``path`` whose lock says that its owner lives."""
+    return path.with_suffix(".lock")
+
+
+def remove(path: Path, lock: Lock) -> None:
+    """Remove a file, what a killed writer of it has left, and at last its lock."""
+    for each in (path, *path.parent.glob(f".{path.name}-*")):
+        with contextlib.suppress(OSError):
+            each.unlink()
+    lock.remove()
+
+
+def ago(seconds: float) -> str:
+    """How long ago something was, in the words of people."""
+    days, hours, minutes = (int(max(seconds, 0.0) // size) for size in (_DAY, _HOUR, _MINUTE))
+    if days:
+        return trn("{n} day ago", "{n} days ago", days).format(n=days)
+    if hours:
+        return trn("{n} hour ago", "{n} hours ago", hours).format(n=hours)
+    if minutes:
+        return trn("{n} minute ago", "{n} minutes ago", minutes).format(n=minutes)
+    return tr("just now")
+
+
+def _name_of_mesh(path: Path) -> str:
+    """What the file says of its mesh; raises OSError if there is no such file."""
+    try:
+        said = Fields.of(Archive(path.read_bytes()).content("session.json"), path.name)
+        return PurePath(said.part("mesh").text("name")).name
+    except ValueError:
+        return tr("a damaged session")

@@ -1,0 +1,185 @@
+"""Sessions as files: all that the user has said, the shape that answers it, and how it is looked at.
+
+A session is an archive of ``session.json`` and arrays. A program opens every version up to its own; a newer
+one holds what it knows nothing of, and is refused.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
+from apd_viewer.files.storage.archive import Archive, npy, write_archive
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.files.storage.reading import content_of
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.storage.session_json import (
+    document_of,
+    document_said,
+    frame_of,
+    frame_said,
+    view_of,
+    view_said,
+)
+
+FORMAT, VERSION = "apd-session", 1
+_TEXT = "session.json"
+_CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
+# In diagonals of the bounding box; whatever is farther away is no shape of this mesh.
+_FARTHEST = 1e8
+
+
+def save_session(
+    path: str | Path, state: State, view: View, embed: bool = False, at_once: bool = False
+) -> bool:
+    """Write a session to a file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+        Ends in ``.apd``.
+    state : State
+    view : View
+    embed : bool
+        Whether to put a copy of the mesh into it. There is one in any case where no file holds the mesh.
+    at_once : bool
+        Whether it is wanted in a moment, and may be larger; see
+        :func:`apd_viewer.files.storage.archive.write_archive`.
+
+    Returns
+    -------
+    bool
+        Whether there is a copy of the mesh in it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() != SUFFIX:
+        raise InputError(
+            tr("{name} is no name for a session; end it in {ending}.").format(name=path.name, ending=SUFFIX)
+        )
+    document, mesh = state.document, state.document.mesh
+    copy = copy_of(mesh) if embed or not is_there(mesh) else {}
+    arrays = {"labels": document.labels, "member": document.member}
+    positions = {"grip": document.grip, "shape": state.frame.U}
+    # The rest positions themselves are left out, so that opened again they are the mesh's own.
+    arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
+    said = {
+        "format": FORMAT,
+        "version": VERSION,
+        "program": _program(),
+        "mesh": {**whereabouts(mesh, path), "embedded": list(copy) or None},
+        "arrays": list(arrays),
+        "document": document_said(document),
+        "frame": frame_said(state.frame),
+        "view": view_said(view),
+    }
+    text = json.dumps(said, indent=1, allow_nan=False).encode()
+    members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
+    write_archive(path, {_TEXT: text, **members, **copy}, at_once)
+    return bool(copy)
+
+
+@cache
+def _program() -> str:
+    try:
+        return metadata.version("apd-viewer")
+    except metadata.PackageNotFoundError:
+        return "unknown"
+
+
+def open_session(path: str | Path) -> tuple[State, View]:
+    """Open a session: the very state that was saved, and how it was looked at.
+
+    The mesh is looked for where it was, then by the way that leads there from the session, then beside the
+    session, then in it.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is no session, or its mesh is missing or another one.
+    """
+    path = Path(path)
+    with _explained(path):
+        archive = Archive(_content(path))
+        said = Fields.of(archive.content(_TEXT), _TEXT)
+        _check_version(said, path)
+        mesh = find_mesh(said.part("mesh"), path, archive)
+        state, arrays = opened(mesh), _arrays(said, archive, mesh)
+        document = document_of(said.part("document"), mesh, arrays)
+        if document.volume is not None and not state.inspection.volume:
+            raise ValueError(tr("its “volume” is damaged"))
+        state = replace(state, document=document)
+        frame = frame_of(said.part("frame"), state, arrays["shape"])
+        return replace(state, frame=frame), view_of(said.part("view"))
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    """Turn what is wrong with a session into a sentence."""
+    try:
+        yield
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(
+            tr(
+                "{name} is not a readable session ({reason}); save it again, or open another copy of it."
+            ).format(name=path.name, reason=error)
+        ) from error
+    except MemoryError as error:
+        raise InputError(
+            tr("{name} is too large for the memory; close other programs.").format(name=path.name)
+        ) from error
+
+
+def _content(path: Path) -> bytes:
+    # os.path and not Path: it says no where Path raises, as for a name that is too long.
+    if not os.path.exists(path):  # noqa: PTH110
+        raise InputError(tr("There is no file {path}; check the name.").format(path=path))
+    if not path.is_file():
+        raise InputError(tr("{path} is not a file; choose a session in it.").format(path=path))
+    return content_of(path)
+
+
+def _check_version(said: Fields, path: Path) -> None:
+    if said.text("format") != FORMAT:
+        raise ValueError(tr("it is of another kind"))
+    version = said.count("version")
+    if version > VERSION:
+        raise InputError(
+            tr("{name} was saved by a newer version of the program; update apd-viewer to open it.").format(
+                name=path.name
+            )
+        )
+    if version < 1:
+        raise ValueError(tr("its “version” is damaged"))
+
+
+def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
+    """Labels, regions and positions of all vertices, by their names."""
+    there, n = said.texts("arrays", most=100), len(mesh.V)
+    farthest = _FARTHEST * float(np.linalg.norm(np.ptp(mesh.V, axis=0)))
+    arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
+    for name in _POSITIONS:
+        arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V
+        X = arrays[name]
+        if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
+            raise ValueError(tr("“{name}” in it is no shape of the mesh").format(name=name))
+    return arrays

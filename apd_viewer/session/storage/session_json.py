@@ -1,0 +1,184 @@
+"""What a document, a frame and a view are in the JSON of a session, and what they are when read from it.
+
+Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
+a ValueError with a phrase.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from apd_viewer.files.selections.selection import MOST_REGIONS
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document, State, rest_frame
+from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.view import Point, Standpoint, View
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall import Wall
+
+_MOST = 1e9  # of a weight or a percentage
+_LEAST = 1e-12  # of what is more than zero
+_MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
+_NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
+_POINTS = ("position", "focal", "up")
+_NO_OVERLAY = "none"
+
+
+def document_said(document: Document) -> dict[str, Any]:
+    """All of a document but for its mesh and its arrays."""
+    return {
+        "handles": [_handle_said(handle) for handle in document.handles],
+        "regions": [{"name": part.name, "area": _number(part.area)} for part in document.regions],
+        "method": document.method,
+        **{name: _number(getattr(document, name)) for name in _NUMBERS},
+        "hold_area": bool(document.hold_area),
+        "volume": _number(document.volume),
+    }
+
+
+def _handle_said(handle: Handle) -> dict[str, Any]:
+    pivot = None if handle.pivot is None else handle.pivot.tolist()
+    said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
+    return {**said, "falloff": _number(handle.falloff)} if handle.falloff else said
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
+    """The document again, with its mesh and with its ``labels``, ``member`` and ``grip``."""
+    handles = tuple(_handle(part) for part in said.parts("handles", MOST_HANDLES))
+    regions = tuple(_region(part) for part in said.parts("regions", MOST_REGIONS))
+    labels, member, method = arrays["labels"], arrays["member"], said.text("method")
+    if not handles or labels.max() >= HANDLE + len(handles):
+        raise ValueError(tr("“labels” in it name a handle that is not there"))
+    if member.max() > len(regions):
+        raise ValueError(tr("“member” in it names a region that is not there"))
+    if method not in METHODS:
+        raise ValueError(tr("its “method” is none of this program"))
+    return Document(
+        mesh,
+        labels,
+        arrays["grip"],
+        member,
+        handles,
+        regions,
+        method,
+        tolerance=said.number("tolerance", _LEAST, _MOST),
+        stiffness=said.number("stiffness", 0.0, _MOST),
+        area_stiffness=said.number("area_stiffness", 0.0, _MOST),
+        shear_stiffness=said.number("shear_stiffness", 0.0, _MOST),
+        area=said.number("area", _LEAST, _MOST),
+        hold_area=said.flag("hold_area"),
+        volume=_percent(said, "volume"),
+    )
+
+
+def _handle(said: Fields) -> Handle:
+    pose = said.numbers("pose", 4, 4)
+    if not np.array_equal(pose[3], _MOTIONLESS):
+        raise ValueError(tr("the “pose” of a handle is no motion: its last row must be 0 0 0 1"))
+    pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
+    falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
+    return Handle(said.text("name"), frozen(pose), pivot, falloff)
+
+
+def _region(said: Fields) -> NamedRegion:
+    return NamedRegion(said.text("name"), _percent(said, "area"))
+
+
+def _percent(said: Fields, key: str) -> float | None:
+    return said.number(key, _LEAST, _MOST) if said.says(key) else None
+
+
+def frame_said(frame: Frame) -> dict[str, Any]:
+    """What of a frame cannot be measured on its shape."""
+    return {
+        "iteration": int(frame.iteration),
+        "settled": bool(frame.settled),
+        "converged": bool(frame.converged),
+        "handle_drift": float(frame.handle_drift),
+        "unreached": frame.unreached,
+        "energy": None if frame.energy is None else float(frame.energy),
+    }
+
+
+def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
+    """The frame of a state again, measured anew on its shape ``U`` (n, 3)."""
+    mesh = state.document.mesh
+    frame = rest_frame(mesh, state.inspection)
+    if U is not mesh.V:
+        rest = RestMesh(mesh.V, mesh.F, mesh.weld)
+        with cores_for(len(mesh.weld.first)):
+            found = rest.survey(U[mesh.weld.first])
+        frame = replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
+    settled = said.flag("settled")
+    return replace(
+        frame,
+        iteration=said.count("iteration"),
+        settled=settled,
+        converged=said.flag("converged") and settled,
+        handle_drift=said.number("handle_drift", 0.0),
+        regions=state.document.region_areas(U),
+        unreached=said.text("unreached") if said.says("unreached") else None,
+        energy=said.number("energy", 0.0) if said.says("energy") else None,
+    )
+
+
+def view_said(view: View) -> dict[str, Any]:
+    """How the mesh is looked at."""
+    eye = view.camera
+    camera = eye and {
+        **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
+        "angle": float(eye.angle),
+    }
+    return {
+        "camera": camera,
+        "unit": view.unit or None,
+        "wall": {name: text or None for name, text in view.wall._asdict().items()},
+        "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
+    }
+
+
+def view_of(said: Fields) -> View:
+    """The view again."""
+    unit = said.text("unit") if said.says("unit") else ""
+    if unit not in [each.value for each in Unit]:
+        raise ValueError(tr("its “unit” is none of this program"))
+    wall = _wall(said.part("wall")) if said.says("wall") else Wall()
+    overlay = said.text("overlay") if said.says("overlay") else None
+    overlay = "" if overlay == _NO_OVERLAY else overlay
+    if not said.says("camera"):
+        return View(None, unit, wall, overlay)
+    camera = said.part("camera")
+    position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
+    across = np.linalg.norm(np.cross(focal - position, up))
+    if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
+        raise ValueError(tr("its “camera” looks nowhere"))
+    angle = camera.number("angle", _LEAST, np.pi - _LEAST)
+    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay)
+
+
+def _wall(said: Fields) -> Wall:
+    """What was typed; an empty field says nothing."""
+    typed = [said.text(name) if said.says(name) else "" for name in Wall._fields]
+    if any(len(text) > MOST_CHARACTERS for text in typed):
+        raise ValueError(tr("its “wall” is damaged"))
+    return Wall(*typed)
+
+
+def _point(numbers: np.ndarray) -> Point:
+    x, y, z = numbers.tolist()
+    return x, y, z

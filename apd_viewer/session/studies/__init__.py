@@ -1,0 +1,1 @@
+"""Sweeps, comparisons, replays and the paper's curves."""

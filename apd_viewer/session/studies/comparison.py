@@ -1,0 +1,134 @@
+"""The same document answered by one method after another, so that they can be compared.
+
+All methods begin at the rest shape, as :func:`apd_viewer.deform` does: what was done before plays no part.
+They share one process, which ends with the last of them: there may be no room for two large ones at once.
+
+All methods of the class are called on one thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from apd_viewer.session.processes.requests import Account, Request
+from apd_viewer.session.processes.worker import Worker
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.frame import Frame
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.processes.requests import Reply
+
+COMPARED = ("arap", "paper", "exact", "local")
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """How far a method has come.
+
+    Attributes
+    ----------
+    frame : Frame or None
+        The latest shape, and its readings.
+    finished : bool
+        Nothing more comes.
+    account : Account or None
+        What it took, once it has finished.
+    failure : str or None
+        Why there is no shape, or no further one: a sentence.
+    """
+
+    frame: Frame | None = None
+    finished: bool = False
+    account: Account | None = None
+    failure: str | None = None
+
+
+class Comparison:
+    """Solves a document by several methods, one after another.
+
+    Parameters
+    ----------
+    document : Document
+        Its own method does not matter.
+    wake : callable
+        Called on another thread when there is something to :meth:`receive`; must only pass it on.
+
+    Attributes
+    ----------
+    outcomes : dict of str to Outcome
+        By the names of the methods; those that have not begun yet are not in it.
+    under_way : str or None
+        The method that is being solved.
+    news : str
+        What has happened to the solver, a sentence; mostly empty.
+    """
+
+    def __init__(self, document: Document, wake: Callable[[], object]) -> None:
+        self.document = document
+        self.outcomes: dict[str, Outcome] = {}
+        self.under_way: str | None = None
+        self.news = ""
+        self._wake = wake
+        self._wanted: tuple[str, ...] = ()
+        self._worker: Worker | None = None
+        self._asked: Document | None = None
+        self._generation = 0
+
+    def want(self, methods: Sequence[str]) -> None:
+        """Have these methods solved, in this order, and no others; what is solved already stays so."""
+        self._wanted = tuple(methods)
+        if self.under_way is not None and self.under_way not in self._wanted:
+            del self.outcomes[self.under_way]
+            self.under_way = None
+        self._go_on()
+
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """What is wanted and has not begun."""
+        return tuple(method for method in self._wanted if method not in self.outcomes)
+
+    def receive(self) -> bool:
+        """Take in what has come; True if that was anything."""
+        reply = self._worker.take() if self._worker is not None else None
+        if reply is None:
+            return False
+        self.news = reply.news or self.news
+        if reply.document is self._asked and self.under_way is not None:
+            self._hear(self.under_way, reply)
+        return True
+
+    def _hear(self, method: str, reply: Reply) -> None:
+        frame = reply.frame or self.outcomes[method].frame
+        self.outcomes[method] = Outcome(frame, reply.finished, reply.account, reply.failure)
+        if reply.finished:
+            self.under_way = None
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Turn to the next method; after the last one there is no need of a process any more."""
+        if self.under_way is not None:
+            return
+        if not self.waiting:
+            self._end()
+            return
+        self.under_way = self.waiting[0]
+        self.outcomes[self.under_way] = Outcome()
+        self._asked = replace(self.document, method=self.under_way)
+        self._generation += 1
+        if self._worker is None:
+            self._worker = Worker(self._wake)
+        self._worker.ask(Request(self._asked, self._generation, self.document.mesh.V, True, accounts=True))
+
+    def stop(self) -> None:
+        """End the process; what has not finished stays as far as it has come, and what waits is not begun."""
+        self._wanted = tuple(method for method in self._wanted if method in self.outcomes)
+        self.under_way = None
+        self._end()
+
+    def _end(self) -> None:
+        self._asked = None
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.close()

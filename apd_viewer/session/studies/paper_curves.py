@@ -1,0 +1,109 @@
+"""What the paper's tables leave open: ARAP's loss by the angle, and where Eq. 8 puts the handle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.transforms import shifted
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.studies.sweep import sweep_of
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+# Iterations from rest after which ARAP is stopped and looked at.
+STOPS = (1, 2, 3, 5, 20)
+_WIDEST = 180.0  # degrees
+_PUSH, _PULL = 0.2, 0.4  # of the height
+_STEPS_OF_A_PULL = 4
+
+Tick = Callable[[float, str], object]
+
+
+class Loss(NamedTuple):
+    """The area after a twist.
+
+    Attributes
+    ----------
+    degrees : float
+    iterations : int
+        Plain ones from rest; 0 is a shape that was left to settle, twisted from the one before.
+    area_error : float
+    """
+
+    degrees: float
+    iterations: int
+    area_error: float
+
+
+class Held(NamedTuple):
+    """A handle that was asked to be somewhere, and where the paper's method leaves it.
+
+    Attributes
+    ----------
+    motion : str
+        "twist" or "pull".
+    asked : float
+        Degrees of a twist; of a pull the way along the axis by the height of the mesh.
+    got : float
+        Of a pull likewise; of a twist the drift by the height.
+    """
+
+    motion: str
+    asked: float
+    got: float
+
+
+def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) -> list[Loss]:
+    """How ARAP changes the area as its handle is twisted by 0 to 180 degrees, in so many steps."""
+    found = []
+    held = document.constraints()
+    mesh = document.mesh
+    solver = Deformation(mesh.V, mesh.F, held.fixed, method="arap", handle=held.handles, plain=True)
+    sweep = sweep_of(document, steps, methods=["arap"], twists=[np.radians(_WIDEST)])
+    for number, part in enumerate(sweep.parts):
+        tick(0.1 * number / steps, "ARAP")
+        solver.aim(sweep.document_at(part).constraints().targets, mesh.V)
+        for iteration in range(1, max(STOPS) + 1):
+            solver.iterate()
+            if iteration in STOPS:
+                found.append(Loss(_WIDEST * part, iteration, solver.frame().area_error))
+    for step in sweep.steps(lambda done, method: tick(0.1 + 0.9 * done, method)):
+        found.append(Loss(step.degrees, 0, step.frame.area_error))
+    return found
+
+
+def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> list[Held]:
+    """Where the paper's method leaves a handle that is twisted by 0 to 180 degrees, pulled and pushed."""
+    found = []
+    height = float(np.linalg.norm(_line(document)))
+    twist = sweep_of(document, steps, methods=["paper"], twists=[np.radians(_WIDEST)])
+    for step in twist.steps(lambda done, method: tick(0.6 * done, method)):
+        found.append(Held("twist", step.degrees, step.frame.handle_drift / height))
+    ways = [
+        *_pulls(document, -_PUSH, lambda done, method: tick(0.6 + 0.2 * done, method)),
+        *_pulls(document, _PULL, lambda done, method: tick(0.8 + 0.2 * done, method)),
+    ]
+    return found + sorted(set(ways), key=lambda held: held.asked)
+
+
+def _pulls(document: Document, share: float, tick: Tick) -> Iterator[Held]:
+    line = _line(document)
+    sweep = sweep_of(document.moved(0, shifted(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
+    handle = document.labels == HANDLE
+    for step in sweep.steps(tick):
+        away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)
+        got = float(away @ line / (line @ line))
+        yield Held("pull", share * step.part + 0.0, round(got, 12) + 0.0)
+
+
+def _line(document: Document) -> np.ndarray:
+    """From the centre of the base to that of the handle, and as long as the mesh is in that direction."""
+    base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
+    axis = (handle - base) / np.linalg.norm(handle - base)
+    whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)
+    return whole

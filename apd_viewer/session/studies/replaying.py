@@ -1,0 +1,75 @@
+"""A saved session gone on with, without a window."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import Constraints
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import Result, iterated, result_of
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import State
+from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.storage.saved import open_session
+
+# In diagonals of the bounding box: how far from its place a held vertex may be by rounding.
+_IN_PLACE = 1e-9
+
+
+def replay(
+    path: str | Path, from_rest: bool = False, progress: Callable[[Frame], None] | None = None
+) -> tuple[Mesh, Result]:
+    """Bring the shape of a saved session to rest.
+
+    A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
+
+    Parameters
+    ----------
+    path : path
+    from_rest : bool
+        Begin with the rest shape, and go to where the handles are.
+    progress : callable, optional
+        Called with every Frame.
+
+    Raises
+    ------
+    InputError
+        If the session cannot be opened, or nothing can be deformed in it; the message says why.
+    """
+    state, _ = open_session(path)
+    document, started = state.document, time.perf_counter()
+    if document.problem:
+        raise InputError(f"{Path(path).name}: {document.problem}")
+    held = document.constraints()
+    solver = deformation_of(document, held)
+    solver.aim(held.targets, None if from_rest else state.frame.U, held.soft_targets)
+    if from_rest or not _has_settled(state, held, solver):
+        return document.mesh, iterated(solver, started, progress=progress)
+    frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
+    return document.mesh, result_of(solver, frame, time.perf_counter() - started, 0.0)
+
+
+def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
+    """Whether the shape has settled as it says: what is held is in place, and what is asked for is met."""
+    frame, method = state.frame, state.document.method
+    if not frame.settled or (frame.converged and state.lacks):
+        return False
+    # The paper's method moves the handles.
+    kept = held.fixed if method != "paper" else np.setdiff1d(held.fixed, np.concatenate(held.handles))
+    away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
+    within = (_IN_PLACE + solver.rest.weld.slack) * solver.rest.diagonal
+    return bool(np.abs(away).max() <= within)
+
+
+def _drift(held: Constraints, U: np.ndarray) -> float:
+    """How far the centre of a handle is from where it was put; the largest of several handles."""
+    places = [np.searchsorted(held.fixed, ids) for ids in held.handles]
+    away = U[held.fixed] - held.targets
+    return max(float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places)
