@@ -21,7 +21,7 @@ from apd_viewer.parser import Parser
 from apd_viewer.progress import Progress
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SWEPT, sweep_of, twist_of
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from hypothesis import settings
 from in_thread import InThread
 
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.session.processes.processes import child, examiner
+from apd_viewer.session.processes.child_process import child, examiner
 
 START = child.start_process
 

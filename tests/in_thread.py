@@ -8,7 +8,7 @@ import contextlib
 import socket
 import threading
 
-from apd_viewer.session.processes.solver_process import serve
+from apd_viewer.session.processes.solver_main import serve
 
 NAME = "process"
 

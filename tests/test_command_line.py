@@ -25,8 +25,8 @@ from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.saved import open_session, save_session
-from apd_viewer.session.studies.replaying import replay
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.replay import replay
 
 PNG = b"\x89PNG\r\n\x1a\n"
 ENTRY = Path(sys.executable).parent / "apd-viewer"

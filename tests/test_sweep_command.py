@@ -20,7 +20,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import turned_about
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import Standpoint, View
-from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.storage.session_file import save_session
 
 BENT = turned_about([1, 1, 0], [1, 0, 0], 0.6)
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document, State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.stage import Activity, Listener, Stage
-from apd_viewer.session.storage.backup import Backup, Copy
+from apd_viewer.session.storage.autosave_writer import Backup, Copy
 from apd_viewer.session.storage.recovery import Leftover
+from apd_viewer.session.store import Activity, Listener, Stage
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures

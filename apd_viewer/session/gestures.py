@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from apd_viewer.session.model.document import State
-    from apd_viewer.session.stage import Listener, Stage
+    from apd_viewer.session.store import Listener, Stage
 
 # Presses of a key that follow each other within so many seconds are one step.
 _TOGETHER = 1.0

@@ -13,7 +13,7 @@ from apd_viewer.session.model.names import new_name, next_name
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.stage import Listener, Stage
+    from apd_viewer.session.store import Listener, Stage
 
 
 class Parts:

@@ -14,22 +14,22 @@ from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.autosave import Autosave, watched
-from apd_viewer.session.by_numbers import chosen, place
-from apd_viewer.session.examining import Examining
-from apd_viewer.session.files import Files
+from apd_viewer.session.file_jobs import Files
 from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.model.document import State, rest_frame
 from apd_viewer.session.model.history import History
 from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.trace import Trace
+from apd_viewer.session.part_operations import Change, reshaped
 from apd_viewer.session.parts import Parts
-from apd_viewer.session.posing import MOTIONS, Motion, amount_of, moved, names_of
 from apd_viewer.session.processes.worker import Worker
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.reshaping import Change, reshaped
 from apd_viewer.session.settings import Settings
-from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.shape_checks import Examining
+from apd_viewer.session.store import Activity, Listener, Stage
+from apd_viewer.session.typed_motion import MOTIONS, Motion, amount_of, moved, names_of
+from apd_viewer.session.vertex_expression import chosen, place
 
 __all__ = ["Activity", "Listener", "Session"]
 

@@ -9,7 +9,7 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.stage import Listener, Stage
+    from apd_viewer.session.store import Listener, Stage
 
 
 class Settings:

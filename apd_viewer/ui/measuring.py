@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QObject
 
-from apd_viewer.session.quantities.wall import NO_WALL, Wall
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 from apd_viewer.ui.memory import own_file
 from apd_viewer.ui.scales import Measure
 
@@ -56,7 +56,7 @@ class Measuring(QObject):
         """Show what is known of the shape on screen now."""
         if self._session is None or self._session.state is None:
             return
-        from apd_viewer.session.model.sentences import of_crossings
+        from apd_viewer.session.model.status_text import of_crossings
 
         examining, mesh = self._session.examining, self._session.state.document.mesh
         found = examining.found

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QMainWindow
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall
+from apd_viewer.session.quantities.wall_mass import Wall
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh

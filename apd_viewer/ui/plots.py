@@ -269,7 +269,7 @@ class Plots(QWidget):
     def _local_change(self, state: State) -> LocalChange:
         """How the triangles differ from rest; found once for a shape."""
         from apd_viewer.geometry.analysis.area_change import local_change
-        from apd_viewer.session.model.derived import triangle_areas
+        from apd_viewer.session.model.memo import triangle_areas
 
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:

@@ -11,7 +11,7 @@ from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr, trc
-from apd_viewer.session.model.sentences import about_caps
+from apd_viewer.session.model.status_text import about_caps
 from apd_viewer.ui.number_format import length, short, signed, significant
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Par
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
-from apd_viewer.session.model.sentences import of_crossings
+from apd_viewer.session.model.status_text import of_crossings
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall, mass
+from apd_viewer.session.quantities.wall_mass import Wall, mass
 from apd_viewer.ui import readout
 from apd_viewer.ui.number_format import short, significant
 

@@ -213,7 +213,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
     from apd_viewer.files.fingerprint import fingerprint
     from apd_viewer.geometry.analysis.area_change import local_change
     from apd_viewer.geometry.analysis.deviation import Change, write_shades
-    from apd_viewer.session.model.derived import triangle_areas
+    from apd_viewer.session.model.memo import triangle_areas
     from apd_viewer.ui.report import Evidence
 
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U
@@ -230,7 +230,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
 
 def _session_of(state: State, view: View) -> bytes:
     """A session with all of it, which tells nobody where the mesh was; nothing where it is too long."""
-    from apd_viewer.session.storage.saved import save_session
+    from apd_viewer.session.storage.session_file import save_session
 
     document = state.document
     state = replace(state, document=replace(document, mesh=document.mesh.homeless()))

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.errand import Errand, Outcome
+from apd_viewer.session.jobs.background_job import Errand, Outcome
 from apd_viewer.ui.command_process import CommandProcess
 
 if TYPE_CHECKING:

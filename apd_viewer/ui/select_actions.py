@@ -12,7 +12,7 @@ from apd_viewer.ui.toolbox import Way
 if TYPE_CHECKING:
     from apd_viewer.ui.action_maker import ActionMaker
 
-# Title, icon, tip, keys, and the name in apd_viewer.session.reshaping.Change, which is loaded later.
+# Title, icon, tip, keys, and the name in apd_viewer.session.part_operations.Change, which is loaded later.
 _CHANGES = (
     (tr("&Grow"), "grow", tr("Add the vertices next to the part in hand"), "Ctrl++", "GROW"),
     (tr("S&hrink"), "shrink", tr("Take its outermost vertices from the part in hand"), "Ctrl+-", "SHRINK"),

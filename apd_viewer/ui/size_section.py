@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import NO_WALL, Wall, mass
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
 from apd_viewer.ui import readout
 from apd_viewer.ui.section import Section, quiet
 

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
-from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
 from apd_viewer.ui.fields import Check, Choice, Number
 from apd_viewer.ui.figure_view import FigureView

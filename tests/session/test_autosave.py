@@ -31,10 +31,10 @@ from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.storage import backup as backup_module
+from apd_viewer.session.storage import autosave_writer as backup_module
 from apd_viewer.session.storage import recovery
 from apd_viewer.session.storage.recovery import LONGEST_KEPT, ago, leftovers, lock_path
-from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.storage.session_file import open_session, save_session
 
 ROOT = Path(__file__).parents[2]
 KILLS = 8
@@ -460,7 +460,7 @@ def play(folder: Path) -> None:
     """Do random things without an end, in a session that keeps them; log the number and the time of each."""
     import in_thread
 
-    from apd_viewer.session.processes.processes import child
+    from apd_viewer.session.processes.child_process import child
 
     child.start_process = in_thread.InThread
     chance = random.Random()

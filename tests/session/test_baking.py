@@ -17,7 +17,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.baking import baked
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.storage.session_file import open_session, save_session
 
 VIEW = View()
 

@@ -11,7 +11,7 @@ from test_worker import document
 
 import apd_viewer
 from apd_viewer.geometry.energy import elastic
-from apd_viewer.session.processes.processes import child
+from apd_viewer.session.processes.child_process import child
 from apd_viewer.session.studies.comparison import COMPARED, Comparison
 
 

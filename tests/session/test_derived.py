@@ -8,7 +8,7 @@ from meshes import box, ends
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model import derived
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.named_parts import NamedRegion
 
@@ -18,7 +18,7 @@ def counted():
     """A function that is remembered, and the arguments of its calls."""
     calls = []
 
-    @derived.once
+    @memo.once
     def total(X, Y, factor):
         calls.append((len(X), len(Y), factor))
         return factor * (X.sum() + Y.sum())

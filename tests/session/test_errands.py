@@ -12,7 +12,7 @@ from test_session import BENT, LONG, Driven, bar, pose, solver_threads
 
 from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session import files
+from apd_viewer.session import file_jobs
 from apd_viewer.session.session import Activity
 
 
@@ -39,8 +39,8 @@ def gate(monkeypatch):
 
         return work
 
-    monkeypatch.setattr(files, "open_mesh", held(open_mesh))
-    monkeypatch.setattr(files, "save_mesh", held(save_mesh))
+    monkeypatch.setattr(file_jobs, "open_mesh", held(open_mesh))
+    monkeypatch.setattr(file_jobs, "save_mesh", held(save_mesh))
     yield event
     event.set()
 
@@ -103,7 +103,7 @@ def test_a_defect_while_opening_is_told_and_nothing_changes(session, cube_file, 
         raise error
 
     before = session.state
-    monkeypatch.setattr(files, "open_mesh", broken)
+    monkeypatch.setattr(file_jobs, "open_mesh", broken)
     session.open(cube_file)
     finish(session)
     assert session.failed == [f"Opening cube.obj failed ({str(error) or 'MemoryError'})."]
@@ -261,7 +261,7 @@ def test_closing_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch
         time.sleep(0.3)
         save_mesh(*args)
 
-    monkeypatch.setattr(files, "save_mesh", slowly)
+    monkeypatch.setattr(file_jobs, "save_mesh", slowly)
     session.export(tmp_path / "out.obj")
     closed_within(session, 2.0)
     assert len(open_mesh(tmp_path / "out.obj").V) == len(session.U)
@@ -272,7 +272,7 @@ def test_closing_waits_for_a_file_that_is_written_although_that_was_cancelled(se
         time.sleep(0.3)
         save_mesh(*args)
 
-    monkeypatch.setattr(files, "save_mesh", slowly)
+    monkeypatch.setattr(file_jobs, "save_mesh", slowly)
     session.export(tmp_path / "out.obj")
     session.cancel_errand()
     session.close()
@@ -286,7 +286,7 @@ def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, mon
         time.sleep(1.0)
         return open_mesh(path)
 
-    monkeypatch.setattr(files, "open_mesh", slowly)
+    monkeypatch.setattr(file_jobs, "open_mesh", slowly)
     session.open(cube_file)
     thread = session.errand._thread
     started = time.monotonic()

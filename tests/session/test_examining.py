@@ -15,8 +15,8 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.examiner import Examiner, Shape
-from apd_viewer.session.processes.processes import examiner
+from apd_viewer.session.processes.child_process import examiner
+from apd_viewer.session.processes.shape_checker import Examiner, Shape
 from apd_viewer.session.session import Listener, Session
 
 LONG = 30.0

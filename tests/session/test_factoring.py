@@ -10,8 +10,8 @@ import pytest
 from scipy.sparse import csr_array, diags_array
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.session.processes.factoring import FarFactor
-from apd_viewer.session.processes.processes import factoring
+from apd_viewer.session.processes.child_process import factoring
+from apd_viewer.session.processes.remote_factor import FarFactor
 
 N = 500
 A = csr_array(diags_array([-np.ones(N - 1), np.full(N, 2.5), -np.ones(N - 1)], offsets=[-1, 0, 1]))

@@ -9,8 +9,8 @@ from test_session import session as session
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.session.posing import Motion, amount_of, moved, names_of
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.typed_motion import Motion, amount_of, moved, names_of
 
 pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}

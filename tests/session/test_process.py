@@ -20,7 +20,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.processes import child
+from apd_viewer.session.processes.child_process import child
 from apd_viewer.session.processes.requests import Request
 from apd_viewer.session.session import Activity
 
@@ -60,7 +60,7 @@ def altered(monkeypatch):
     """Processes that are started from now on do something else first."""
 
     def alter(code: str) -> None:
-        main = "from apd_viewer.session.processes.solver_process import main\n"
+        main = "from apd_viewer.session.processes.solver_main import main\n"
         assert main in child._START
         monkeypatch.setattr(child, "_START", child._START.replace(main, main + textwrap.dedent(code)))
 
@@ -203,8 +203,8 @@ def endless(altered):
     """Large meshes take a minute to factor, all the time with the interpreter held."""
     altered(
         """
-        from apd_viewer.session.processes.processes import factoring
-        from apd_viewer.session.processes.processes import solver
+        from apd_viewer.session.processes.child_process import factoring
+        from apd_viewer.session.processes.child_process import solver
         solver._LARGE = 2500
         slow = "from apd_viewer.geometry.linalg.linear_solver import LinearSolver; import ctypes\\n"
         slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
@@ -315,7 +315,7 @@ def test_to_ask_never_waits(factoring):
 
 @linux
 def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
-    altered("from apd_viewer.session.processes.processes import solver; solver._LARGE = 2500\n")
+    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
     empty.drag(pose(0.2), pose(0.4))
@@ -335,7 +335,7 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
 @pytest.fixture
 def large(empty, altered):
     """A session with a mesh that counts as large, painted."""
-    altered("from apd_viewer.session.processes.processes import solver; solver._LARGE = 2500\n")
+    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
     empty.drag(pose(0.1))
@@ -400,7 +400,7 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
         """
         import sys
         from apd_viewer.geometry.energy import solve_mesh
-        from apd_viewer.session.processes.processes import solver
+        from apd_viewer.session.processes.child_process import solver
         solver._LARGE = 2500
         real = rest_shape.thinned
         def thinned(V, F, count):
@@ -525,7 +525,7 @@ def resident(pid: int | str) -> int:
 def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
     """What the process loads at leisure is not what is meant."""
     altered(
-        "import apd_viewer.session.processes.solver_process as process; process._compile = lambda called: None\n"
+        "import apd_viewer.session.processes.solver_main as process; process._compile = lambda called: None\n"
     )
     session = request.getfixturevalue("session")
     session.settings.set_method("arap")

@@ -16,7 +16,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import NamedRegion
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.reshaping import Change, reshaped
+from apd_viewer.session.part_operations import Change, reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
 MIRRORS = Change.MIRROR_X, Change.MIRROR_Y, Change.MIRROR_Z

@@ -23,9 +23,9 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.model.document import State, opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.session import Activity, Listener, Session
-from apd_viewer.session.storage import saved as saved_module
-from apd_viewer.session.storage.saved import open_session, save_session
-from apd_viewer.session.studies.replaying import replay
+from apd_viewer.session.storage import session_file as saved_module
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.replay import replay
 
 VIEW = View(
     Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),

@@ -12,7 +12,7 @@ import pytest
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.archive import npy
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 
 GOOD = Path(__file__).with_name("version-1.apd")
 CASES = 500

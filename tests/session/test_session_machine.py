@@ -15,9 +15,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.posing import Motion
-from apd_viewer.session.reshaping import Change
+from apd_viewer.session.part_operations import Change
 from apd_viewer.session.session import Activity
+from apd_viewer.session.typed_motion import Motion
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
 

@@ -4,7 +4,7 @@ import pytest
 
 from apd_viewer.errors import InputError
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall, density, mass
+from apd_viewer.session.quantities.wall_mass import Wall, density, mass
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 

@@ -12,7 +12,7 @@ from meshes import box, sphere
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.processes import shared_memory, wire
+from apd_viewer.session.processes.child_process import shared_memory, wire
 
 
 class Line:

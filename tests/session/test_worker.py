@@ -16,7 +16,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
-from apd_viewer.session.processes.child import Published
+from apd_viewer.session.processes.process_client import Published
 from apd_viewer.session.processes.requests import Reply, Request
 from apd_viewer.session.processes.solver import Solver
 from apd_viewer.session.processes.worker import Worker

@@ -31,7 +31,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Activity
-from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.picture_dialog import PictureDialog

@@ -19,7 +19,7 @@ from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
-from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import recovery_folder
 

@@ -9,7 +9,7 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import owned
-from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.storage.session_file import save_session
 
 
 @pytest.fixture

@@ -19,9 +19,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.processes.processes import examiner
+from apd_viewer.session.processes.child_process import examiner
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui import dialogs
 
 

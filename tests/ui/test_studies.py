@@ -12,7 +12,7 @@ from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.sweep_command import sweep_parser
 from apd_viewer.ui.figure_view import FigureView
 

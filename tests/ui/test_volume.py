@@ -13,9 +13,9 @@ from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.processes import examiner
+from apd_viewer.session.processes.child_process import examiner
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import NO_WALL, Wall
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 from apd_viewer.ui.memory import Memory
 
 CM = Unit.CENTIMETRE

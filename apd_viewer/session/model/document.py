@@ -23,7 +23,7 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_TOLERANCE,
 )
 from apd_viewer.language import tr
-from apd_viewer.session.model import derived
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
 from apd_viewer.session.model.names import next_name
 
@@ -86,16 +86,16 @@ class Document:
     @property
     def problem(self) -> str | None:
         """What must be painted before a handle can move, as a sentence; None if nothing."""
-        return derived.problem(self.labels)
+        return memo.problem(self.labels)
 
     @property
     def counts(self) -> np.ndarray:
         """Number of the vertices with each label, (256,) int array."""
-        return derived.counts(self.labels)
+        return memo.counts(self.labels)
 
     def centre(self, k: int) -> np.ndarray | None:
         """Centre of what handle ``k`` was gripped at, (3,); None if it holds nothing."""
-        return derived.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
+        return memo.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
 
     def pivot(self, k: int) -> np.ndarray | None:
         """What handle ``k`` turns about, where that was gripped, (3,); None if it holds nothing."""
@@ -112,7 +112,7 @@ class Document:
         falloffs = tuple(handle.falloff for handle in self.handles)
         if not any(falloffs):
             return NO_SOFT
-        return derived.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
+        return memo.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
 
     @property
     def posed(self) -> bool:
@@ -153,7 +153,7 @@ class Document:
         """Area of each region at rest."""
         if not self.regions:
             return ()
-        return derived.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
+        return memo.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
 
     def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
         """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from apd_viewer.session.quantities.wall import NO_WALL, Wall
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 
 SUFFIX = ".apd"  # of a session file
 

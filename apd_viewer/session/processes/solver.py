@@ -27,8 +27,8 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.processes.factoring import FarFactor
 from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Progress, Step
+from apd_viewer.session.processes.remote_factor import FarFactor
 from apd_viewer.session.processes.requests import Account, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 

@@ -32,7 +32,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.processes.child import Child, Published
+from apd_viewer.session.processes.process_client import Child, Published
 from apd_viewer.session.processes.requests import Reply, Request
 
 MOST_DEATHS = 3  # one after another, without a shape

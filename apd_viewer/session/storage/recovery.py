@@ -20,7 +20,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
 from apd_viewer.session.model.document import State
 from apd_viewer.session.model.view import SUFFIX, View
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 
 LONGEST_KEPT = 30 * 86400.0  # s
 _NAME = re.compile(r"\d+-\d+")

@@ -25,7 +25,7 @@ from apd_viewer.session.model.named_parts import Handle, NamedRegion
 from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.quantities.wall import Wall
+from apd_viewer.session.quantities.wall_mass import Wall
 
 _MOST = 1e9  # of a weight or a percentage
 _LEAST = 1e-12  # of what is more than zero

@@ -13,7 +13,7 @@ from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.model import derived
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.quantities.expressions import angle
@@ -241,7 +241,7 @@ def _twisting(document: Document, twists: Sequence[float]) -> tuple[ScrewPath | 
                 handles=len(document.handles), twists=len(twists)
             )
         )
-    base = derived.centre(document.labels, document.grip, BASE)
+    base = memo.centre(document.labels, document.grip, BASE)
     return tuple(Turn(base, _line(document, k, base), amount) for k, amount in enumerate(twists))
 
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.session.processes.child_process import START, Process, started, wire
 from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step
-from apd_viewer.session.processes.processes import START, Process, started, wire
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 

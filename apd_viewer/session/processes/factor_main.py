@@ -15,7 +15,7 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.session.processes.processes import leave_interrupts_to_the_owner, wire
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
 
 _NICENESS = 10  # what is shown meanwhile comes first
 _DEATH_OF_THE_PARENT = 1  # of prctl(2)

@@ -17,7 +17,7 @@ from apd_viewer.geometry.solver.deform import Result, iterated, result_of
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import State
 from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.storage.saved import open_session
+from apd_viewer.session.storage.session_file import open_session
 
 # In diagonals of the bounding box: how far from its place a held vertex may be by rounding.
 _IN_PLACE = 1e-9

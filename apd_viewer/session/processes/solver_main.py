@@ -16,8 +16,8 @@ from typing import BinaryIO
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
 from apd_viewer.session.processes.messages import Message, Order, Progress, Step
-from apd_viewer.session.processes.processes import leave_interrupts_to_the_owner, wire
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
 

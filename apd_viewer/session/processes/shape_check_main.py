@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import examined
-from apd_viewer.session.processes.processes import leave_interrupts_to_the_owner, wire
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
 
 _NICENESS = 10  # nobody waits for it
 NOBODY_LOOKED = b"-"

@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import rows_of
 from apd_viewer.language import tr
-from apd_viewer.session.processes.processes import START, Process, started, wire
+from apd_viewer.session.processes.child_process import START, Process, started, wire
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -14,10 +14,10 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.errand import Errand, Errands
+from apd_viewer.session.jobs.background_job import Errand, Errands
 from apd_viewer.session.model.baking import baked
 from apd_viewer.session.model.document import State, opened
-from apd_viewer.session.model.sentences import (
+from apd_viewer.session.model.status_text import (
     about_baking,
     about_export,
     about_findings,
@@ -27,11 +27,11 @@ from apd_viewer.session.model.sentences import (
 )
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.storage.saved import open_session, save_session
+from apd_viewer.session.storage.session_file import open_session, save_session
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.stage import Listener, Stage
+    from apd_viewer.session.store import Listener, Stage
 
 
 class Files:

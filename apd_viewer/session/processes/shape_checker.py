@@ -12,8 +12,8 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import Examination
 from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.processes.examining_process import NOBODY_LOOKED
-from apd_viewer.session.processes.processes import START, Process, started, wire
+from apd_viewer.session.processes.child_process import START, Process, started, wire
+from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="examining_process")
 # A shape that has settled is often moved again at once, and what starts has more urgent things to do.

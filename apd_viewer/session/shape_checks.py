@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.examiner import Examiner, Shape
-from apd_viewer.session.stage import Activity, Listener, Stage
+from apd_viewer.session.processes.shape_checker import Examiner, Shape
+from apd_viewer.session.store import Activity, Listener, Stage
 
 if TYPE_CHECKING:
     import numpy as np

@@ -20,7 +20,7 @@ from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import Leftover, owned, remove
-from apd_viewer.session.storage.saved import save_session
+from apd_viewer.session.storage.session_file import save_session
 
 _PATIENCE = 10.0  # s, for the disk, when the program ends
 _FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")

@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.transforms import bend, scaled_about, shifted, turned_about, twist
 from apd_viewer.language import tr
-from apd_viewer.session.model import derived
+from apd_viewer.session.model import memo
 from apd_viewer.session.quantities.expressions import angle, length, number
 
 if TYPE_CHECKING:
@@ -119,4 +119,4 @@ def _centre(document: Document, k: int) -> np.ndarray:
 def _base_centre(document: Document) -> np.ndarray:
     if not document.counts[BASE]:
         raise InputError(tr("There is no base to twist or bend against; paint the part that stays in place."))
-    return derived.centre(document.labels, document.grip, BASE)
+    return memo.centre(document.labels, document.grip, BASE)
