@@ -35,10 +35,10 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.paper_command import paper_parser
 from apd_viewer.parser import Parser
+from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 from apd_viewer.session.studies.replay import replay
 from apd_viewer.sweep_command import sweep_parser
-from apd_viewer.ui.palette import label_colors
 
 if TYPE_CHECKING:
     import argparse

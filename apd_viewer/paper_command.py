@@ -13,10 +13,10 @@ from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.parser import Parser
+from apd_viewer.presentation.palette import label_colors
 from apd_viewer.progress import Progress
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.studies.paper_curves import Held, Loss, holds, losses
-from apd_viewer.ui.palette import label_colors
 
 if TYPE_CHECKING:
     import argparse

@@ -21,8 +21,8 @@ from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.methods import SHORT_NAMES
+from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.studies.sweep import SWEPT
-from apd_viewer.ui.palette import label_colors
 
 ITERATIONS = 400
 SIZE = (2000, 1000)

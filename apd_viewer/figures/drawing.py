@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.ui.color_maps import DIVERGING
-from apd_viewer.ui.shading import headlight, shade
+from apd_viewer.presentation.color_maps import DIVERGING
+from apd_viewer.ui.scene.shading import headlight, shade
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QDockWidget, QMainWindow, QWidget
 
-from apd_viewer.ui.icons import icon
+from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
-    from apd_viewer.ui.theme import Theme
+    from apd_viewer.ui.widgets.theme import Theme
 
 # The platform's own are black on a dark panel too.
 _BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": "panel"}

@@ -10,14 +10,14 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.toolbox import Tool
-from apd_viewer.ui.typed import Typed
+from apd_viewer.ui.overlays.typed import Typed
+from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.active_parts import ActiveParts
-    from apd_viewer.ui.canvas import Canvas
-    from apd_viewer.ui.panel import Panel
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
 
 
 class Editing:

@@ -12,33 +12,33 @@ from PySide6.QtWidgets import QMainWindow, QPushButton
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
-from apd_viewer.ui import dialogs, theme
-from apd_viewer.ui.actions import Actions
-from apd_viewer.ui.active_parts import ActiveParts
-from apd_viewer.ui.canvas import Canvas
-from apd_viewer.ui.comparing import Comparing
+from apd_viewer.ui.actions.actions import Actions
+from apd_viewer.ui.compare.comparing import Comparing
 from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.editing import Editing
-from apd_viewer.ui.filing import Filing
-from apd_viewer.ui.health import Health
-from apd_viewer.ui.help import Help
-from apd_viewer.ui.history_list import HistoryList
-from apd_viewer.ui.icons import application_icon
-from apd_viewer.ui.looks import Looks
-from apd_viewer.ui.measuring import Measuring
-from apd_viewer.ui.memory import Memory
-from apd_viewer.ui.next_step import NextStep
-from apd_viewer.ui.notice import Empty, Invitation, Notice
-from apd_viewer.ui.on_screen import resize_on_screen
-from apd_viewer.ui.panel import Panel
-from apd_viewer.ui.plots import Plots
-from apd_viewer.ui.recovery_bar import RecoveryBar
-from apd_viewer.ui.reporting import Reporting
-from apd_viewer.ui.statusbar import StatusBar
-from apd_viewer.ui.studies import Studies
-from apd_viewer.ui.toolbox import Tool, Way
-from apd_viewer.ui.units import Units
-from apd_viewer.ui.way_bar import WayBar
+from apd_viewer.ui.filing.filing import Filing, dialogs
+from apd_viewer.ui.filing.recovery_bar import RecoveryBar
+from apd_viewer.ui.help.help import Help
+from apd_viewer.ui.overlays.health import Health
+from apd_viewer.ui.overlays.looks import Looks
+from apd_viewer.ui.overlays.next_step import NextStep
+from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
+from apd_viewer.ui.overlays.way_bar import WayBar
+from apd_viewer.ui.panel.history_list import HistoryList
+from apd_viewer.ui.panel.measuring import Measuring
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.panel.statusbar import StatusBar
+from apd_viewer.ui.plots.plots import Plots
+from apd_viewer.ui.preferences.memory import Memory
+from apd_viewer.ui.preferences.units import Units
+from apd_viewer.ui.sharing.reporting import Reporting
+from apd_viewer.ui.studies.studies import Studies
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.widgets import theme
+from apd_viewer.ui.widgets.icons import application_icon
+from apd_viewer.ui.widgets.on_screen import resize_on_screen
 from apd_viewer.ui.wiring import connect_hand, connect_parts, connect_settings
 
 if TYPE_CHECKING:

@@ -7,14 +7,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.ui.click_selector import ClickSelector
-from apd_viewer.ui.toolbox import Way
+from apd_viewer.ui.tools.click_selector import ClickSelector
+from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.active_parts import ActiveParts
-    from apd_viewer.ui.canvas import Canvas
-    from apd_viewer.ui.panel import Panel
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
 
 
 def connect_settings(panel: Panel, session: Session) -> None:

@@ -25,11 +25,11 @@ from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.picking.picking import skin
+from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes.worker import Reply
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.scales import Measure
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
 
 ROUNDS, WARM_UP = 24, 4

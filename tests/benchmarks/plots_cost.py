@@ -17,9 +17,9 @@ import frame_cost
 import numpy as np
 from meshes import sample_bottle
 
+from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.trace import MOST
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.scales import Measure
 
 ROUNDS = 40
 ALLOWED = 1.25

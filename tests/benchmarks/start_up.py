@@ -49,9 +49,9 @@ def tick():
 def made(argv, make=application.make_application):
     made = make(argv)
     from PySide6.QtCore import QTimer
-    from apd_viewer.ui.canvas import Canvas
-    from apd_viewer.ui.surface import Surface
-    from apd_viewer.ui.viewport import Viewport
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
 
     def begin(self, *args, begin=Viewport.__init__, **named):
         begin(self, *args, **named)

@@ -11,15 +11,15 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui import dialogs
-from apd_viewer.ui.palette import (
+from apd_viewer.presentation.palette import (
     BASE_COLOR,
     FREE_COLOR,
     HANDLE_COLORS,
     REGION_COLORS,
     label_colors,
 )
-from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.window import Window
 
 NONE = Qt.KeyboardModifier.NoModifier

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from apd_viewer.ui.axis import decades, linear, power, ratios, rounded
+from apd_viewer.presentation.axis import decades, linear, power, ratios, rounded
 
 RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 

@@ -10,8 +10,8 @@ from PySide6.QtCore import QObject
 
 from apd_viewer.geometry.analysis.deviation import Change
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.ui.background_task import BackgroundTask
-from apd_viewer.ui.scales import Measure
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 
 @pytest.fixture

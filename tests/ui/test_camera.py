@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from apd_viewer.ui.camera import MARGIN, UP, Camera, rotation, unit
+from apd_viewer.ui.scene.camera import MARGIN, UP, Camera, rotation, unit
 
 
 @pytest.fixture

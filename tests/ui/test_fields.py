@@ -3,7 +3,7 @@
 import pytest
 from PySide6.QtCore import Qt
 
-from apd_viewer.ui.fields import Number
+from apd_viewer.ui.widgets.fields import Number
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.palette import MARK_COLOR, label_colors
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.presentation.palette import MARK_COLOR, label_colors
+from apd_viewer.ui.tools.toolbox import Tool
 
 LEFT = Qt.MouseButton.LeftButton
 MARK = np.array([*MARK_COLOR, 255])

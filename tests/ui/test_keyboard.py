@@ -9,8 +9,8 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QAccessible, QImage
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
-from apd_viewer.ui.scales import Measure
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.tools.toolbox import Tool
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
 LEAST_CONTRAST = 2.9  # of what is drawn with the focus, against what is there without; 3 but for smoothing

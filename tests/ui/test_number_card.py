@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.tools.toolbox import Tool
 
 ALT = Qt.KeyboardModifier.AltModifier
 CONTROL = Qt.KeyboardModifier.ControlModifier

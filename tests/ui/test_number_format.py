@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from apd_viewer.ui.number_format import place, short, significant
+from apd_viewer.presentation.number_format import place, short, significant
 
 RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 

@@ -11,12 +11,12 @@ from PySide6.QtCore import Qt
 from apd_viewer.geometry.analysis.deviation import Change
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.presentation.palette import FREE_COLOR
+from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
-from apd_viewer.ui.palette import FREE_COLOR
-from apd_viewer.ui.scales import Measure, Scale
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
 
 ALT = Qt.KeyboardModifier.AltModifier

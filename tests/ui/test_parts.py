@@ -6,8 +6,8 @@ from driving import Mouse, arrow_grip, document, drag, on_screen, stroke
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.ui.palette import HANDLE_COLORS, REGION_COLORS, label_colors
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS, label_colors
+from apd_viewer.ui.tools.toolbox import Tool
 
 
 def front(window, height):

@@ -11,12 +11,12 @@ from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
-from apd_viewer.ui import dialogs
-from apd_viewer.ui.picture_dialog import PictureDialog
-from apd_viewer.ui.pictures import Wish
-from apd_viewer.ui.scales import Measure
-from apd_viewer.ui.scene_picture import grown, scene_picture
+from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.scene.scene_picture import grown, scene_picture
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog
+from apd_viewer.ui.sharing.pictures import Wish
 
 SIZE = QSize(400, 300)
 

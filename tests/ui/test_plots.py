@@ -11,11 +11,11 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QMenu
 
+from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import COLUMNS
-from apd_viewer.ui import plot_files
-from apd_viewer.ui.color_maps import DIVERGING
-from apd_viewer.ui.plots import Plots
-from apd_viewer.ui.theme import DARK, LIGHT
+from apd_viewer.ui.filing.filing import plot_files
+from apd_viewer.ui.plots.plots import Plots
+from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 
 @pytest.fixture

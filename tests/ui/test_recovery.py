@@ -20,8 +20,8 @@ from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
 from apd_viewer.session.storage.session_file import open_session, save_session
-from apd_viewer.ui import dialogs
 from apd_viewer.ui.application import recovery_folder
+from apd_viewer.ui.filing.filing import dialogs
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """

@@ -6,9 +6,9 @@ from driving import Mouse, settle
 from PySide6.QtCore import QRect, QSize
 from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
-from apd_viewer.ui.on_screen import resize_on_screen
-from apd_viewer.ui.scales import Measure
-from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.tools.toolbox import Tool, Way
+from apd_viewer.ui.widgets.on_screen import resize_on_screen
 
 
 @pytest.fixture

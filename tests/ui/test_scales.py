@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS
+from apd_viewer.presentation.scales import Measure, Scale, nice, usual
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.color_maps import DIVERGING, SEQUENTIAL
-from apd_viewer.ui.palette import BASE_COLOR, HANDLE_COLORS
-from apd_viewer.ui.scales import Measure, Scale, nice, usual
 
 # Machado, Oliveira and Fernandes 2009, severity 1.
 SIGHTS = {

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from choosing import ALT, COLORS, CONTROL, MESHES, NONE, Gesture, painted
 
-from apd_viewer.ui.palette import FREE_COLOR, tinted
-from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.presentation.palette import FREE_COLOR, tinted
+from apd_viewer.ui.tools.toolbox import Tool, Way
 
 STROKES = [
     (Tool.HANDLE, NONE),

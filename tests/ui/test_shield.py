@@ -5,7 +5,7 @@ from driving import Mouse
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.ui.toolbox import Tool, Way
+from apd_viewer.ui.tools.toolbox import Tool, Way
 
 
 def number_card(window):

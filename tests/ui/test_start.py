@@ -12,7 +12,7 @@ from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.ui.toolbox import Tool
+from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
 
 

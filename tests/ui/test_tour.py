@@ -10,8 +10,8 @@ from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.ui.application import _start
-from apd_viewer.ui.toolbox import Tool
-from apd_viewer.ui.tour_card import placed
+from apd_viewer.ui.help.tour_card import placed
+from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
 
 

@@ -12,9 +12,9 @@ from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import resource
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui import memory
-from apd_viewer.ui.memory import Memory
-from apd_viewer.ui.units import Units
+from apd_viewer.ui.preferences import memory
+from apd_viewer.ui.preferences.memory import Memory
+from apd_viewer.ui.preferences.units import Units
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 

@@ -10,11 +10,11 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.ui.camera import MARGIN
-from apd_viewer.ui.gizmo import Gizmo
-from apd_viewer.ui.painter import Painter
-from apd_viewer.ui.surface import Surface
-from apd_viewer.ui.viewport import Viewport
+from apd_viewer.ui.scene.camera import MARGIN
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.gizmo import Gizmo
+from apd_viewer.ui.tools.painter import Painter
 
 
 def paint(view):

@@ -1,0 +1,1 @@
+"""Words, numbers, scales and colours of results; no Qt."""

@@ -1,0 +1,117 @@
+"""The axes of plots: how far they reach, and which of their places are named."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from apd_viewer.presentation.number_format import raised
+
+_MINUS = "−"
+_FEWEST = 1e-12
+
+Ticks: TypeAlias = list[tuple[float, str]]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """From where to where an axis reaches, and its ticks.
+
+    Attributes
+    ----------
+    low, high : float
+    ticks : callable
+        At most so many places on the axis, each with what is written there.
+    """
+
+    low: float
+    high: float
+    ticks: Callable[[int], Ticks]
+
+
+def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Axis:
+    """An axis of numbers; ``suffix`` is written behind each of them."""
+    if not high - low > _FEWEST * max(abs(low), abs(high)):
+        high = low + 1.0
+
+    def ticks(most: int) -> Ticks:
+        step = _step((high - low) / max(1, most))
+        step = max(step, 1.0) if whole else step
+        decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        return [(k * step, f"{_number(k * step, decimals)}{suffix}") for k in range(first, last + 1)]
+
+    return Axis(low, high, ticks)
+
+
+def rounded(low: float, high: float, suffix: str = "") -> Axis:
+    """The same, from the next round number below to the next one above."""
+    step = _step((high - low) / 4.0) if high > low else 1.0
+    return linear(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
+
+
+def decades(low: float, high: float) -> Axis:
+    """A logarithmic axis of fractions, written in percent; its places are decimal logarithms."""
+    bottom, top = math.floor(math.log10(low)), math.ceil(math.log10(high))
+    top = max(top, bottom + 1)
+
+    def ticks(most: int) -> Ticks:
+        every = math.ceil((top - bottom + 1) / max(1, most))
+        return [(float(k), f"{power(k + 2)} %") for k in range(top, bottom - 1, -every)]
+
+    return Axis(float(bottom), float(top), ticks)
+
+
+def power(exponent: int) -> str:
+    """A power of ten, written out where that is short."""
+    if -3 <= exponent <= 3:
+        return f"{10.0**exponent:.{max(0, -exponent)}f}"
+    return f"10{raised(exponent)}"
+
+
+def ratios(reach: float) -> Axis:
+    """An axis of ratios, symmetric about unchanged, up to ``reach`` times; its places are binary logarithms.
+
+    Small changes are written in percent, large ones as factors.
+    """
+    small = reach < 2.0
+    # So much less lies farther from unchanged than so much more.
+    high = -math.log2(2.0 - reach) if small else math.log2(reach)
+
+    def ticks(most: int) -> Ticks:
+        return _percents(reach, most) if small else _factors(high, most)
+
+    return Axis(-high, high, ticks)
+
+
+def _percents(reach: float, most: int) -> Ticks:
+    step = _step(2.0 * (reach - 1.0) / max(1, most))
+    decimals = max(0, -math.floor(math.log10(100.0 * step) + 1e-9))
+    count = math.floor((reach - 1.0) / step + 1e-9)
+    changes = [k * step for k in range(-count, count + 1)]
+    return [(math.log2(1.0 + c), f"{_signed(100.0 * c, decimals)} %") for c in changes]
+
+
+def _factors(high: float, most: int) -> Ticks:
+    every = max(1, math.ceil(2.0 * high / max(1, most)))
+    count = math.floor(high / every + 1e-9)
+    steps = [k * every for k in range(-count, count + 1)]
+    return [(float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{2 ** abs(k):,}") for k in steps]
+
+
+def _step(least: float) -> float:
+    """The next of 1, 2 and 5, times a power of ten, that is not less."""
+    scale = 10.0 ** math.floor(math.log10(least))
+    return next(k * scale for k in (1.0, 2.0, 5.0, 10.0, 20.0) if k * scale >= least * (1.0 - 1e-9))
+
+
+def _number(x: float, decimals: int) -> str:
+    text = f"{x:,.{decimals}f}"
+    return (f"{0:.{decimals}f}" if float(text.replace(",", "")) == 0 else text).replace("-", _MINUS)
+
+
+def _signed(x: float, decimals: int) -> str:
+    text = _number(x, decimals)
+    return text if text.startswith(_MINUS) or float(text) == 0 else f"+{text}"

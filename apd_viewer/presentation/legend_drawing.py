@@ -1,0 +1,55 @@
+"""The legend of an overlay as a drawing, for pictures and for pages. Knows no Qt."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.quantities.units import Unit
+
+# In units of the drawing, which are pixels of the window.
+WIDTH, HEIGHT = 264, 74
+_LEFT, _TOP, _BAR = 8, 28, 14
+_STOPS = 33
+_LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
+
+
+def legend_svg(
+    scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor", name: str = "scale"
+) -> str:
+    """The colours of a scale with their figures, its title, and the largest value of a ``span``, as SVG.
+
+    ``name`` is that of the colours in the drawing; a page must have it only once.
+    """
+    wide, low = WIDTH - 2 * _LEFT, _TOP + _BAR
+    stops = "".join(
+        f'<stop offset="{k / (_STOPS - 1):.5f}" stop-color="rgb{scale.color(k / (_STOPS - 1))}"/>'
+        for k in range(_STOPS)
+    )
+    places = [(scale.place(value), scale.written(value, unit)) for value in scale.marks]
+    figures = "".join(
+        f'<text x="{_LEFT + place * wide:g}" y="{low + 16}" {_LETTERS} '
+        f'text-anchor="{_anchor(place)}" fill="{ink}">{escape(text)}</text>'
+        for place, text in places
+    )
+    largest = ""
+    if span is not None:
+        value = scale.written(max(span, key=abs), unit)
+        said = escape(tr("largest {value}").format(value=value))
+        largest = f'<text x="{WIDTH - _LEFT}" y="18" {_LETTERS} text-anchor="end" fill="{ink}">{said}</text>'
+    title = escape(scale.measure.words.title)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img">'
+        f'<defs><linearGradient id="{name}">{stops}</linearGradient></defs>'
+        f'<text x="{_LEFT}" y="18" {_LETTERS} font-weight="600" fill="{ink}">{title}</text>{largest}'
+        f'<rect x="{_LEFT}" y="{_TOP}" width="{wide}" height="{_BAR}" fill="url(#{name})" '
+        f'stroke="#808894" stroke-width="0.75"/>{figures}</svg>'
+    )
+
+
+def _anchor(place: float) -> str:
+    return "start" if place <= 0.0 else "end" if place >= 1.0 else "middle"

@@ -1,0 +1,136 @@
+"""What is read of the methods that are compared: as numbers for a file, and as words for a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import length, raised, signed, significant
+from apd_viewer.presentation.readout import volumes
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.studies.comparison import Outcome
+
+_FINEST = 1e-6  # relative; smaller errors are written with a power of ten
+_ROUNDING = 1e-15
+
+Readings = dict[str, float]
+
+
+def readings(state: State, outcome: Outcome) -> Readings:
+    """What a method has come to; not a number where that is not known.
+
+    ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
+    alike. The volume is that of an open surface with its openings capped.
+    """
+    rest, frame, account = state.inspection, outcome.frame, outcome.account
+    if frame is None:
+        return {}
+    volume, volume_rest = volumes(frame, rest)
+    return {
+        "area": frame.area,
+        "area_rest": rest.area,
+        "area_error": frame.area_error,
+        "area_miss": (1.0 + frame.area_error) / (state.document.area / 100.0) - 1.0,
+        "volume": math.nan if volume is None else volume,
+        "volume_rest": volume_rest or math.nan,
+        "energy": math.nan if account is None else account.energy,
+        "handle_drift": frame.handle_drift,
+        "local_change": frame.local_change,
+        "iterations": float(frame.iteration),
+        "converged": float(frame.converged),
+        "seconds": math.nan if account is None else account.seconds,
+    }
+
+
+class Column(NamedTuple):
+    """A column of the table: its title, what it means, and what is written in it."""
+
+    title: str
+    tip: str
+    written: Callable[[Readings], str]
+
+
+def columns(state: State, unit: Unit) -> list[Column]:
+    """The columns for a document, with lengths in a unit."""
+    size = float(max(state.inspection.size))
+    asked = f"{state.document.area:g}"
+    energy = tr(
+        "How far the shape is from as rigid as possible: Eq. 1 of the paper for all methods alike, each edge "
+        "counted twice, whatever the method itself brings down"
+    )
+    return [
+        Column(
+            tr("Area"),
+            tr("The total area in percent of the area at rest"),
+            lambda x: f"{100.0 * x['area'] / x['area_rest']:.4f}\u00a0%",
+        ),
+        Column(
+            tr("Area error"),
+            tr("How far the area is from the {percent} % that are asked for").format(percent=asked),
+            lambda x: _error(x["area_miss"]),
+        ),
+        Column(
+            tr("Volume"),
+            _about_volume(state),
+            lambda x: _known(x["volume"] / x["volume_rest"], lambda v: f"{100.0 * v:.3f}\u00a0%"),
+        ),
+        Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(significant(v, 5)))),
+        Column(
+            tr("Handle drift"),
+            tr("How far the handle is from where you put it"),
+            lambda x: unit.length(length(x["handle_drift"], size)),
+        ),
+        Column(
+            tr("Local change"),
+            tr("The largest change of the area of a triangle, up or down"),
+            lambda x: f"{100.0 * x['local_change']:,.2f}\u00a0%",
+        ),
+        Column(
+            tr("Iterations"),
+            tr("How many iterations it took to settle, from the rest shape"),
+            lambda x: f"{x['iterations']:,.0f}",
+        ),
+        Column(
+            tr("Time"),
+            tr("For factoring and iterating on this machine, beside whatever else it did"),
+            lambda x: _known(x["seconds"], lambda v: f"{v:,.2f}\u00a0s"),
+        ),
+    ]
+
+
+def _about_volume(state: State) -> str:
+    inspection = state.inspection
+    if inspection.volume_capped is not None:
+        return tr("The volume in percent of the volume at rest, with the openings capped flat")
+    if why := inspection.nothing_to_keep:
+        return tr("There is no volume: {why}.").format(why=why)
+    return tr("The enclosed volume in percent of the volume at rest")
+
+
+def _known(value: float, written: Callable[[float], str]) -> str:
+    return "–" if math.isnan(value) else written(value)
+
+
+def _error(value: float) -> str:
+    if abs(value) >= _FINEST:
+        return f"{signed(100.0 * value, 4)}\u00a0%"
+    if abs(value) < _ROUNDING:
+        return "0\u00a0%"
+    mantissa, exponent = f"{abs(100.0 * value):.0e}".split("e")
+    return f"{'+' if value > 0.0 else '−'}{mantissa}·10{raised(int(exponent))}\u00a0%"
+
+
+def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, Outcome]]) -> None:
+    """Write the readings of methods, by their names, as CSV; raises InputError."""
+    from apd_viewer.files.tables import write_table
+
+    rows = [(method, readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None]
+    names = list(rows[0][1]) if rows else []
+    write_table(path, ["method", *names], [[method, *found.values()] for method, found in rows])

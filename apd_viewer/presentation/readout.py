@@ -1,0 +1,202 @@
+"""What is read of a shape, in words: the same in the panel and in a report. Knows no Qt."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.bounding_boxes import compactness
+from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.geometry.pose.frame import MET
+from apd_viewer.language import tr, trc
+from apd_viewer.presentation.number_format import length, short, signed, significant
+from apd_viewer.session.model.status_text import about_caps
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.inspection import Inspection
+    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.pose.frame import Frame
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.quantities.units import Unit
+
+NOTHING, LATER = "–", "…"
+METHOD_NAMES = {
+    "exact": tr("Exact"),
+    "local": tr("Local"),
+    "paper": tr("Paper (Li & Hui)"),
+    "arap": tr("ARAP"),
+}
+METHOD_WORDS = {
+    "exact": (
+        tr("Keeps the total area exactly, and the handles where you put them."),
+        tr("Gives up a little rigidity."),
+    ),
+    "local": (
+        tr("Keeps the area of every triangle, like fabric or PET film."),
+        tr("Gives up smoothness: it wrinkles."),
+    ),
+    "paper": (
+        tr("Keeps the total area within the tolerance."),
+        tr("Gives up a little of where you put the handles."),
+    ),
+    "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
+}
+_KEPT = 1e-6  # how far a region may be from its target, in percent of its area at rest, to be called kept
+_LITRE = 0.1  # of which on people say litres
+
+
+def area_percent(state: State) -> str:
+    """The area in percent of that at rest."""
+    return f"{100 * (1 + state.frame.area_error):.3f} %"
+
+
+def area(state: State, unit: Unit) -> str:
+    """The area, and that at rest."""
+    now, rest = significant(state.frame.area), significant(state.inspection.area)
+    return unit.area(tr("{now} of {rest}").format(now=now, rest=rest))
+
+
+def verdict(state: State) -> str:
+    """The change of the total area, and how it stands to what is asked."""
+    document, change = state.document, signed(100 * state.frame.area_error, 3)
+    asked = document.kept[0]
+    if asked is None:
+        return f"{change} %"
+    wanted = asked / 100.0
+    miss = abs(1.0 + state.frame.area_error - wanted)
+    if document.method == "paper":
+        near, tolerance = miss <= document.tolerance * wanted, short(100 * document.tolerance)
+        if asked == 100.0:
+            said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
+        elif near:
+            said = tr("{change} %, within {tolerance} % of {asked} %")
+        else:
+            said = tr("{change} %, outside {tolerance} % of {asked} %")
+        return said.format(change=change, tolerance=tolerance, asked=short(asked))
+    if miss > MET * wanted:
+        return tr("{change} %, asked for {asked} %").format(
+            change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
+        )
+    return (
+        tr("{change} %, exact").format(change=change)
+        if asked == 100.0
+        else tr("{change} %, exactly as asked").format(change=change)
+    )
+
+
+def local_change(state: State) -> str:
+    """The largest change of the area of a triangle."""
+    change = state.frame.local_change
+    return f"{short(100 * change)} %" if change > MET else "0 %"
+
+
+class Volume(NamedTuple):
+    """Its change; the volume and that at rest, or why there is none; what else there is to say."""
+
+    change: str
+    sizes: str
+    more: tuple[str, ...] = ()
+
+
+def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
+    """The volume of a shape and that at rest; of an open surface with its openings capped."""
+    if rest.volume_capped is None:
+        return frame.volume, rest.volume
+    return frame.volume_capped, rest.volume_capped
+
+
+def volume(state: State, unit: Unit) -> Volume:
+    """The volume of the shape; that of an open surface with its openings capped, and saying so."""
+    inspection, capped = state.inspection, state.inspection.volume_capped is not None
+    now, rest = volumes(state.frame, inspection)
+    if not rest or now is None:
+        why = inspection.nothing_to_keep
+        return Volume(trc("volume", "none"), tr("{reason}.").format(reason=why[0].upper() + why[1:]))
+    change = signed(100 * (now / rest - 1), 2)
+    said = tr("unchanged") if float(change.replace("−", "-")) == 0 else f"{change} %"
+    lines = [about_caps(inspection.openings)] if capped else []  # never without a word
+    litres, at_rest = unit.litres(now), unit.litres(rest)
+    if litres is not None and at_rest is not None:
+        factor, symbol = (1.0, "l") if abs(at_rest) >= _LITRE else (1e3, "ml")
+        now_, rest_ = significant(factor * litres, 4), significant(factor * at_rest, 4)
+        lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
+    return Volume(
+        tr("{change}, capped").format(change=said) if capped else said,
+        unit.volume(tr("{now} of {rest}").format(now=significant(now), rest=significant(rest))),
+        tuple(lines),
+    )
+
+
+def compact(state: State) -> tuple[str, str]:
+    """The compactness of a closed shape, and how it has changed."""
+    rest, now = state.inspection, state.frame
+    if not rest.volume or now.volume is None or not now.area > 0.0:
+        return NOTHING, ""
+    value = compactness(now.volume, now.area)
+    return f"{value:.3f}", change_of(value, compactness(rest.volume, rest.area))
+
+
+def extent(found: Examination | None, unit: Unit) -> str:
+    """The sides of the box along the axes."""
+    if found is None or math.isnan(found.packed):
+        return LATER if found is None else NOTHING
+    return unit.length(" × ".join(short(side) for side in found.size))
+
+
+def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, str]:
+    """The volume of a box around the shape, and how it has changed; None where it is not known yet."""
+    if volume is None:
+        return LATER, ""
+    written = NOTHING if math.isnan(volume) else unit.volume(significant(volume, 4))
+    return written, "" if at_rest is None else change_of(volume, at_rest)
+
+
+def change_of(now: float, rest: float) -> str:
+    """By how much a reading has changed since the rest, in percent; nothing where there is no telling."""
+    if not rest > 0.0 or math.isnan(now):
+        return ""
+    return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
+
+
+def weight(grams: float | None) -> str:
+    """A mass with the unit that suits it."""
+    if grams is None:
+        return NOTHING
+    size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
+    return f"{significant(grams * size, 4)}\u00a0{symbol}"
+
+
+def drift(state: State, unit: Unit) -> str:
+    """How far the handles are from where they were put."""
+    if not state.document.counts[HANDLE:].any():
+        return NOTHING
+    return unit.length(length(state.frame.handle_drift, max(state.inspection.size)))
+
+
+def motion(document: Document, k: int, unit: Unit, size: float) -> str:
+    """How far a handle was moved and turned since it was gripped."""
+    centre = document.centre(k)
+    if centre is None:
+        return tr("Paint it with the tool Paint handle")
+    pose = document.handles[k].pose
+    moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
+    cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
+    turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
+    way = length(float(np.linalg.norm(moved)), size)
+    return tr("moved {length}, turned {angle:.1f}°").format(length=unit.length(way), angle=turned)
+
+
+def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
+    """Of each region its area in percent of that at rest, and in square units."""
+    document, said = state.document, []
+    rest, targets = document.rest_areas, [region.area for region in document.regions]
+    for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
+        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangle yet")
+        kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
+        if kept and document.method != "paper":
+            part = tr("{area}, kept").format(area=part)
+        sizes = tr("{now} of {rest}").format(now=significant(now), rest=significant(at_rest))
+        said.append((part, unit.area(sizes)))
+    return said

@@ -1,0 +1,221 @@
+"""What can be measured of a shape and shown on it in colours, and the scale on which it is shown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
+from apd_viewer.presentation.number_format import short
+from apd_viewer.session.quantities.units import Unit
+
+_NOTHING = 5e-5  # of the scale, what is written as zero
+_ROUNDING = 1e-9  # of the usual scale, what no scale is made for
+_MOST_GAINED = 10.0  # a ratio has no largest: of what has lost all, one over it is infinite
+
+
+class Kind(Enum):
+    """What a value is: the logarithm of a ratio, a length, or one over a length."""
+
+    RATIO = "ratio"
+    LENGTH = "length"
+    CURVATURE = "curvature"
+
+
+class Words(NamedTuple):
+    """What is said of a measure; ``method`` is its name in :class:`apd_viewer.geometry.analysis.deviation.Change`."""
+
+    title: str
+    tip: str
+    key: str
+    kind: Kind
+    method: str
+
+
+class Measure(Enum):
+    """What can be shown on a shape in colours."""
+
+    AREA = "area"
+    STRAIN = "strain"
+    BENDING = "bending"
+    DISPLACEMENT = "displacement"
+    DISTANCE = "distance"
+
+    @property
+    def words(self) -> Words:
+        """What is said of it."""
+        return _words()[self]
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether there is a loss and a gain."""
+        return self.words.kind is not Kind.LENGTH
+
+    @property
+    def colors(self) -> ColorMap:
+        """The colours in which it is shown."""
+        return DIVERGING if self.is_signed else SEQUENTIAL
+
+    @property
+    def waits(self) -> bool:
+        """Whether it takes too long to be measured while the shape moves."""
+        return self is Measure.DISTANCE
+
+
+def _words() -> dict[Measure, Words]:
+    return {
+        Measure.AREA: Words(
+            tr("Local area change"),
+            tr("Colour each place by how its area has changed: the triangles around a vertex against rest"),
+            "Alt+1",
+            Kind.RATIO,
+            "area",
+        ),
+        Measure.STRAIN: Words(
+            tr("Edge strain"),
+            tr("Colour each place by how the edge there that changed most was stretched or shortened"),
+            "Alt+2",
+            Kind.RATIO,
+            "strain",
+        ),
+        Measure.BENDING: Words(
+            tr("Bending"),
+            tr("Colour each place by its mean curvature less that at rest: more convex, or more concave"),
+            "Alt+3",
+            Kind.CURVATURE,
+            "bending",
+        ),
+        Measure.DISPLACEMENT: Words(
+            tr("Displacement"),
+            tr("Colour each place by how far its vertices are from where they were at rest"),
+            "Alt+4",
+            Kind.LENGTH,
+            "displacement",
+        ),
+        Measure.DISTANCE: Words(
+            tr("Distance to rest"),
+            tr("Colour each place by its distance from the rest surface, once the shape has come to rest"),
+            "Alt+5",
+            Kind.LENGTH,
+            "distance",
+        ),
+    }
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How far the colours of a measure reach.
+
+    Attributes
+    ----------
+    measure : Measure
+    reach : float
+        The end of the scale: of a ratio what is gained there, 0.1 for 10 %, at the other end the ratio is one
+        over that; else a length or a curvature, in mesh units.
+    neutral : float
+        Up to where a change counts for none, in the same way; 0 where there is no sign. At most half of the
+        reach: of what counts for none nothing may be at the ends, where the colours are strongest.
+    """
+
+    measure: Measure
+    reach: float
+    neutral: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "neutral", min(self.neutral, 0.5 * self.reach))
+
+    @property
+    def end(self) -> float:
+        """The end of the scale as the measure has it."""
+        return self._inner(self.reach)
+
+    @property
+    def marks(self) -> tuple[float, ...]:
+        """The values that are written at the scale: its ends, and zero."""
+        return (-self.end, 0.0, self.end) if self.measure.is_signed else (0.0, self.end)
+
+    @property
+    def travels(self) -> bool:
+        """Whether it is of use on a mesh of another size."""
+        return self.measure.words.kind is Kind.RATIO
+
+    def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
+        """The scale that ends at the largest value of a span, up or down.
+
+        Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
+        """
+        reach = max(map(abs, span))
+        if self.measure.words.kind is Kind.RATIO:
+            reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
+        if reach <= _ROUNDING * usual(self.measure, size).reach:
+            return self
+        return replace(self, reach=nice(reach))
+
+    @property
+    def neutral_share(self) -> float:
+        """How much of the scale around its middle is neutral, 0 to 1."""
+        return self._inner(self.neutral) / self.end
+
+    def place(self, value: float) -> float:
+        """Where a value lies on the scale, from 0 to 1."""
+        share = min(max(value / self.end, -1.0), 1.0)
+        return 0.5 + 0.5 * share if self.measure.is_signed else max(share, 0.0)
+
+    def color(self, place: float) -> tuple[int, int, int]:
+        """RGB at a place of the scale from 0 to 1, as on the shape."""
+        neutral = self.measure.is_signed and abs(place - 0.5) < 0.5 * self.neutral_share
+        return self.measure.colors.color(0.5 if neutral else place)
+
+    def written(self, value: float, unit: Unit) -> str:
+        """A value of the measure, for people."""
+        if math.isnan(value):
+            return tr("no value")
+        if abs(value) < _NOTHING * self.end:
+            value = 0.0
+        kind = self.measure.words.kind
+        if kind is Kind.RATIO:
+            return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
+        if kind is Kind.CURVATURE:
+            return unit.curvature(_number(value, True))
+        return unit.length(_number(value, False))
+
+    def _inner(self, said: float) -> float:
+        return math.log1p(said) if self.measure.words.kind is Kind.RATIO else said
+
+
+def usual(measure: Measure, size: float) -> Scale:
+    """The scale to begin with on a mesh of this size."""
+    if measure.words.kind is Kind.RATIO:
+        return Scale(measure, 0.1, 0.001)
+    if measure.words.kind is Kind.CURVATURE:
+        return Scale(measure, nice(8.0 / size), nice(0.08 / size))
+    return Scale(measure, nice((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
+
+
+def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
+    """The least and the largest of the values, (n,) with NaN where there is none; None without any."""
+    if values is None or np.isnan(values).all():
+        return None
+    return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
+
+
+def nice(value: float) -> float:
+    """The next number above that begins with 1, 2 or 5 and goes on with zeros."""
+    if not 0.0 < value < math.inf:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(value))
+    factor = next(f for f in (1.0, 2.0, 5.0, 10.0) if f * power >= value * (1.0 - 1e-9))
+    return float(f"{factor * power:.3g}")
+
+
+def _number(value: float, signed: bool) -> str:
+    """Three figures, or all before the point."""
+    text = short(abs(value))
+    if not signed or value == 0.0:
+        return text
+    return ("+" if value > 0.0 else "−") + text

@@ -1,0 +1,1 @@
+"""Menu actions and their keys."""

@@ -1,0 +1,128 @@
+"""Opens the window in which methods are compared, and ends it with the main one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Measure, usual
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.actions.actions import Actions
+    from apd_viewer.ui.compare.comparison_window import ComparisonWindow
+    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.notice import Notice
+    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_AT_REST = tr("All methods agree on a mesh at rest: move a handle first, then compare.")
+
+
+class Comparing:
+    """One window at most, on what is open when it is asked for.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        From where it is looked at.
+    looks : Looks
+        Whose scale is used.
+    memory : Memory
+    notice : Notice
+        Where to say why there is nothing to compare.
+
+    Attributes
+    ----------
+    window : ComparisonWindow or None
+    """
+
+    def __init__(self, canvas: Canvas, looks: Looks, memory: Memory, notice: Notice) -> None:
+        self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
+        self._at_work: tuple[Session, Actions] | None = None
+        self._theme = LIGHT
+        self.window: ComparisonWindow | None = None
+
+    @property
+    def verbs(self) -> dict[str, Callable[[], None]]:
+        """What can be done, by name."""
+        return {"compare_methods": self.open}
+
+    def start(self, session: Session, actions: Actions) -> None:
+        """Begin to work."""
+        self._at_work = session, actions
+
+    def open(self) -> None:
+        """Compare methods on the document as it is now, or say what is missing for that."""
+        if self._at_work is None or self._at_work[0].state is None:
+            return
+        session, state, actions = self._at_work[0], self._at_work[0].state, self._at_work[1]
+        if sentence := _why_not(session):
+            self._notice.fail(sentence)
+            return
+        if self.window is None:
+            self.window = self._made(actions)
+        window, comparison = self.window, self.window.comparison
+        window.show()
+        if comparison is None or comparison.document is not state.document:
+            window.compare(state, session.unit)
+        window.raise_()
+        window.activateWindow()
+
+    def _made(self, actions: Actions) -> ComparisonWindow:
+        from apd_viewer.ui.compare.comparison_window import ComparisonWindow
+
+        scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
+        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.eye)
+        window.set_theme(self._theme)
+        window.again_asked.connect(self._again)
+        window.closed.connect(self._forget)
+        axes = "front", "side", "top", "-front", "-side", "-top"
+        keys = [
+            (action.shortcuts(), partial(window.linked.look_along, axis))
+            for action, axis in zip(actions.views, axes, strict=True)
+        ]
+        window.give_keys([*keys, (actions.frame.shortcuts(), window.linked.frame)])
+        return window
+
+    def _again(self) -> None:
+        if self._at_work is None or self.window is None:
+            return
+        session = self._at_work[0]
+        if sentence := _why_not(session):
+            self.window.refuse(sentence)
+        elif session.state is not None:
+            self.window.compare(session.state, session.unit)
+
+    def _forget(self) -> None:
+        window, self.window = self.window, None
+        if window is not None:
+            window.deleteLater()
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit, if it is the mesh at hand that is compared."""
+        state = None if self._at_work is None else self._at_work[0].state
+        if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
+            self.window.measure_in(unit)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self._theme = theme
+        if self.window is not None:
+            self.window.set_theme(theme)
+
+    def close(self) -> None:
+        """Close the window."""
+        if self.window is not None:
+            self.window.close()
+
+
+def _why_not(session: Session) -> str | None:
+    """What has to be done before methods can be compared, as a sentence; None if nothing."""
+    if session.state is None:
+        return None
+    return session.state.document.problem or (None if session.moved else _AT_REST)

@@ -1,0 +1,82 @@
+"""The picture of a comparison: all shapes under their names, and the legend that they share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFont, QImage, QPainter
+
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.filing.plot_files import write_picture
+from apd_viewer.ui.overlays.scale_bar import colors_along
+from apd_viewer.ui.plots.chart import tabular
+from apd_viewer.ui.widgets.theme import LIGHT
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.presentation.scales import Scale
+
+SHARPNESS = 2  # pixels of a shape for each on the screen
+_HEAD, _FOOT, _PAD = 52, 72, 16  # px
+_LEGEND = QSize(320, 14)
+
+
+class Shown(NamedTuple):
+    """A shape in the picture: its name, a line about it, and its pixels (h, w, 3) uint8."""
+
+    title: str
+    line: str
+    pixels: np.ndarray
+
+
+def write_comparison(path: Path, shapes: Sequence[Shown], columns: int, scale: Scale, font: QFont) -> None:
+    """Write shapes of one size side by side as PNG; raises InputError."""
+    height, width = (length // SHARPNESS for length in shapes[0].pixels.shape[:2])
+    rows = -(-len(shapes) // columns)
+    size = QSize(columns * width, rows * (height + _HEAD) + _FOOT)
+
+    def draw(painter: QPainter) -> None:
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        painter.setFont(tabular(font))
+        for k, shape in enumerate(shapes):
+            corner = QPointF(k % columns * width, k // columns * (height + _HEAD))
+            _draw_shape(painter, QRectF(corner, QSize(width, height + _HEAD)), shape)
+        _draw_legend(painter, QRectF(0, size.height() - _FOOT, size.width(), _FOOT), scale)
+
+    write_picture(path, size, draw)
+
+
+def _draw_shape(painter: QPainter, room: QRectF, shape: Shown) -> None:
+    pixels = np.ascontiguousarray(shape.pixels[:, :, :3])
+    height, width = pixels.shape[:2]
+    image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888)
+    painter.drawImage(room.adjusted(0, _HEAD, 0, 0), image)
+    lines = room.adjusted(_PAD, 10, -_PAD, 0)
+    painter.save()
+    bold = QFont(painter.font())
+    bold.setWeight(QFont.Weight.DemiBold)
+    painter.setFont(bold)
+    painter.setPen(QColor(LIGHT.ink))
+    painter.drawText(lines, Qt.AlignmentFlag.AlignTop, shape.title)
+    below = lines.adjusted(0, painter.fontMetrics().height() + 2, 0, 0)
+    painter.restore()
+    painter.setPen(QColor(LIGHT.quiet))
+    line = painter.fontMetrics().elidedText(shape.line, Qt.TextElideMode.ElideRight, int(below.width()))
+    painter.drawText(below, Qt.AlignmentFlag.AlignTop, line)
+
+
+def _draw_legend(painter: QPainter, room: QRectF, scale: Scale) -> None:
+    wide = min(_LEGEND.width(), room.width() - 2 * _PAD)
+    row = painter.fontMetrics().height()
+    painter.setPen(QColor(LIGHT.ink))
+    painter.drawText(room.adjusted(0, 8, 0, 0), Qt.AlignmentFlag.AlignHCenter, scale.measure.words.title)
+    bar = QRectF(room.center().x() - wide / 2, room.top() + 12 + row, wide, _LEGEND.height())
+    painter.drawImage(bar, colors_along(scale))
+    for value in scale.marks:
+        place = bar.left() + scale.place(value) * wide
+        under = QRectF(place - 60, bar.bottom() + 3, 120, row)
+        painter.drawText(under, Qt.AlignmentFlag.AlignCenter, scale.written(value, Unit.NONE))

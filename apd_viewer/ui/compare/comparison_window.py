@@ -1,0 +1,357 @@
+"""The window in which methods are compared: a shape each, and a table of what they come to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from PySide6.QtCore import QSize, Qt, Signal, Slot
+from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation.outcomes import columns, readings, write_outcomes
+from apd_viewer.presentation.readout import METHOD_NAMES, METHOD_WORDS
+from apd_viewer.session.studies.comparison import COMPARED, Comparison, Outcome
+from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
+from apd_viewer.ui.compare.linked_views import LinkedViews
+from apd_viewer.ui.compare.outcome_table import OutcomeTable
+from apd_viewer.ui.compare.shared_scale import SharedScale
+from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.panel.statusbar import Hint
+from apd_viewer.ui.widgets.background_task import BackgroundTask
+from apd_viewer.ui.widgets.fields import Check
+from apd_viewer.ui.widgets.icons import application_icon
+from apd_viewer.ui.widgets.on_screen import resize_on_screen
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.scene.camera import Camera
+
+_FEWEST = 2
+_SIZE = QSize(1280, 800)
+_NO_ROOM = tr("There is not enough memory to compare methods on this mesh; close other programs.")
+
+
+class _Ready(NamedTuple):
+    """What measures the shapes of a mesh."""
+
+    change: Change
+    write: Callable[..., None]
+
+
+class ComparisonWindow(QWidget):
+    """Views beside each other, a legend and a table below them.
+
+    Parameters
+    ----------
+    memory : Memory
+    scale : Scale
+        Of the local area change, to begin with.
+    eye : Camera
+        From where to look, to begin with.
+
+    Attributes
+    ----------
+    again_asked, closed : Signal()
+    linked : LinkedViews
+    views : dict of str to MethodView
+    checks : dict of str to Check
+    table : OutcomeTable
+    legend : SharedScale
+    comparison : Comparison or None
+    """
+
+    again_asked = Signal()
+    closed = Signal()
+    _woken = Signal()
+
+    def __init__(self, memory: Memory, scale: Scale, eye: Camera) -> None:
+        super().__init__(None, Qt.WindowType.Window, objectName="comparison")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setWindowIcon(application_icon())
+        self.setMinimumSize(960, 600)
+        resize_on_screen(self, _SIZE)
+        self._memory, self._eye, self._theme = memory, eye, LIGHT
+        self.comparison: Comparison | None = None
+        self._state: State | None = None
+        self._task = BackgroundTask(self)
+        self._task.done.connect(self._take)
+        self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self.linked = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
+        self.views = self.linked.views
+        chosen = [method for method in COMPARED if method in memory.compared]
+        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
+        self.legend = SharedScale(scale)
+        self.legend.changed.connect(self._rescale)
+        self.linked.read.connect(self.legend.show_span)
+        self.table = OutcomeTable()
+        self._lay_out()
+
+    # Building
+
+    def _make_checks(self, chosen: list[str]) -> dict[str, Check]:
+        checks = {}
+        for method in COMPARED:
+            check = Check(METHOD_NAMES[method], toolTip=" ".join(METHOD_WORDS[method]))
+            check.setChecked(method in chosen)
+            check.toggled.connect(self._choose)
+            checks[method] = check
+        return checks
+
+    def _lay_out(self) -> None:
+        self.status = Hint(objectName="quiet")
+        self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.stop = QPushButton(tr("Stop"), toolTip=tr("End the solver; what has come stays (Esc)"))
+        self.stop.clicked.connect(self._stop)
+        self.again = QPushButton(
+            tr("Compare again"), toolTip=tr("Begin anew, with what the main window shows now")
+        )
+        self.again.clicked.connect(self.again_asked)
+        self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Write the readings as CSV"))
+        self.save_table.clicked.connect(partial(self._ask, ".csv"))
+        self.save_picture = QPushButton(
+            tr("Save picture…"), toolTip=tr("Write the shapes, with their names and the legend, as PNG")
+        )
+        self.save_picture.clicked.connect(partial(self._ask, ".png"))
+        head = QHBoxLayout(spacing=16)
+        head.setContentsMargins(12, 8, 12, 8)
+        for check in self.checks.values():
+            head.addWidget(check)
+        head.addWidget(self.status, 1)
+        buttons = QHBoxLayout(spacing=8)
+        for button in (self.stop, self.again, self.save_table, self.save_picture):
+            buttons.addWidget(button)
+        head.addLayout(buttons)
+        foot = QHBoxLayout(spacing=32)
+        foot.setContentsMargins(12, 10, 12, 8)
+        foot.addWidget(self.legend, 0, Qt.AlignmentFlag.AlignTop)
+        foot.addWidget(self.table, 1, Qt.AlignmentFlag.AlignTop)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(head)
+        column.addWidget(self.linked, 1)
+        column.addLayout(foot)
+
+    def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[], object]]]) -> None:
+        """Have keys do something, as they do in the main window."""
+        for sequences, do in keys:
+            for sequence in sequences:
+                QShortcut(sequence, self, do)
+
+    # Comparing
+
+    @property
+    def chosen(self) -> list[str]:
+        """The methods that are compared."""
+        return [method for method, check in self.checks.items() if check.isChecked()]
+
+    def compare(self, state: State, unit: Unit) -> None:
+        """Begin with a document, from its rest shape."""
+        if self.comparison is not None:
+            self.comparison.stop()
+        name = state.document.mesh.name
+        self.setWindowTitle(tr("Compare methods – {name}").format(name=name))
+        first = self._state is None or self._state.document.mesh is not state.document.mesh
+        self._state = state
+        self.comparison = Comparison(state.document, self._woken.emit)
+        self.table.begin(columns(state, unit))
+        try:
+            self.linked.begin(state, unit)
+        except MemoryError:
+            self._say(_NO_ROOM, warn=True)
+            return
+        if first:
+            self.linked.look(state, self._eye)
+        self._prepare(state)
+        self._choose()
+        self.views[self.chosen[0]].viewport.setFocus()
+
+    def is_of(self, mesh: Mesh) -> bool:
+        """Whether it is this mesh that is compared."""
+        return self._state is not None and self._state.document.mesh is mesh
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit."""
+        if self._state is not None:
+            self.table.begin(columns(self._state, unit))
+            self._show()
+
+    def _prepare(self, state: State) -> None:
+        """Get ready to measure: what is compiled for it takes a while at the first time."""
+        mesh, skin = state.document.mesh, state.skin
+
+        def work(_: Callable[[], bool]) -> object:
+            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
+
+            warm_up()
+            return _Ready(Change(mesh.V, skin.joined, skin.source), write_shades)
+
+        self._task.begin(work)
+
+    def _take(self, result: object) -> None:
+        if not isinstance(result, _Ready):
+            self._say(_NO_ROOM, warn=True)
+            return
+        self.linked.measure_by(result.change, result.write, self.legend.scale)
+
+    def _choose(self) -> None:
+        """Compare the methods that are checked, two at least."""
+        chosen = self.chosen
+        self._memory.compared = chosen
+        for method, check in self.checks.items():
+            needed = len(chosen) <= _FEWEST and method in chosen
+            check.setEnabled(not needed)
+            about = tr("Two methods are compared at least.") if needed else " ".join(METHOD_WORDS[method])
+            check.setToolTip(about)
+        self.linked.show_views(chosen)
+        self.table.show_methods([METHOD_NAMES[method] for method in chosen])
+        if self.comparison is not None:
+            self.comparison.want(chosen)
+        self._show()
+
+    def _stop(self) -> None:
+        if self.comparison is not None:
+            self.comparison.stop()
+        self._show()
+
+    @Slot()
+    def _receive(self) -> None:
+        # A call may still be on its way when the window is closed.
+        if self.comparison is not None and self.comparison.receive():
+            self._show()
+
+    # Showing
+
+    def _show(self) -> None:
+        comparison, state = self.comparison, self._state
+        if comparison is None or state is None:
+            return
+        for row, method in enumerate(self.chosen):
+            outcome = comparison.outcomes.get(method, Outcome())
+            if outcome.frame is not None:
+                self.views[method].show_shape(outcome.frame.U)
+            self.views[method].say(*_how_far(method, comparison))
+            self.table.show_readings(row, readings(state, outcome))
+        under_way = comparison.under_way
+        self.stop.setEnabled(under_way is not None)
+        there = any(comparison.outcomes[m].frame is not None for m in self.chosen if m in comparison.outcomes)
+        self.save_table.setEnabled(there)
+        self._say(comparison.news if under_way is None else _progress(comparison, self.chosen))
+
+    def _say(self, sentence: str, warn: bool = False) -> None:
+        self.status.setText(sentence)
+        self.status.setToolTip(sentence)
+        mark(self.status, "warn", warn)
+
+    def refuse(self, sentence: str) -> None:
+        """Say why something that was asked for is not done."""
+        self._say(sentence, warn=True)
+
+    def _rescale(self) -> None:
+        self.linked.show_scale(self.legend.scale)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour the backgrounds."""
+        self._theme = theme
+        self.linked.set_theme(theme)
+
+    # Saving
+
+    def _ask(self, suffix: str) -> None:
+        assert self._state is not None
+        proposed = self._memory.folder / f"{self._state.document.mesh.stem}-methods{suffix}"
+        path = dialogs.ask_where(self, tr("Save the comparison"), proposed)
+        if path is None:
+            return
+        try:
+            (self.write_table if suffix == ".csv" else self.write_picture)(path)
+        except InputError as error:
+            self._say(str(error), warn=True)
+        else:
+            self._say(tr("Wrote {name}.").format(name=path.name))
+
+    def _outcomes(self) -> list[tuple[str, Outcome]]:
+        assert self.comparison is not None
+        return [(method, self.comparison.outcomes.get(method, Outcome())) for method in self.chosen]
+
+    def write_table(self, path: Path) -> None:
+        """Write the readings as CSV; raises InputError."""
+        assert self._state is not None
+        write_outcomes(path, self._state, self._outcomes())
+
+    def write_picture(self, path: Path) -> None:
+        """Write the shapes as they are seen, on white, as PNG; raises InputError."""
+        assert self._state is not None
+        shown = []
+        for method, outcome in self._outcomes():
+            view = self.views[method]
+            found = readings(self._state, outcome)
+            brief = [] if outcome.finished and found else [view.said[0]]
+            for column in (self.table.columns[k] for k in (0, 2)):
+                brief += [f"{column.title} {column.written(found)}"] if found else []
+            shown.append(Shown(view.title, ", ".join(brief), view.picture(SHARPNESS)))
+        self.set_theme(self._theme)
+        write_comparison(path, shown, self.linked.across, self.legend.scale, self.font())
+
+    # Events
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Stop on Esc; close where there is nothing to stop."""
+        if event.key() == Qt.Key.Key_Escape:
+            if self.stop.isEnabled():
+                self._stop()
+            else:
+                self.close()
+        else:
+            super().keyPressEvent(event)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """End the process, and the views before their window."""
+        if self.comparison is not None:
+            self.comparison.stop()
+            self.comparison = None
+        self._task.close()
+        self.linked.close_all()
+        self.closed.emit()
+        super().closeEvent(event)
+
+
+def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
+    """How far a method is, more about that, and what went wrong."""
+    outcome = comparison.outcomes.get(method)
+    if outcome is None:
+        return (tr("waits") if method in comparison.waiting else tr("not begun")), "", ""
+    frame = outcome.frame
+    if outcome.failure:
+        return tr("failed"), outcome.failure, outcome.failure
+    if outcome.finished and frame is not None:
+        said = tr("settled") if frame.converged else tr("not reached")
+        return said, frame.unreached or "", ""
+    if method == comparison.under_way:
+        return (tr("iteration {n:,}").format(n=frame.iteration) if frame else tr("preparing")), "", ""
+    return (tr("stopped at iteration {n:,}").format(n=frame.iteration) if frame else tr("stopped")), "", ""
+
+
+def _progress(comparison: Comparison, chosen: list[str]) -> str:
+    """What is being done, in a line."""
+    method = comparison.under_way or ""
+    name, count = METHOD_NAMES[method], len(chosen)
+    number = chosen.index(method) + 1
+    frame = comparison.outcomes[method].frame
+    if frame is None:
+        return tr("{method} ({number} of {count}): preparing…").format(
+            method=name, number=number, count=count
+        )
+    return tr("{method} ({number} of {count}): iteration {n:,}").format(
+        method=name, number=number, count=count, n=frame.iteration
+    )

@@ -1,0 +1,171 @@
+"""The shapes that are compared, beside each other: one camera, one scale, one place under the cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QGridLayout, QWidget
+
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.compare.method_view import HEAD, MethodView
+from apd_viewer.ui.scene.viewport import link
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.model.document import State
+    from apd_viewer.ui.scene.camera import Camera
+    from apd_viewer.ui.scene.pointer import Place
+    from apd_viewer.ui.widgets.theme import Theme
+
+_READ = 250  # ms between two readings while shapes move
+
+
+class LinkedViews(QWidget):
+    """As many views as are shown, laid out so that the shapes are as large as they can be.
+
+    Parameters
+    ----------
+    titles : dict of str to str
+        Of the views, by their names.
+
+    Attributes
+    ----------
+    read : Signal(object)
+        The least and the largest change of all shapes that are shown, or None.
+    views : dict of str to MethodView
+    across : int
+        How many stand beside each other.
+    """
+
+    read = Signal(object)
+
+    def __init__(self, titles: dict[str, str]) -> None:
+        super().__init__(objectName="room")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.views = {name: MethodView(title) for name, title in titles.items()}
+        self.across = len(titles)
+        self._shown: Sequence[str] = list(titles)
+        self._aspect = 1.0
+        self._unit = Unit.NONE
+        self._place: Place | None = None
+        self._grid = QGridLayout(self, spacing=1)
+        self._grid.setContentsMargins(0, 1, 0, 1)
+        self._reading = QTimer(self, singleShot=True, interval=_READ)
+        self._reading.timeout.connect(self._read)
+        link([view.viewport for view in self.views.values()])
+        for view in self.views.values():
+            view.pointer.hovered.connect(self.point_at)
+            view.measured.connect(self._measured)
+
+    def begin(self, state: State, unit: Unit) -> None:
+        """Show the rest shape of a document in all views."""
+        self._unit = unit
+        for view in self.views.values():
+            view.begin(state)
+
+    def look(self, state: State, eye: Camera) -> None:
+        """Look in the direction of another camera at all that there will be to see, as far as is known."""
+        view = self._first.viewport
+        view.eye = replace(view.eye, position=eye.position - eye.focal, focal=np.zeros(3), up=eye.up)
+        right, up, _ = view.eye.axes
+        both = np.vstack([state.document.mesh.V, state.frame.U])
+        self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
+        self._frame(both)
+
+    def look_along(self, axis: str) -> None:
+        """Look along an axis: see :meth:`Viewport.look_along`."""
+        self._first.viewport.look_along(axis)
+
+    def frame(self) -> None:
+        """Show all of every shape."""
+        self._frame(np.vstack([self.views[name].surface.U for name in self._shown]))
+
+    @property
+    def _first(self) -> MethodView:
+        """Through whose camera all others look."""
+        return next(iter(self.views.values()))
+
+    def _frame(self, points: np.ndarray) -> None:
+        for view in self.views.values():
+            view.viewport.frame(points)
+
+    # Colours
+
+    def measure_by(self, change: Change, write: Callable[..., None], scale: Scale) -> None:
+        """Show how the shapes differ from rest, from now on."""
+        for view in self.views.values():
+            view.show_scale(scale)
+            view.measure_by(change, write)
+
+    def show_scale(self, scale: Scale) -> None:
+        """Show the changes on another scale."""
+        for view in self.views.values():
+            view.show_scale(scale)
+        self.point_at(self._place)
+
+    def point_at(self, place: Place | None) -> None:
+        """Mark a place on all shapes, and read all of them there."""
+        self._place = place
+        for view in self.views.values():
+            view.point_at(place, self._unit)
+
+    def _measured(self) -> None:
+        if not self._reading.isActive():
+            self._reading.start()
+
+    def _read(self) -> None:
+        spans = [span for name in self._shown if (span := self.views[name].span) is not None]
+        low, high = zip(*spans, strict=True) if spans else ((), ())
+        self.read.emit((min(low), max(high)) if spans else None)
+        self.point_at(self._place)
+
+    # Places
+
+    def show_views(self, names: Sequence[str]) -> None:
+        """Show these views, and no others."""
+        self._shown = names
+        self._arrange()
+        self._measured()
+
+    def _arrange(self) -> None:
+        names = self._shown
+        self.across = _across(len(names), self.width(), self.height(), self._aspect)
+        places = {name: divmod(k, self.across) for k, name in enumerate(names)}
+        for k in range(len(self.views)):
+            self._grid.setRowStretch(k, int(k * self.across < len(names)))
+            self._grid.setColumnStretch(k, int(k < self.across))
+        for name, view in self.views.items():
+            if name in places:
+                self._grid.addWidget(view, *places[name])
+            view.setVisible(name in places)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Lay the views out anew."""
+        super().resizeEvent(event)
+        self._arrange()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour the backgrounds."""
+        for view in self.views.values():
+            view.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
+
+    def close_all(self) -> None:
+        """Free the scenes; the views cannot be used afterwards."""
+        self._reading.stop()
+        for view in self.views.values():
+            view.viewport.close()
+
+
+def _across(count: int, width: int, height: int, aspect: float) -> int:
+    """How many of ``count`` views stand beside each other so that shapes of an aspect are largest."""
+
+    def size(across: int) -> float:
+        return min(width / across / aspect, height * across / count - HEAD)
+
+    return max((across for across in range(1, count + 1) if count % across == 0), key=size)

@@ -1,0 +1,158 @@
+"""The shape that one method makes, under its name, in the colours of its local change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Measure, Scale, span_of
+from apd_viewer.ui.overlays.notice import Invitation
+from apd_viewer.ui.scene.coloring import colors_of
+from apd_viewer.ui.scene.pointer import Place, Pointer
+from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.viewport import Viewport
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+
+HEAD = 32  # px
+
+
+class MethodView(QWidget):
+    """A viewport with a line over it.
+
+    Parameters
+    ----------
+    title : str
+
+    Attributes
+    ----------
+    viewport : Viewport
+    surface : Surface
+    pointer : Pointer
+    measured : Signal()
+        There are other values.
+    values : (n,) float array or None
+        The local change that is drawn.
+    """
+
+    measured = Signal()
+
+    def __init__(self, title: str) -> None:
+        super().__init__(accessibleName=title)
+        self.title = title
+        self._state, self._value = QLabel(objectName="quiet"), QLabel()
+        self._state.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self._value.setToolTip(tr("Local area change at the place with the ring"))
+        self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        head = QWidget(objectName="head")
+        head.setFixedHeight(HEAD)
+        row = QHBoxLayout(head, spacing=12)
+        row.setContentsMargins(12, 0, 12, 0)
+        row.addWidget(QLabel(title, objectName="title"))
+        row.addWidget(self._state, 1)
+        row.addWidget(self._value)
+        self.viewport = Viewport(self)
+        self.surface = Surface(self.viewport)
+        self._note = Invitation(self.viewport)
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(head)
+        column.addWidget(self.viewport, 1)
+        self.values: np.ndarray | None = None
+        self._measure: tuple[Change, Callable[..., None]] | None = None
+        self._measured = -1
+        self._scale = Scale(Measure.AREA, 0.1, 0.001)
+        self.pointer = Pointer(self.viewport, self.surface)
+        self.viewport.tools.insert(0, self.pointer)
+        self.viewport.pre_draw.append(self._refresh)
+
+    # Showing
+
+    def begin(self, state: State) -> None:
+        """Show the rest shape of a document, until there is another."""
+        document = state.document
+        self.values, self._measure = None, None
+        self.surface.wear(None)
+        self.surface.set_mesh(state.skin, document.mesh.V, colors_of(document))
+
+    def show_shape(self, U: np.ndarray) -> None:
+        """Show another shape (n, 3)."""
+        if U is not self.surface.shape:
+            self.surface.set_points(U)
+
+    def measure_by(self, change: Change, write: Callable[..., None]) -> None:
+        """Show how the shape differs from rest, from now on."""
+        self._measure, self._measured = (change, write), -1
+        self.viewport.update()
+
+    def show_scale(self, scale: Scale) -> None:
+        """Show the change on another scale."""
+        self._scale, self._measured = scale, -1
+        self.viewport.update()
+
+    def say(self, state: str, tip: str = "", note: str = "") -> None:
+        """Say how far the shape is, more about that, and what went wrong."""
+        if state != self._state.text():
+            self._state.setText(state)
+        self._state.setToolTip(tip)
+        if note != self._note.text():
+            self._note.say(note)
+
+    @property
+    def said(self) -> tuple[str, str]:
+        """How far the shape is, and what went wrong."""
+        return self._state.text(), self._note.text()
+
+    def picture(self, sharpness: int) -> np.ndarray:
+        """The shape on white, with so many pixels for each on the screen, (h, w, 3) uint8 array."""
+        view = self.viewport
+        wide, high = view.ren_win.GetSize()
+        view.set_theme("#ffffff")
+        view.ren_win.GetInteractor().UpdateSize(sharpness * wide, sharpness * high)
+        pixels: np.ndarray = view.screenshot(return_img=True)
+        view.ren_win.GetInteractor().UpdateSize(wide, high)
+        return pixels
+
+    def _refresh(self) -> None:
+        """Measure the shape that is about to be drawn, and colour it."""
+        surface = self.surface
+        if self._measure is None or surface.shape_revision == self._measured:
+            return
+        self._measured = surface.shape_revision
+        change, write = self._measure
+        self.values = change.area(surface.shape)
+        write(self.values, True, self._scale.end, surface.shades)
+        surface.shades_changed()
+        surface.wear(self._scale.measure.colors, self._scale.neutral_share)
+        self.measured.emit()
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The least and the largest of the values; None where there are none."""
+        return span_of(self.values)
+
+    def point_at(self, place: Place | None, unit: Unit) -> None:
+        """Mark a place, and read the change there."""
+        self.pointer.place = place
+        value = "" if place is None else self._scale.written(self._read(place), unit)
+        if value != self._value.text():
+            self._value.setText(value)
+        self.viewport.overlay.update()
+
+    @property
+    def read(self) -> str:
+        """The change at the place that is marked, as it is written."""
+        return self._value.text()
+
+    def _read(self, place: Place) -> float:
+        if self.values is None or self.surface.skin is None:
+            return np.nan
+        return float(place.shares @ self.values[self.surface.skin.F[place.face]])

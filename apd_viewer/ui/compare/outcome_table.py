@@ -1,0 +1,88 @@
+"""The readings of the methods that are compared, a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QFrame,
+    QHeaderView,
+    QSizePolicy,
+    QTableWidget,
+    QTableWidgetItem,
+)
+
+from apd_viewer.language import tr
+from apd_viewer.ui.plots.chart import tabular
+
+if TYPE_CHECKING:
+    from apd_viewer.presentation.outcomes import Column, Readings
+
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_ROW = 28  # px
+
+
+class OutcomeTable(QTableWidget):
+    """Methods down, readings across; figures stand under each other."""
+
+    def __init__(self) -> None:
+        super().__init__(objectName="outcomes", accessibleName=tr("Readings of the methods"))
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setShowGrid(False)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setFont(tabular(self.font()))
+        across, down = self.horizontalHeader(), self.verticalHeader()
+        across.setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
+        across.setMinimumSectionSize(96)
+        across.setDefaultAlignment(_RIGHT)
+        across.setHighlightSections(False)
+        down.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        down.setDefaultSectionSize(_ROW)
+        down.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        self.columns: list[Column] = []
+
+    def begin(self, columns: list[Column]) -> None:
+        """Have these columns."""
+        self.columns = columns
+        self.setColumnCount(len(columns))
+        for k, column in enumerate(columns):
+            head = QTableWidgetItem(column.title)
+            head.setToolTip(column.tip)
+            self.setHorizontalHeaderItem(k, head)
+
+    def show_methods(self, titles: Sequence[str]) -> None:
+        """Have a line for each of these."""
+        self.setRowCount(len(titles))
+        self.setVerticalHeaderLabels(list(titles))
+        self.updateGeometry()
+
+    def show_readings(self, row: int, found: Readings) -> None:
+        """Write a line; where nothing is known yet it stays empty."""
+        for k, column in enumerate(self.columns):
+            text = column.written(found) if found else ""
+            item = self.item(row, k)
+            if item is None:
+                item = QTableWidgetItem()
+                item.setTextAlignment(_RIGHT)
+                item.setToolTip(column.tip)
+                self.setItem(row, k, item)
+            if item.text() != text:
+                item.setText(text)
+
+    def sizeHint(self) -> QSize:
+        """As high as its lines."""
+        head = self.horizontalHeader().sizeHint().height()
+        bar = self.horizontalScrollBar().sizeHint().height()
+        return QSize(super().sizeHint().width(), head + _ROW * self.rowCount() + bar)
+
+    def minimumSizeHint(self) -> QSize:
+        """No less high."""
+        return QSize(240, self.sizeHint().height())

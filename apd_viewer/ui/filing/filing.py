@@ -1,0 +1,182 @@
+"""What is opened and written: the verbs that need a word with the user about files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QMessageBox, QWidget
+
+from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.preferences.memory import Memory, own_file
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.session.storage.recovery import Leftover
+
+
+class Filing:
+    """Opens and writes for a window, which may ask before there is a session.
+
+    Parameters
+    ----------
+    window : QWidget
+        Over which to ask.
+    memory : Memory
+    view : callable
+        How the mesh is looked at, with the symbol of its unit.
+    recovery : Path or None
+        The folder in which what is done is kept; None keeps nothing.
+    """
+
+    def __init__(
+        self, window: QWidget, memory: Memory, view: Callable[[str], View], recovery: Path | None = None
+    ) -> None:
+        self._window = window
+        self._memory = memory
+        self._session: Session | None = None
+        self._wish: Callable[[Session], None] | None = None
+        self._view = view
+        self._recovery = recovery
+        self._asked: Path | None = None
+        self._path: Path | None = None  # of the session file
+        self._embeds = False
+
+    def start(self, session: Session) -> None:
+        """Open what was asked for in the meantime; the latest wish wins."""
+        self._session = session
+        if self._recovery is not None:
+            session.autosave.keep_in(self._recovery, lambda: self._view(session.unit.value))
+        if self._wish is not None:
+            self._wish(session)
+
+    @property
+    def verbs(self) -> dict[str, Callable[..., object]]:
+        """What can be done with files, by name."""
+        return {
+            "open": self.ask_for_file,
+            "open_path": self.open_path,
+            "open_sample": self.open_sample,
+            "export": self.ask_for_target,
+            "save": self.save,
+            "save_as": self.save_as,
+            "load_selection": self.load_selection,
+            "save_selection": self.save_selection,
+        }
+
+    def leftovers(self) -> list[Leftover]:
+        """What was left by programs that were killed, locked for this window."""
+        from apd_viewer.session.storage.recovery import leftovers
+
+        return leftovers(self._recovery) if self._recovery is not None else []
+
+    def restore(self, left: Leftover) -> None:
+        """Open what was left, in the background; its file is no place to save to."""
+        self._asked = None
+        if self._session is not None:
+            self._session.autosave.restore(left)
+
+    def open_path(self, path: str | Path) -> None:
+        """Open a file, in the background."""
+
+        def wish(session: Session) -> None:
+            if session.errand is None:  # or it is refused, and another file is the one that comes
+                self._asked = Path(path)
+            session.open(path)
+
+        self._open(wish)
+
+    def open_sample(self, name: str) -> None:
+        """Open a sample, in the background."""
+        self._open(lambda session: session.open_sample(name))
+
+    def show_mesh(self, mesh: Mesh) -> None:
+        """Show a mesh that is in memory."""
+        self._open(lambda session: session.show(mesh))
+
+    def _open(self, wish: Callable[[Session], None]) -> None:
+        if self._session is None:
+            self._wish = wish
+        else:
+            wish(self._session)
+
+    def ask_for_file(self) -> None:
+        """Let the user choose what to open."""
+        path = dialogs.ask_for_mesh(self._window, self._memory.folder)
+        if path is not None:
+            self.open_path(path)
+
+    def ask_for_target(self) -> None:
+        """Let the user choose where to write the deformed mesh."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        path = dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
+        if path is not None:
+            self._session.export(path)
+
+    def save(self) -> None:
+        """Save the session where it was saved or opened last; ask where if that is nowhere."""
+        if self._path is None:
+            self.save_as()
+        elif self._session is not None and self._session.state is not None:
+            self._session.save(self._path, self._view(self._session.unit.value), self._embeds)
+
+    def save_as(self) -> None:
+        """Let the user choose where to save the session, and whether with the mesh in it."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        mesh = state.document.mesh
+        found = dialogs.ask_for_session(self._window, self._memory.folder, mesh)
+        if found is not None:
+            self._path, self._embeds = found
+            self._memory.remember(self._path)
+            self.save()
+
+    def opened(self, state: State) -> None:
+        """Another mesh is there: what is saved next is another session."""
+        self._path, self._embeds = None, False
+        if path := own_file(state.document.mesh):
+            self._memory.remember(path)
+
+    def viewed(self) -> None:
+        """It came from a session file, which is where it is saved next."""
+        if self._asked is not None and self._asked.suffix.lower() == SUFFIX:
+            self._path = self._asked
+            self._memory.remember(self._asked)
+
+    def load_selection(self) -> None:
+        """Let the user choose a file that says what to paint."""
+        if self._session is None or self._session.state is None:
+            return
+        path = dialogs.ask_for_selection(self._window, self._memory.folder)
+        if path is not None:
+            self._session.load_selection(path)
+
+    def save_selection(self) -> None:
+        """Let the user choose where to write what is painted."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        path = dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
+        if path is not None:
+            self._session.save_selection(path)
+
+    def may_close(self) -> bool:
+        """Whether no shape is lost with the window, or the user wants it so."""
+        if not self.worth_asking:
+            return True
+        answer = dialogs.ask_before_losing(self._window)
+        if answer == QMessageBox.StandardButton.Save:
+            self.ask_for_target()  # and stay: whoever sees the file written can close
+        return answer == QMessageBox.StandardButton.Discard
+
+    @property
+    def worth_asking(self) -> bool:
+        """Whether a shape would be lost; the samples are there to be played with."""
+        return self._session is not None and any(
+            mesh.path is None or own_file(mesh) is not None for mesh in self._session.unsaved
+        )

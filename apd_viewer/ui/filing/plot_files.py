@@ -1,0 +1,71 @@
+"""Plots on disk: the picture as PNG or SVG, the numbers as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize
+from PySide6.QtGui import QColor, QImage, QPaintDevice, QPainter
+from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtWidgets import QWidget
+
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import tr
+from apd_viewer.ui.filing.filing import dialogs
+
+_SCALE = 3  # pixels of a picture for each on the screen
+_PAPER = "#ffffff"
+
+
+def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
+    """Where to write a file of plots; None if the user thought better of it."""
+    return dialogs.ask_where(parent, tr("Save the plots"), folder / f"{name}{suffix}")
+
+
+def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
+    """Write what ``draw`` paints into a field of a size as a picture, on white; SVG or PNG by the suffix.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    with replacing(path) as scratch:
+        if path.suffix.lower() == ".svg":
+            sheet = QSvgGenerator()
+            sheet.setFileName(str(scratch))
+            sheet.setSize(size)
+            sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+            sheet.setTitle(tr("Plots of APD Viewer"))
+            _paint(sheet, size, draw)
+        else:
+            image = QImage(size * _SCALE, QImage.Format.Format_RGB32)
+            image.setDevicePixelRatio(_SCALE)
+            _paint(image, size, draw)
+            if not image.save(str(scratch), "PNG"):
+                raise OSError(tr("the picture could not be encoded"))
+
+
+def svg_of(size: QSize, draw: Callable[[QPainter], None]) -> str:
+    """What ``draw`` paints into a field of a size, on nothing, as an SVG element for a page."""
+    content = QByteArray()
+    buffer = QBuffer(content)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    sheet = QSvgGenerator()
+    sheet.setOutputDevice(buffer)
+    sheet.setSize(size)
+    sheet.setViewBox(QRect(0, 0, size.width(), size.height()))
+    _paint(sheet, size, draw, paper=None)
+    text = bytes(content.data()).decode("utf-8")
+    return text[text.index("<svg") :].strip()
+
+
+def _paint(
+    device: QPaintDevice, size: QSize, draw: Callable[[QPainter], None], paper: str | None = _PAPER
+) -> None:
+    painter = QPainter(device)
+    if paper is not None:
+        painter.fillRect(QRectF(0, 0, size.width(), size.height()), QColor(paper))
+    draw(painter)
+    painter.end()

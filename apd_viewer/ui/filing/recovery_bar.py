@@ -1,0 +1,150 @@
+"""The bar that offers what was left by a program that was killed: it blocks nothing, and waits."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.rows import arrange
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.session import Session
+    from apd_viewer.session.storage.recovery import Leftover
+    from apd_viewer.ui.filing.filing import Filing
+
+_MARGIN = 12
+_ABOVE = 68  # px from the bottom of the canvas: there is room for the invitation below
+_LONGEST_NAME = 240  # px
+_NARROWEST = 120  # px, of the words
+_BESIDE_WORDS = 80  # px, for the symbol and the edges, where the buttons stand below
+
+
+class RecoveryBar(QFrame):
+    """Offers the leftovers one after another, the newest first, until one is restored.
+
+    Parameters
+    ----------
+    canvas : Viewport
+    filing : Filing
+        Finds and restores them.
+    """
+
+    def __init__(self, canvas: Viewport, filing: Filing) -> None:
+        super().__init__(canvas)
+        shield(self)
+        self._canvas = canvas
+        self._filing = filing
+        self._waiting: list[Leftover] = []
+        self.setObjectName("notice")
+        self._symbol = QLabel()
+        self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.restore = self._button(
+            tr("Restore"), tr("Open it as one step, which can be undone"), self._restore
+        )
+        self.restore.setObjectName("primary")
+        self.discard = self._button(tr("Discard"), tr("Remove it for good"), self._discard)
+        self.later = QToolButton(
+            accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
+        )
+        self.later.clicked.connect(self._put_off)
+        self._buttons = self.restore, self.discard, self.later
+        words, answers = QHBoxLayout(spacing=8), QHBoxLayout(spacing=8)
+        for part in (self._symbol, self._text):
+            words.addWidget(part)
+        for button in self._buttons:
+            answers.addWidget(button)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(12, 8, 8, 8)
+        self._row.setSpacing(8)
+        self._row.addLayout(words)
+        self._row.addLayout(answers)
+        for button in self._buttons:
+            # One that goes with the keys in it leaves them to the next field, which takes in letters.
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.set_theme(LIGHT)
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    def _button(self, text: str, tip: str, pressed: Callable[[], None]) -> QPushButton:
+        button = QPushButton(text, toolTip=tip)
+        button.clicked.connect(pressed)
+        return button
+
+    @property
+    def text(self) -> str:
+        """What is offered; empty when nothing is."""
+        return self._text.text() if not self.isHidden() else ""
+
+    def start(self) -> None:
+        """Offer what there is."""
+        self._waiting = self._filing.leftovers()
+        self._show_next()
+
+    def follow(self, session: Session) -> None:
+        """Go once the offer has been taken; while a file is being opened nothing can be."""
+        for button in self._buttons:
+            button.setEnabled(session.errand is None)
+        if self._waiting and self._waiting[0].taken:
+            del self._waiting[0]
+            self.close_all()
+
+    def close_all(self) -> None:
+        """Leave what has not been answered for the next start."""
+        for left in self._waiting:
+            left.release()
+        self._waiting.clear()
+        self.hide()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self.later.setIcon(icon("cancel", theme))
+        self._symbol.setPixmap(icon("history", theme).pixmap(SIZE, self.devicePixelRatioF()))
+
+    def _restore(self) -> None:
+        self._filing.restore(self._waiting[0])
+
+    def _discard(self) -> None:
+        self._waiting.pop(0).discard()
+        self._show_next()
+
+    def _put_off(self) -> None:
+        self._waiting.pop(0).release()
+        self._show_next()
+
+    def _show_next(self) -> None:
+        self.setVisible(bool(self._waiting))
+        if self._waiting:
+            from apd_viewer.session.storage.recovery import ago
+
+            left = self._waiting[0]
+            name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
+            self._text.setText(
+                tr("Unsaved when the program ended: {name}, {when}").format(
+                    name=name, when=ago(time.time() - left.time)
+                )
+            )
+            self.raise_()
+            self._place()
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        canvas, text = self._canvas, self._text
+        text.setFixedWidth(_NARROWEST)
+        room = canvas.width() - 2 * _MARGIN
+        beside = arrange(self._row, room - 2)
+        words = max(_NARROWEST, room - (self.sizeHint().width() - _NARROWEST if beside else _BESIDE_WORDS))
+        text.setFixedWidth(min(words, text.fontMetrics().horizontalAdvance(text.text()) + 4))
+        self._row.activate()
+        self.adjustSize()
+        self.move((canvas.width() - self.width()) // 2, canvas.height() - self.height() - _ABOVE)

@@ -1,0 +1,1 @@
+"""Help, tour and the list of shortcuts."""

@@ -1,0 +1,188 @@
+"""The help that lies over the window: the sheet of shortcuts and the tour."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
+
+from apd_viewer.files.samples import resource
+from apd_viewer.language import tr
+from apd_viewer.ui.actions.action_maker import plain
+from apd_viewer.ui.help.mouse_words import gestures
+from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, Group, Row
+from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
+from apd_viewer.ui.help.tour import Tour
+from apd_viewer.ui.help.tour_places import Places
+from apd_viewer.ui.preferences.shortcuts import Shortcuts
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.actions.actions import Actions
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.widgets.theme import Theme
+
+
+class Help(QObject):
+    """Opens and closes sheet and tour, and keeps them out of each other's way.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    parts : tuple
+        The window's canvas, actions and panel.
+    memory : Memory
+    open_bottle : callable
+        Opens the sample that the tour speaks of.
+
+    Attributes
+    ----------
+    shortcuts : Shortcuts
+    sheet : ShortcutSheet
+    tour : Tour
+    """
+
+    def __init__(
+        self,
+        window: QMainWindow,
+        parts: tuple[Canvas, Actions, Panel],
+        memory: Memory,
+        open_bottle: Callable[[], object],
+    ) -> None:
+        super().__init__(window)
+        self._window = window
+        self._memory = memory
+        self._open_bottle = open_bottle
+        canvas, actions, panel = parts
+        self._canvas = canvas
+        self.shortcuts = Shortcuts(actions.entries, _mnemonics(window), memory)
+        self.sheet = ShortcutSheet(canvas.viewport, self.shortcuts, self._groups)
+        self.tour = Tour(window, canvas, Places(window, *parts))
+        self.sheet.dismissed.connect(self.close)
+        self.tour.area_wanted.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
+        self.tour.ring_wanted.connect(partial(_show_gizmo, canvas, actions))
+        self._session: Session | None = None
+        self._wished = False
+        self._mesh: object = None
+
+    def open_sheet(self) -> None:
+        """List the shortcuts, or close the list."""
+        if not self._close_sheet():
+            self.tour.card.hide()
+            self.sheet.open()
+
+    def begin_tour(self) -> None:
+        """Begin the tour, on the bottle."""
+        self._close_sheet()
+        self.tour.end()
+        if self._can_begin():
+            self._begin()
+        else:
+            self._wished = True
+            self._open_bottle()
+
+    def greet(self, on_bottle: bool) -> None:
+        """Begin the tour as soon as the bottle is there, if this is the first start of all."""
+        self._wished = on_bottle and not self._memory.toured
+        self._memory.toured = True
+
+    def follow(self, session: Session) -> None:
+        """Begin the tour that waits for the bottle; end it when another mesh is opened."""
+        self._session = session
+        if session.state is None or session.errand is not None:
+            return
+        if self.tour.active and session.state.document.mesh is not self._mesh:
+            self.tour.end()
+        if self._wished:
+            self._wished = False
+            if self._can_begin():
+                QTimer.singleShot(0, self, self._begin)  # the mesh is shown by then
+
+    def close(self) -> bool:
+        """Close the sheet, or else end the tour; True if there was one to close."""
+        return self._close_sheet() or self.tour.end()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw what the style sheet does not reach."""
+        self.sheet.set_theme(theme)
+        self.tour.card.set_theme(theme)
+
+    def _can_begin(self) -> bool:
+        """Whether the bottle is there, and painted so that its handle can be moved."""
+        state = None if self._session is None else self._session.state
+        if state is None or state.document.problem:
+            return False
+        return state.document.mesh.path == resource("bottle.obj")
+
+    def _begin(self) -> None:
+        session = self._session
+        if session is not None and session.state is not None and self._can_begin():
+            self._mesh = session.state.document.mesh
+            self.tour.begin(lambda: session.activity.value != "refining", self._holds_area)
+
+    def _holds_area(self) -> bool:
+        state = None if self._session is None else self._session.state
+        return state is not None and state.document.kept[0] is not None
+
+    def _close_sheet(self) -> bool:
+        if self.sheet.isHidden():
+            return False
+        if self.sheet.isAncestorOf(self._window.focusWidget()):
+            self._canvas.viewport.setFocus()
+        self.sheet.hide()
+        self.tour.card.setVisible(self.tour.active)
+        return True
+
+    def _groups(self, parent: QWidget) -> list[Group]:
+        """All actions by their menus, and the gestures of the mouse."""
+        entries = {entry.action: entry for entry in self.shortcuts.entries}
+        groups = []
+        for top in self._window.menuBar().actions():
+            rows: list[Row] = [
+                ActionRow(entries[action], _full(within, entries[action].title))
+                for action, within in _leaves(_menu(top))
+                if action in entries
+            ]
+            groups.append(Group(plain(top.text()), rows, parent))
+        groups.append(Group(tr("Mouse"), [GestureRow(gesture) for gesture in gestures()], parent))
+        return groups
+
+
+def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
+    if not canvas.gizmo.visible:
+        actions.tools[Tool.MOVE].trigger()
+
+
+def _full(within: str, title: str) -> str:
+    """A title with that of its submenu before it, if it does not say the same."""
+    if not within or title.startswith(within):
+        return title
+    return tr("{menu}: {title}").format(menu=within, title=title)
+
+
+def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
+    """The actions of a menu, each with the title of the submenu that it is in."""
+    for action in menu.actions():
+        if action.menu() is not None:
+            yield from _leaves(_menu(action), plain(action.text()))
+        elif not action.isSeparator():
+            yield action, within
+
+
+def _menu(action: QAction) -> QMenu:
+    menu = action.menu()
+    assert isinstance(menu, QMenu)
+    return menu
+
+
+def _mnemonics(window: QMainWindow) -> dict[str, str]:
+    """The keys that open the menus, and their titles."""
+    titles = [top.text() for top in window.menuBar().actions()]
+    return {f"Alt+{title.partition('&')[2][:1].upper()}": plain(title) for title in titles if "&" in title}

@@ -1,0 +1,139 @@
+"""The rows of the sheet of shortcuts: an action with its keys, or a gesture of the mouse."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QWidget
+
+from apd_viewer.language import tr, trc
+from apd_viewer.ui.help.mouse_words import Gesture
+from apd_viewer.ui.preferences.key_field import KeyField
+from apd_viewer.ui.preferences.shortcuts import Entry, native
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+_EDGES = (8, 1, 4, 1)
+
+
+class ActionRow(QFrame):
+    """Icon, title and keys of an action, and the way back to its standard keys.
+
+    Parameters
+    ----------
+    entry : Entry
+    title : str
+        With the submenu that it is in.
+
+    Attributes
+    ----------
+    keys : KeyField
+    back : QToolButton
+        Gives it its standard keys; there while it has others.
+    """
+
+    def __init__(self, entry: Entry, title: str) -> None:
+        super().__init__(objectName="shortcut")
+        self._theme = LIGHT
+        self.entry = entry
+        self.title = title
+        self.setToolTip(entry.tip)
+        self._symbol = QLabel()
+        self._symbol.setFixedSize(SIZE)
+        self.keys = KeyField(entry)
+        standard = native(entry.standard) or trc("keys", "none")
+        self.back = small_button(
+            tr("Back to the standard keys of {title}: {standard}").format(
+                title=entry.title, standard=standard
+            ),
+            tr("Back to the standard: {standard}").format(standard=standard),
+        )
+        row = QHBoxLayout(self, spacing=8)
+        row.setContentsMargins(*_EDGES)
+        row.addWidget(self._symbol)
+        row.addWidget(QLabel(title, wordWrap=True), 1)
+        row.addWidget(self.back)
+        row.addWidget(self.keys)
+        self.back.setVisible(entry.is_changed)
+
+    def show_keys(self) -> None:
+        """Show the keys that the action has now."""
+        self.keys.show_keys()
+        self.back.setVisible(self.entry.is_changed)
+        self._draw_back()
+
+    @property
+    def said(self) -> str:
+        """All that can be searched for."""
+        return f"{self.title} {self.entry.tip} {self.entry.keys} {native(self.entry.keys)}"
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons; that of the action has been redrawn already."""
+        self._theme = theme
+        self._symbol.setPixmap(self.entry.action.icon().pixmap(SIZE, self.devicePixelRatioF()))
+        self._draw_back()
+
+    def _draw_back(self) -> None:
+        if self.entry.is_changed:
+            self.back.setIcon(icon("undo", self._theme))
+
+
+class GestureRow(QFrame):
+    """Icon and title of a tool, and under them what the mouse does with it."""
+
+    def __init__(self, gesture: Gesture) -> None:
+        super().__init__(objectName="gesture")
+        self._gesture = gesture
+        self.setAccessibleName(tr("{title}: {words}").format(title=gesture.title, words=gesture.words))
+        self._symbol = QLabel()
+        self._symbol.setFixedSize(SIZE)
+        grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=1)
+        grid.setContentsMargins(8, 4, 4, 4)
+        grid.setColumnStretch(1, 1)
+        grid.addWidget(self._symbol, 0, 0, Qt.AlignmentFlag.AlignTop)
+        grid.addWidget(QLabel(gesture.title), 0, 1)
+        grid.addWidget(QLabel(gesture.words, objectName="quiet", wordWrap=True), 1, 1)
+
+    @property
+    def said(self) -> str:
+        """All that can be searched for."""
+        return " ".join([self._gesture.title, self._gesture.words, tr("mouse")])
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self._symbol.setPixmap(icon(self._gesture.image, theme).pixmap(SIZE, self.devicePixelRatioF()))
+
+
+Row = ActionRow | GestureRow
+
+
+class Group(QWidget):
+    """Rows under a heading, which goes when none of them is left.
+
+    Attributes
+    ----------
+    rows : list of ActionRow or GestureRow
+    """
+
+    def __init__(self, title: str, rows: list[Row], column: QWidget) -> None:
+        super().__init__(column)
+        self.rows = rows
+        self._title = title
+        grid = QGridLayout(self, verticalSpacing=0)
+        grid.setContentsMargins(0, 8, 0, 4)
+        heading = QLabel(title, objectName="heading")
+        heading.setContentsMargins(8, 0, 0, 4)
+        grid.addWidget(heading)
+        for row in rows:
+            grid.addWidget(row)
+
+    def show_found(self, words: list[str]) -> int:
+        """Show the rows in which all the words begin a word; how many these are."""
+        found = 0
+        for row in self.rows:
+            said = f"{self._title} {row.said}".replace(":", " ").casefold().split()
+            fits = all(any(other.startswith(word) for other in said) for word in words)
+            row.setVisible(fits)
+            found += fits
+        self.setVisible(bool(found))
+        return found

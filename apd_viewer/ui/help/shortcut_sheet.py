@@ -1,0 +1,256 @@
+"""The sheet over the canvas that lists all actions with their keys, where the keys can be changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.language import tr
+from apd_viewer.ui.help.shortcut_rows import ActionRow, Group
+from apd_viewer.ui.preferences.shortcuts import Shortcuts, native, split
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.rows import arrange
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+
+_MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
+_HINT = tr("Click keys to change them.")
+_WAITING = tr("Press new keys; Delete takes the old ones away, Esc leaves them.")
+
+
+class ShortcutSheet(QFrame):
+    """Search field, list and a line that says what is going on.
+
+    Parameters
+    ----------
+    canvas : Viewport
+    shortcuts : Shortcuts
+    groups : callable
+        Makes the groups of rows anew, in the widget that it is given.
+
+    Attributes
+    ----------
+    dismissed : Signal()
+        Esc, or the cross.
+    search : QLineEdit
+    rows : dict of str to ActionRow
+        By the names of the entries, while it is open.
+    """
+
+    dismissed = Signal()
+
+    def __init__(
+        self, canvas: Viewport, shortcuts: Shortcuts, groups: Callable[[QWidget], list[Group]]
+    ) -> None:
+        super().__init__(canvas, objectName="sheet", accessibleName=tr("Shortcuts"))
+        shield(self)
+        self._canvas = canvas
+        self._shortcuts = shortcuts
+        self._make_groups = groups
+        self._groups: list[Group] = []
+        self._theme = LIGHT
+        self._wish: tuple[ActionRow, str] | None = None
+        self.rows: dict[str, ActionRow] = {}
+        column = QVBoxLayout(self, spacing=8)
+        column.setContentsMargins(12, 8, 8, 12)
+        column.addLayout(self._make_head())
+        column.addWidget(self._make_list(), 1)
+        column.addLayout(self._make_foot())
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    def _make_head(self) -> QHBoxLayout:
+        self.search = QLineEdit(
+            placeholderText=tr("Search for an action, keys or a gesture"),
+            accessibleName=tr("Search the shortcuts"),
+            clearButtonEnabled=True,
+        )
+        self.search.textChanged.connect(self._filter)
+        self._close = small_button(tr("Close the shortcuts"), tr("Close (Esc)"))
+        self._close.clicked.connect(self.dismissed)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.search, 1)
+        row.addWidget(self._close)
+        return row
+
+    def _make_list(self) -> QScrollArea:
+        self._scroll = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
+        self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        return self._scroll
+
+    def _make_foot(self) -> QHBoxLayout:
+        self.line = QLabel(wordWrap=True, accessibleName=tr("What is going on"))
+        self.line.setMinimumHeight(2 * self.line.fontMetrics().lineSpacing())
+        self.swap = QPushButton(tr("Swap"), objectName="primary")
+        self.swap.clicked.connect(self._swap)
+        self.back = QPushButton(tr("All back to the standard"))
+        self.back.setToolTip(tr("Give all actions their standard keys"))
+        self.back.clicked.connect(self._reset_all)
+        row = self._foot = QHBoxLayout(spacing=8)
+        row.setContentsMargins(8, 0, 4, 0)
+        row.addWidget(self.line, 1)
+        row.addWidget(self.swap)
+        row.addWidget(self.back)
+        return row
+
+    def open(self) -> None:
+        """List all, and search for nothing yet."""
+        body = QWidget(objectName="rows")
+        column = QVBoxLayout(body, spacing=4)
+        column.setContentsMargins(0, 0, 4, 0)
+        self._groups = self._make_groups(body)
+        for group in self._groups:
+            column.addWidget(group)
+        self._nothing = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True, objectName="quiet")
+        column.addWidget(self._nothing)
+        column.addStretch(1)
+        rows = [row for group in self._groups for row in group.rows if isinstance(row, ActionRow)]
+        self.rows = {row.entry.name: row for row in rows}
+        for row in rows:
+            self._connect(row)
+        self._scroll.setWidget(body)
+        self.search.clear()
+        self._filter("")
+        self._say(_HINT)
+        self.back.setEnabled(self._shortcuts.are_changed)
+        self.set_theme(self._theme)
+        self.show()
+        self.raise_()
+        self._place()
+        self.search.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def _connect(self, row: ActionRow) -> None:
+        row.keys.chosen.connect(partial(self._ask, row))
+        row.keys.waiting_changed.connect(self._say_waiting)
+        row.keys.stepped.connect(partial(self._step, row))
+        row.back.clicked.connect(lambda: self._ask(row, row.entry.standard))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self._theme = theme
+        self._close.setIcon(icon("cancel", theme))
+        for group in self._groups:
+            for row in group.rows:
+                row.set_theme(theme)
+
+    # Searching
+
+    def _filter(self, text: str) -> None:
+        found = sum(group.show_found(text.casefold().split()) for group in self._groups)
+        if self._groups:
+            self._nothing.setVisible(not found)
+            self._nothing.setText(tr("Nothing here is called “{text}”.").format(text=text.strip()))
+
+    @property
+    def _shown(self) -> list[ActionRow]:
+        return [row for row in self.rows.values() if row.isVisible()]
+
+    def _step(self, row: ActionRow, step: int) -> None:
+        """Go to the next row that is shown; above the first one lies the search field."""
+        shown = self._shown
+        k = shown.index(row) + step
+        if 0 <= k < len(shown):
+            shown[k].keys.setFocus(Qt.FocusReason.TabFocusReason)
+            self._scroll.ensureWidgetVisible(shown[k], 0, 24)
+        elif k < 0:
+            self.search.setFocus()
+
+    # Changing keys
+
+    def _ask(self, row: ActionRow, keys: str) -> None:
+        """Give keys to an action, if nothing is against it."""
+        other = self._shortcuts.holder(keys, row.entry)
+        if reason := self._shortcuts.refusal(row.entry, keys):
+            self._say(reason, warn=True)
+        elif other is not None:
+            self._offer_swap(row, keys, other.title)
+        else:
+            self._give(row, keys)
+
+    def _offer_swap(self, row: ActionRow, keys: str, other: str) -> None:
+        taken = next(key for key in split(keys) if self._shortcuts.holder(key, row.entry))
+        self._say(tr("{keys} belongs to “{action}”.").format(keys=native(taken), action=other), warn=True)
+        self._wish = row, keys
+        self.swap.setText(tr("Swap") if row.entry.keys else tr("Take it"))
+        instead = native(row.entry.keys) or tr("no keys")
+        self.swap.setToolTip(
+            tr("“{action}” gets {keys} instead (Esc: leave all as it is)").format(action=other, keys=instead)
+        )
+        self.swap.setAccessibleDescription(self.line.text())
+        self.swap.show()
+        self.back.hide()
+        self.swap.setFocus()
+
+    def _swap(self) -> None:
+        if self._wish is not None:
+            self._give(*self._wish)
+
+    def _give(self, row: ActionRow, keys: str) -> None:
+        self._shortcuts.give(row.entry, keys)
+        self._say(
+            tr("“{action}” has {keys} now.").format(
+                action=row.entry.title, keys=native(keys) or tr("no keys")
+            )
+        )
+        self._show_keys()
+        row.keys.setFocus()
+
+    def _reset_all(self) -> None:
+        self._shortcuts.reset_all()
+        self._say(tr("All actions have their standard keys."))
+        self._show_keys()
+        self.search.setFocus()
+
+    def _show_keys(self) -> None:
+        for row in self.rows.values():
+            row.show_keys()
+        self.back.setEnabled(self._shortcuts.are_changed)
+
+    def _say_waiting(self, waits: bool) -> None:
+        self._say(_WAITING if waits else _HINT)
+
+    def _say(self, sentence: str, warn: bool = False) -> None:
+        """Say what is going on; an offer that was made before is none any more."""
+        self._wish = None
+        self.swap.hide()
+        self.back.show()
+        self.line.setText(sentence)
+        mark(self.line, "warn", warn)
+
+    # Place and events
+
+    def _place(self) -> None:
+        if not self.isHidden():
+            width = min(_WIDEST, self._canvas.width() - 2 * _MARGIN)
+            left = (self._canvas.width() - width) // 2
+            self.line.setMinimumWidth(_NARROWEST)
+            arrange(self._foot, width - 24)
+            self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc takes an offer back, or closes the sheet; the arrow goes down from the search field."""
+        shown = self._shown
+        if event.key() == Qt.Key.Key_Escape and self._wish is not None:
+            self._wish[0].keys.setFocus()
+            self._say(_HINT)
+        elif event.key() == Qt.Key.Key_Escape:
+            self.dismissed.emit()
+        elif event.key() == Qt.Key.Key_Down and self.search.hasFocus() and shown:
+            shown[0].keys.setFocus(Qt.FocusReason.TabFocusReason)
+        else:
+            super().keyPressEvent(event)

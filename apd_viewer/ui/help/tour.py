@@ -1,0 +1,217 @@
+"""The tour: five steps around the sample bottle, which go on by themselves when they are followed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QObject, QRect, QTimer, Signal
+from PySide6.QtWidgets import QMainWindow
+
+from apd_viewer.language import tr
+from apd_viewer.ui.help.tour_card import TourCard
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.help.tour_places import Places
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_LOOK = 33  # ms between looks at where things are
+_READING_TIME = 1500  # ms for the area, once the shape has settled
+_RING, _AREA = 1, 2  # the steps that ask for an act
+
+_NOT_HELD = tr(
+    "This is the area of the whole surface. Turn the ring once more and watch it: the method that is chosen "
+    "lets it change, the method Exact holds it."
+)
+
+
+class Step(NamedTuple):
+    """A step of the tour.
+
+    Parameters
+    ----------
+    sentence : str
+    place : callable
+        Where the card points; None where the thing cannot be seen.
+    otherwise : str
+        What is said then.
+    """
+
+    sentence: str
+    place: Callable[[], QRect | None]
+    otherwise: str = ""
+
+
+def steps(places: Places) -> tuple[Step, ...]:
+    """What is said, and where."""
+    return (
+        Step(
+            tr(
+                "The blue base of this bottle stays in place, the orange top is the handle that you move. "
+                "Drag beside the bottle to look around."
+            ),
+            places.mesh,
+        ),
+        Step(
+            tr("Drag the green ring around the handle, and the bottle twists."),
+            places.rings,
+            tr("The ring is out of sight: take “Move handle”, then “Frame the mesh”."),
+        ),
+        Step(
+            tr(
+                "This is the area of the whole surface. Turn the ring once more: the shape changes, "
+                "the area does not."
+            ),
+            places.area,
+            tr("The area is out of sight: open the readings in the View menu, and scroll up."),
+        ),
+        Step(
+            tr(
+                "With these you paint parts of your own: base, handle and region, and the eraser frees them "
+                "again."
+            ),
+            places.brushes,
+        ),
+        Step(
+            tr("Export writes the shape to a file. Now open a mesh of your own, or drop it on the window."),
+            places.export,
+        ),
+    )
+
+
+class Tour(QObject):
+    """Shows the steps one after the other; it blocks nothing.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    canvas : Canvas
+    places : Places
+
+    Attributes
+    ----------
+    began, ended : Signal()
+    ring_wanted : Signal()
+        The ring should be there to be dragged.
+    area_wanted : Signal()
+        The area should be there to be read.
+    card : TourCard
+    """
+
+    began = Signal()
+    ended = Signal()
+    ring_wanted = Signal()
+    area_wanted = Signal()
+
+    def __init__(self, window: QMainWindow, canvas: Canvas, places: Places) -> None:
+        super().__init__(window)
+        self._window = window
+        self._canvas = canvas
+        self._places = places
+        self._steps = steps(places)
+        self.card = TourCard(window)
+        self.card.stepped.connect(self._step)
+        self.card.skipped.connect(self.end)
+        self._step_now = -1
+        self._rests: Callable[[], bool] = lambda: True
+        self._holds: Callable[[], bool] = lambda: True
+        self._turned = False
+        self._pose: np.ndarray = np.eye(4)
+        # What it points at moves with camera, layout, scroll bars and tool: to look is simpler than to
+        # be told by all of them, and moves nothing that is where it was.
+        self._looking = QTimer(self, interval=_LOOK)
+        self._looking.timeout.connect(self.look)
+        self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)
+        self._reading.timeout.connect(self._followed)
+        canvas.drag_began.connect(self._begin_drag)
+        canvas.drag_ended.connect(self._end_drag)
+
+    @property
+    def number(self) -> int:
+        """The step that is shown, from 0; -1 while there is no tour."""
+        return self._step_now
+
+    @property
+    def active(self) -> bool:
+        """Whether it goes on."""
+        return self._step_now >= 0
+
+    def begin(self, rests: Callable[[], bool], holds: Callable[[], bool]) -> None:
+        """Show the first step.
+
+        ``rests`` says whether the shape on screen has settled, ``holds`` whether its method holds the area.
+        """
+        self._rests, self._holds = rests, holds
+        self._show(0)
+        self._looking.start()
+        self.began.emit()
+
+    def end(self) -> bool:
+        """Show nothing any more; True if there was a tour."""
+        if not self.active:
+            return False
+        self._step_now = -1
+        self._looking.stop()
+        self._reading.stop()
+        if self.card.isAncestorOf(self._window.focusWidget()):
+            self._canvas.viewport.setFocus()
+        self.card.hide()
+        self.ended.emit()
+        return True
+
+    def _step(self, by: int) -> None:
+        number = self._step_now + by
+        if not self.active or number >= len(self._steps):
+            self.end()
+        else:
+            self._show(number)
+
+    def _show(self, number: int) -> None:
+        self._step_now = number
+        self._turned = False
+        self._reading.stop()
+        if number == _RING:
+            self.ring_wanted.emit()
+        elif number == _AREA:
+            self.area_wanted.emit()
+        self.card.show_step(number, len(self._steps), self._sentence)
+        self.look()
+
+    def look(self) -> None:
+        """Point at where the thing is now, and go on where the step has been followed."""
+        if not self.active:
+            return
+        step = self._steps[self._step_now]
+        target = step.place()
+        self.card.say(self._sentence if target is not None else step.otherwise or self._sentence)
+        gizmo = self._places.gizmo() if self._step_now <= _AREA else None
+        self.card.point_at(target, gizmo or QRect())
+        if self._step_now == _AREA and self._turned and self._rests() and not self._reading.isActive():
+            self._reading.start()
+
+    @property
+    def _sentence(self) -> str:
+        """What is true of the step that is shown."""
+        if self._step_now == _AREA and not self._holds():
+            return _NOT_HELD
+        return self._steps[self._step_now].sentence
+
+    def _followed(self) -> None:
+        """Go on, unless the card is covered by something else that was opened."""
+        if self.card.isVisible():
+            self._step(1)
+
+    def _begin_drag(self) -> None:
+        self._pose = self._canvas.gizmo.pose
+        self._turned = False
+        self._reading.stop()
+
+    def _end_drag(self) -> None:
+        """Note that the handle was turned, whether or not it was moved or scaled too."""
+        old, new = (
+            pose[:3, :3] / np.linalg.norm(pose[:3, :3]) for pose in (self._pose, self._canvas.gizmo.pose)
+        )
+        self._turned = not np.allclose(old, new)
+        if self._step_now == _RING and self._turned:
+            self._followed()

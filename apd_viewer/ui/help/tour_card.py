@@ -1,0 +1,198 @@
+"""The card of the tour: a sentence, the way on and back, and a tip that points at what it speaks of."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMainWindow, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr, trc
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+_WIDTH = 288
+_BETWEEN = 8  # the buttons
+_GAP = 12  # between the card and what it speaks of, where the tip is
+_MARGIN = 8  # to the edge of the window
+_HALF = 9  # of the width of the tip
+_CORNER = 20  # along the edge of the card that the tip keeps off
+SIDES = {"left": (-1, 0), "right": (1, 0), "below": (0, 1), "above": (0, -1)}
+
+
+def placed(size: QSize, target: QRect, room: QRect, free: QRect) -> tuple[QRect, str]:
+    """Where the card hides least of its target and of what shall stay free, and on which side."""
+    found = []
+    for side, (dx, dy) in SIDES.items():
+        away = QPoint(
+            dx * (_GAP + (target.width() + size.width()) // 2),
+            dy * (_GAP + (target.height() + size.height()) // 2),
+        )
+        rect = QRect(QPoint(), size)
+        rect.moveCenter(target.center() + away)
+        found.append((_within(rect, room), side))
+    return min(found, key=lambda place: _hidden(place[0], target) + _hidden(place[0], free))
+
+
+def _within(rect: QRect, room: QRect) -> QRect:
+    left = max(room.left(), min(rect.left(), room.right() - rect.width() + 1))
+    top = max(room.top(), min(rect.top(), room.bottom() - rect.height() + 1))
+    return QRect(QPoint(left, top), rect.size())
+
+
+def _hidden(rect: QRect, other: QRect) -> int:
+    both = rect & other
+    return both.width() * both.height() if both.isValid() else 0
+
+
+class _Tip(QWidget):
+    """The tip at one edge of the card; the mouse goes through it."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self._side = "left"
+        self.theme = LIGHT
+        self.hide()
+
+    def attach(self, card: QRect, target: QRect, side: str) -> None:
+        """Stand at the edge of the card towards the target, one pixel over its line."""
+        self._side = side
+        level = side in ("left", "right")
+        self.setFixedSize(_GAP, 2 * _HALF) if level else self.setFixedSize(2 * _HALF, _GAP)
+        aim = target.center()
+        x = max(card.left() + _CORNER, min(aim.x(), card.right() - _CORNER)) - _HALF
+        y = max(card.top() + _CORNER, min(aim.y(), card.bottom() - _CORNER)) - _HALF
+        places = {
+            "left": QPoint(card.right(), y),
+            "right": QPoint(card.left() - _GAP + 1, y),
+            "below": QPoint(x, card.top() - _GAP + 1),
+            "above": QPoint(x, card.bottom()),
+        }
+        self.move(places[side])
+        self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw a triangle with two lines, open towards the card."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.translate(QPointF(self.rect().center()) + QPointF(0.5, 0.5))
+        painter.rotate({"left": 90, "right": -90, "below": 0, "above": 180}[self._side])
+        low = _GAP / 2  # the tip points up
+        way = QPolygonF([QPointF(-_HALF, low), QPointF(0, 1.5 - low), QPointF(_HALF, low)])
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(self.theme.raised))
+        painter.drawPolygon(way)
+        painter.setPen(QPen(QColor(self.theme.accent), 1))
+        painter.drawPolyline(way)
+
+
+class TourCard(QFrame):
+    """One step of the tour.
+
+    Parameters
+    ----------
+    window : QMainWindow
+
+    Attributes
+    ----------
+    stepped : Signal(int)
+        1 asks for the next step, -1 for the one before.
+    skipped : Signal()
+        Skip, or Esc.
+    sentence : QLabel
+    next, back, skip : QPushButton
+    """
+
+    stepped = Signal(int)
+    skipped = Signal()
+
+    def __init__(self, window: QMainWindow) -> None:
+        super().__init__(window, objectName="tour")
+        self._window = window
+        self._tip = _Tip(window)
+        self.sentence = QLabel(wordWrap=True)
+        self._number = QLabel(objectName="quiet")
+        self.skip = QPushButton(tr("Skip"), objectName="flat", toolTip=tr("End the tour (Esc)"))
+        self.back = QPushButton(trc("button", "Back"))
+        self.next = QPushButton(tr("Next"), objectName="primary")
+        self.skip.clicked.connect(self.skipped)
+        self.back.clicked.connect(lambda: self.stepped.emit(-1))
+        self.next.clicked.connect(lambda: self.stepped.emit(1))
+        row = QHBoxLayout(spacing=_BETWEEN)
+        row.addWidget(self._number)
+        row.addStretch(1)
+        for button in (self.skip, self.back, self.next):
+            row.addWidget(button)
+        column = self._column = QVBoxLayout(self, spacing=12)
+        column.setContentsMargins(16, 12, 12, 12)
+        column.addWidget(self.sentence)
+        column.addLayout(row)
+        self.hide()
+
+    def show_step(self, number: int, count: int, sentence: str) -> None:
+        """Show one of the steps, counted from 0."""
+        self._number.setText(tr("{step} of {count}").format(step=number + 1, count=count))
+        self.setAccessibleName(tr("Tour, step {step}").format(step=self._number.text()))
+        self.back.setVisible(number > 0)
+        self.skip.setVisible(number < count - 1)
+        self.next.setText(tr("Next") if number < count - 1 else tr("Done"))
+        self.setFixedWidth(self._room_for_all())
+        self.say(sentence)
+        self.show()
+        self.raise_()
+
+    def _room_for_all(self) -> int:
+        """A width at which all buttons could stand side by side, whatever their words."""
+        edges = self._column.contentsMargins()
+        width = edges.left() + edges.right()
+        for part in (self._number, self.skip, self.back, self.next):
+            part.ensurePolished()
+            width += part.sizeHint().width() + _BETWEEN
+        return max(_WIDTH, width)
+
+    def say(self, sentence: str) -> None:
+        """Show another sentence."""
+        if sentence != self.sentence.text():
+            self.sentence.setText(sentence)
+            # The height for a width is never less than the smallest height, which the last one has set.
+            self.sentence.setMinimumHeight(0)
+            self.sentence.setFixedHeight(self.sentence.heightForWidth(self.width() - 30))
+            self._column.activate()
+            self.setFixedHeight(self._column.sizeHint().height())
+
+    def point_at(self, target: QRect | None, free: QRect) -> None:
+        """Stand beside a place in the window, or at the bottom, and leave another one free if possible."""
+        bars = self._window.menuBar().height(), self._window.statusBar().height()
+        room = self._window.rect().adjusted(0, bars[0], 0, -bars[1])
+        room.adjust(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
+        if target is None:
+            target = QRect(room.center().x(), room.bottom(), 1, 1)
+            self.setGeometry(placed(self.size(), target, room, free)[0])
+            self._tip.hide()
+            return
+        rect, side = placed(self.size(), target, room, free)
+        if rect != self.geometry() or self._tip.isHidden():
+            self.move(rect.topLeft())
+        self._tip.attach(rect, target, side)
+        self._tip.setVisible(self.isVisible() and not rect.intersects(target))
+        self._tip.raise_()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self._tip.theme = theme
+        self._tip.update()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc ends the tour, Enter presses the button that has the keys."""
+        button = self.focusWidget()
+        if event.key() == Qt.Key.Key_Escape:
+            self.skipped.emit()
+        elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and isinstance(button, QPushButton):
+            button.click()
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        """Take the tip along when the card goes."""
+        if event.type() == QEvent.Type.Hide:
+            self._tip.hide()
+        return super().event(event)

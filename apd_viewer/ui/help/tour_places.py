@@ -1,0 +1,95 @@
+"""Where in the window the things are that the tour speaks of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPoint, QRect
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMainWindow, QWidget
+
+from apd_viewer.ui.actions.actions import Actions
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.tools.gizmo_geometry import Frame
+
+_MOST_POINTS = 500  # of a mesh that are looked at
+
+
+class Places:
+    """Rectangles in a window, each None where the thing cannot be seen.
+
+    Parameters
+    ----------
+    window : QMainWindow
+    canvas : Canvas
+    actions : Actions
+    panel : Panel
+    """
+
+    def __init__(self, window: QMainWindow, canvas: Canvas, actions: Actions, panel: Panel) -> None:
+        self._window = window
+        self._canvas = canvas
+        self._actions = actions
+        self._panel = panel
+
+    def mesh(self) -> QRect | None:
+        """The mesh."""
+        U = self._canvas.surface.U
+        return self._around(self._canvas.viewport.project(U[:: 1 + len(U) // _MOST_POINTS]))
+
+    def rings(self) -> QRect | None:
+        """The rings of the gizmo."""
+        return self._gizmo(lambda frame, axis: frame.ring(axis)[0])
+
+    def gizmo(self) -> QRect | None:
+        """The whole gizmo, with rings, arrows and letters."""
+        return self._gizmo(lambda frame, axis: np.vstack([frame.ring(axis)[0], frame.arrow(axis)]))
+
+    def area(self) -> QRect | None:
+        """The reading of the area."""
+        area = self._panel.area
+        return self._of([area.percent, area.verdict, area.area])
+
+    def brushes(self) -> QRect | None:
+        """The buttons of the tools that paint."""
+        return self._buttons([self._actions.tools[tool] for tool in Tool if tool.words.is_brush])
+
+    def export(self) -> QRect | None:
+        """The button that exports."""
+        return self._buttons([self._actions.export])
+
+    def _gizmo(self, points: Callable[[Frame, int], np.ndarray]) -> QRect | None:
+        gizmo = self._canvas.gizmo
+        if not gizmo.visible or not gizmo.frame.visible:
+            return None
+        return self._around(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
+
+    def _around(self, points: np.ndarray) -> QRect | None:
+        """What is seen of the box around points of the viewport."""
+        view = self._canvas.viewport
+        if not len(points) or not np.isfinite(points).all():
+            return None
+        # Far outside the view, numbers would be too large for Qt.
+        low, high = np.clip([points.min(axis=0), points.max(axis=0)], -1e6, 1e6).round().astype(int)
+        seen = QRect(QPoint(*low.tolist()), QPoint(*high.tolist())) & view.rect()
+        return self._shifted(view, seen) if seen.isValid() else None
+
+    def _buttons(self, actions: list[QAction]) -> QRect | None:
+        return self._of([self._actions.bar.widgetForAction(action) for action in actions])
+
+    def _of(self, widgets: list[QWidget]) -> QRect | None:
+        """What is seen of widgets."""
+        found = QRect()
+        for widget in widgets:
+            if widget.isVisible() and not (seen := widget.visibleRegion().boundingRect()).isEmpty():
+                found |= self._shifted(widget, seen)
+        return found if found.isValid() else None
+
+    def _shifted(self, widget: QWidget, rect: QRect) -> QRect:
+        return rect.translated(widget.mapTo(self._window, QPoint()))

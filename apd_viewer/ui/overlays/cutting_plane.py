@@ -1,0 +1,137 @@
+"""A plane across the shape, behind which it is not drawn: what is inside can be seen and touched."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QLabel, QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import place
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.dial import Slider, SliderScale
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_STEPS = 400
+_WAY = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _STEPS, _STEPS // 2)
+
+
+class CuttingPlane(QFrame):
+    """A card with the axis of the plane, where it is, and which side of it is left out.
+
+    Parameters
+    ----------
+    canvas : Canvas
+
+    Attributes
+    ----------
+    dismissed : Signal()
+    slider : Slider
+    axes : tuple of QToolButton
+    flip : QToolButton
+    """
+
+    dismissed = Signal()
+
+    def __init__(self, canvas: Canvas) -> None:
+        super().__init__(objectName="card", accessibleName=tr("Section"))
+        shield(self)
+        self._canvas = canvas
+        self._unit = Unit.NONE
+        self._low, self._high = np.zeros(3), np.ones(3)
+        self._mesh: Mesh | None = None
+        self._group = QButtonGroup(self)
+        self.axes = tuple(self._axis_button(k, name) for k, name in enumerate("XYZ"))
+        self.axes[2].setChecked(True)
+        self._group.idClicked.connect(lambda _: self._cut())
+        self.flip = small_button(tr("Other side"), tr("Show the other side of the plane"))
+        self.flip.setCheckable(True)
+        self.flip.toggled.connect(self._cut)
+        self.slider = Slider(_WAY)
+        self.slider.setValue(_STEPS // 2)
+        self.slider.neutral_asked.connect(lambda: self.slider.setValue(_STEPS // 2))
+        self.slider.setAccessibleName(tr("Place of the section"))
+        self.slider.valueChanged.connect(self._cut)
+        self._place = QLabel()
+        self.close_button = small_button(tr("Close the section"), tr("Show the whole shape"))
+        self.close_button.clicked.connect(self.dismissed)
+        for button in (self.close_button, self.flip, *self.axes):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._lay_out()
+        self.set_theme(LIGHT)
+        self.hide()
+
+    def _axis_button(self, number: int, name: str) -> QToolButton:
+        button = QToolButton(text=name, objectName="axis", checkable=True)
+        button.setToolTip(tr("Cut across {axis}").format(axis=name))
+        button.setAccessibleName(button.toolTip())
+        self._group.addButton(button, number)
+        return button
+
+    def _lay_out(self) -> None:
+        row = QHBoxLayout(spacing=4)
+        for button in (*self.axes, self.flip):
+            row.addWidget(button)
+        row.addStretch(1)
+        row.addWidget(self._place)
+        grid = QGridLayout(self, verticalSpacing=6)
+        grid.setContentsMargins(12, 10, 12, 10)
+        grid.addWidget(QLabel(tr("Section"), objectName="heading"), 0, 0)
+        grid.addWidget(self.close_button, 0, 1, Qt.AlignmentFlag.AlignRight)
+        grid.addLayout(row, 1, 0, 1, 2)
+        grid.addWidget(self.slider, 2, 0, 1, 2)
+
+    def show_card(self, on: bool) -> None:
+        """Cut the shape and show the card, or put both away."""
+        self.setVisible(on)
+        self._cut()
+
+    def follow(self, mesh: Mesh) -> None:
+        """Cut another mesh, within the box around its rest shape."""
+        if mesh is not self._mesh:
+            self._mesh = mesh
+            used = mesh.V[mesh.F.ravel()]
+            low, high = used.min(axis=0), used.max(axis=0)
+            # A shape that is bent goes beyond.
+            room = 0.5 * float(np.linalg.norm(high - low)) - 0.5 * (high - low)
+            self._low, self._high = low - room, high + room
+            self._cut()
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write the place of the plane in another unit."""
+        self._unit = unit
+        self._cut()
+
+    @property
+    def plane(self) -> tuple[np.ndarray, np.ndarray]:
+        """A point of the plane and its normal, (3,) each, which points to what is left."""
+        axis, share = self._group.checkedId(), self.slider.value() / _STEPS
+        point = (self._low + self._high) / 2
+        point[axis] = self._low[axis] + share * (self._high[axis] - self._low[axis])
+        normal = np.zeros(3)
+        normal[axis] = 1.0 if self.flip.isChecked() else -1.0
+        return point, normal
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self.close_button.setIcon(icon("cancel", theme))
+        self.flip.setIcon(icon("mirror", theme))
+
+    def _cut(self) -> None:
+        point, normal = self.plane
+        axis = self._group.checkedId()
+        step = float(self._high[axis] - self._low[axis]) / _STEPS
+        self._place.setText(self._unit.length(place(float(point[axis]), step)))
+        if self._mesh is None or self.isHidden():
+            self._canvas.surface.cut(None)
+        else:
+            self._canvas.surface.cut(point, normal)

@@ -1,0 +1,245 @@
+"""What is unusual about the mesh: a badge that counts it, and a list over the canvas that says it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation.palette import MARK_COLOR
+from apd_viewer.ui.preferences.named_keys import with_keys
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_MARGIN = 12
+_WIDEST = 380
+_ROOM = 0.5  # of the height of the canvas: its middle, where a finding is shown, stays free
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+
+
+def _counted(number: int) -> str:
+    return trn("{n} finding", "{n} findings", number).format(n=number)
+
+
+class Badge(QToolButton):
+    """How many findings there are: quiet where there are none, a button where there are some."""
+
+    def __init__(self) -> None:
+        super().__init__(objectName="badge", checkable=True, iconSize=QSize(16, 16))
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self._theme = LIGHT
+        self._action: QAction | None = None
+        self._number: int | None = None
+        self.count(None)
+
+    def count(self, number: int | None) -> None:
+        """Show the number of findings; None where no mesh is open."""
+        self._number = number
+        self.setVisible(number is not None)
+        self.setEnabled(bool(number))
+        if not number:
+            self.setText(tr("No findings"))
+            self.setToolTip(tr("Nothing unusual was found in the mesh when it was opened"))
+        else:
+            self.setText(_counted(number))
+            tip = tr("What is unusual about the mesh, and where")
+            self.setToolTip(with_keys(tip, self._action) if self._action else tip)
+        self.setAccessibleName(self.text())
+        self._draw_symbol()
+
+    def name_keys(self, action: QAction) -> None:
+        """Name the keys of the action that does the same in the tip."""
+        self._action = action
+        action.changed.connect(lambda: self.count(self._number))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the symbol."""
+        self._theme = theme
+        self._draw_symbol()
+
+    def _draw_symbol(self) -> None:
+        if self.isEnabled():
+            warm = replace(self._theme, ink=self._theme.warm, on_accent=self._theme.warm)
+            self.setIcon(icon("warning", warm))
+        else:
+            self.setIcon(icon("sound", replace(self._theme, faint=self._theme.quiet)))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter presses the button too."""
+        if event.key() in _ENTER:
+            self.click()
+        else:
+            super().keyPressEvent(event)
+
+
+class _Spot(QWidget):
+    """A ring, filled with the colour of the marks while its finding is shown on the mesh."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFixedSize(14, 18)
+        self.on = False
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        color = QColor(*MARK_COLOR) if self.on else self.palette().placeholderText().color()
+        painter.setPen(QPen(color, 1.5))
+        painter.setBrush(color if self.on else Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(QPointF(7, 9), 4.25, 4.25)
+
+
+class FindingRow(QFrame):
+    """One sentence, which can be clicked.
+
+    Attributes
+    ----------
+    chosen : Signal()
+    stepped : Signal(int)
+        The arrow keys ask for the row above, -1, or below, 1.
+    """
+
+    chosen = Signal()
+    stepped = Signal(int)
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(objectName="finding", focusPolicy=Qt.FocusPolicy.StrongFocus)
+        self.setToolTip(tr("Show where this is"))
+        self._sentence = sentence
+        self._spot = _Spot()
+        row = QHBoxLayout(self, spacing=8)
+        row.setContentsMargins(8, 6, 8, 6)
+        row.addWidget(self._spot, 0, Qt.AlignmentFlag.AlignTop)
+        row.addWidget(QLabel(sentence, wordWrap=True, textFormat=Qt.TextFormat.PlainText), 1)
+        self.show_marked(False)
+
+    def show_marked(self, on: bool) -> None:
+        """Say whether this finding is shown on the mesh."""
+        self.setAccessibleName(
+            tr("{sentence} Shown on the mesh.").format(sentence=self._sentence) if on else self._sentence
+        )
+        self._spot.on = on
+        self._spot.update()
+        mark(self, "marked", on)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Ask to be shown."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.setFocus()
+            self.chosen.emit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Ask to be shown, or go to a neighbour."""
+        if event.key() in (*_ENTER, Qt.Key.Key_Space):
+            self.chosen.emit()
+        elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
+            self.stepped.emit(-1 if event.key() == Qt.Key.Key_Up else 1)
+        else:
+            super().keyPressEvent(event)
+
+
+class FindingList(QFrame):
+    """All findings, at the lower right of the canvas, over the badge.
+
+    Attributes
+    ----------
+    chosen : Signal(int)
+        The finding to be shown, by its number.
+    dismissed : Signal()
+        Esc, or the cross.
+    rows : list of FindingRow
+    """
+
+    chosen = Signal(int)
+    dismissed = Signal()
+
+    def __init__(self, canvas: Viewport) -> None:
+        super().__init__(canvas, objectName="findings")
+        shield(self)
+        self._canvas = canvas
+        self.rows: list[FindingRow] = []
+        self._title = QLabel(objectName="heading")
+        self._close = small_button(tr("Close the list of findings"), tr("Close (Esc)"))
+        self._close.clicked.connect(self.dismissed)
+        head = QHBoxLayout()
+        head.setContentsMargins(8, 0, 0, 0)
+        head.addWidget(self._title, 1)
+        head.addWidget(self._close)
+        self._lines = QVBoxLayout()
+        self._scroll = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
+        self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(6, 6, 6, 6)
+        column.addLayout(head)
+        column.addWidget(self._scroll)
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    def open(self, sentences: Sequence[str]) -> None:
+        """List the sentences, none of them shown yet, and give the keys to the first."""
+        body = QWidget(objectName="rows")
+        column = self._lines = QVBoxLayout(body, spacing=2)
+        column.setContentsMargins(0, 0, 0, 0)
+        self.rows = [FindingRow(sentence) for sentence in sentences]
+        for k, row in enumerate(self.rows):
+            column.addWidget(row)
+            row.chosen.connect(lambda k=k: self.chosen.emit(k))
+            row.stepped.connect(lambda step, k=k: self._step(k + step))
+        column.addStretch(1)
+        self._scroll.setWidget(body)
+        self._title.setText(_counted(len(self.rows)))
+        self.setAccessibleName(self._title.text())
+        self.show()
+        self.raise_()
+        self._place()
+        self.rows[0].setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def show_marked(self, number: int) -> None:
+        """Say which finding is shown on the mesh."""
+        for k, row in enumerate(self.rows):
+            row.show_marked(k == number)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self._close.setIcon(icon("cancel", theme))
+
+    def _step(self, k: int) -> None:
+        if 0 <= k < len(self.rows):
+            self.rows[k].setFocus()
+            self._scroll.ensureWidgetVisible(self.rows[k])
+            self.chosen.emit(k)
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        canvas = self._canvas
+        width = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN))
+        around = self.contentsMargins()
+        inner = width - 12 - around.left() - around.right()
+        lines = self._lines.heightForWidth(inner)
+        room = max(96, round(_ROOM * canvas.height()) - 52)
+        if lines > room:
+            lines = self._lines.heightForWidth(inner - self._scroll.verticalScrollBar().sizeHint().width())
+        self._scroll.setFixedHeight(min(lines, room))
+        self.setFixedWidth(width)
+        self.adjustSize()
+        self.move(canvas.width() - width - _MARGIN, canvas.height() - self.height() - _MARGIN)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc closes the list."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.dismissed.emit()
+        else:
+            super().keyPressEvent(event)

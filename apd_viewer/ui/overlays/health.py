@@ -1,0 +1,113 @@
+"""The findings of the open mesh: counted in the badge, listed on demand, shown where they are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QPointF, QRectF
+from PySide6.QtWidgets import QApplication, QWidget
+
+from apd_viewer.ui.overlays.findings import Badge, FindingList
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.inspection import Finding
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.widgets.theme import Theme
+
+
+class Health(QObject):
+    """Keeps badge, list and marks in step.
+
+    While the list is open the camera can be moved as ever. It closes, and the marks go, on Esc, on a
+    click beside it, with the first stroke or drag of a handle, and when the keys go elsewhere.
+
+    Parameters
+    ----------
+    canvas : Canvas
+
+    Attributes
+    ----------
+    badge : Badge
+    list : FindingList
+    """
+
+    def __init__(self, canvas: Canvas) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self._of_mesh: tuple[Finding, ...] = ()
+        self._findings: tuple[Finding, ...] = ()
+        self.badge = Badge()
+        self.list = FindingList(canvas.viewport)
+        self.badge.toggled.connect(self._toggle)
+        self.list.chosen.connect(self._show)
+        self.list.dismissed.connect(self._dismiss)
+        canvas.viewport.clicked.connect(self._clicked)
+        for begun in (canvas.stroke_began, canvas.drag_began):
+            begun.connect(self.close)
+
+    def show(self, findings: tuple[Finding, ...]) -> None:
+        """Count the findings of another mesh; those of the one before are no longer shown."""
+        self._of_mesh = findings
+        self._count(findings)
+
+    def show_shape(self, findings: tuple[Finding, ...]) -> None:
+        """Count what was found of the shape on screen too, as long as it is this one."""
+        if findings or len(self._findings) > len(self._of_mesh):
+            self._count(self._of_mesh + findings)
+
+    def _count(self, findings: tuple[Finding, ...]) -> None:
+        self.close()
+        self._findings = findings
+        self.badge.count(len(findings))
+
+    def open_last(self) -> None:
+        """List the findings, and show where the last one is."""
+        if self._findings and not self.badge.isChecked():
+            self.open()
+            self._show(len(self._findings) - 1)
+            self.list.rows[-1].setFocus()
+
+    def open(self) -> None:
+        """List the findings, if there are any, or close the list."""
+        self.badge.click()
+
+    def close(self) -> bool:
+        """Close the list and take the marks away; True if it was open."""
+        was_open = self.badge.isChecked()
+        self.badge.setChecked(False)
+        return was_open
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self.badge.set_theme(theme)
+        self.list.set_theme(theme)
+
+    def _toggle(self, on: bool) -> None:
+        application = QApplication.instance()
+        assert isinstance(application, QApplication)
+        if on:
+            self.list.open([finding.sentence for finding in self._findings])
+            application.focusChanged.connect(self._follow_keys)
+        else:
+            application.focusChanged.disconnect(self._follow_keys)
+            self.list.hide()
+            self._canvas.coloring.mark(None)
+
+    def _dismiss(self) -> None:
+        self.close()
+        self.badge.setFocus()
+
+    def _show(self, number: int) -> None:
+        self.list.show_marked(number)
+        vertices = self._findings[number].vertices
+        self._canvas.coloring.mark(vertices)
+        self._canvas.bring_into_view(vertices, QRectF(self.list.geometry()))
+
+    def _clicked(self, _: QPointF) -> None:
+        self.close()
+
+    def _follow_keys(self, _: QWidget | None, now: QWidget | None) -> None:
+        """Close the list when the keys go to anything but it, the badge and the canvas."""
+        stays = self.badge, self._canvas.viewport
+        if now is not None and now not in stays and not self.list.isAncestorOf(now) and now is not self.list:
+            self.close()

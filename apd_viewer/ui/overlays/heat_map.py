@@ -1,0 +1,311 @@
+"""Colours on the shape for what has changed: measured when it is drawn, and only while it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.scene.place_mark import PlaceMark
+from apd_viewer.ui.widgets.background_task import BackgroundTask
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent, QPainter
+
+    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.overlays.legend import Legend
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_READ = 250  # ms between two readings of the legend while the shape moves
+_REST = 200  # ms without another shape, after which what takes longer is measured
+_PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
+_APART, _AROUND = 0.08, 0.04
+
+
+class _Ready(NamedTuple):
+    """All that it takes to measure the shapes of a mesh."""
+
+    mesh: Mesh
+    change: Change
+    write: Callable[..., None]
+
+
+class _Slow(NamedTuple):
+    """Values, None where nobody wanted them any more, and what they belong to."""
+
+    seen: tuple[object, ...]
+    values: np.ndarray | None
+
+
+class HeatMap(QObject):
+    """Measures the shape that is shown, colours it, and tells the legend. A tool that only looks and marks.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    legend : Legend
+    covered : callable
+        What lies over the canvas at its lower left.
+    scales : dict of Measure to Scale
+        Scales to begin with, where there are any.
+
+    Attributes
+    ----------
+    changed : Signal()
+        Another measure is shown, or another scale.
+    measure : Measure or None
+        What is shown.
+    values : (n,) float array or None
+        Of the shape that is shown, as far as there are any.
+    """
+
+    changed = Signal()
+
+    def __init__(
+        self, canvas: Canvas, legend: Legend, covered: Callable[[], QRect], scales: dict[Measure, Scale]
+    ) -> None:
+        super().__init__(canvas)
+        self._covered = covered
+        self._canvas, self._legend = canvas, legend
+        self.scales = dict(scales)
+        self.measure: Measure | None = None
+        self.values: np.ndarray | None = None
+        self.unit = Unit.NONE
+        self._mesh: Mesh | None = None
+        self._change: Change | None = None
+        self._write: Callable[..., None] | None = None
+        self._size = 1.0
+        self._seen: tuple[object, ...] = ()  # what the values belong to
+        self._cursor: QPointF | None = None
+        self._places: np.ndarray | None = None
+        self._mark = PlaceMark(canvas.viewport, canvas.surface)
+        self._task = BackgroundTask(self)
+        self._task.done.connect(self._take)
+        self._reading = QTimer(self, singleShot=True, interval=_READ)
+        self._reading.timeout.connect(self._read)
+        self._resting = QTimer(self, singleShot=True, interval=_REST)
+        self._resting.timeout.connect(self._measure_slowly)
+        legend.chosen.connect(self.choose)
+        legend.scaled.connect(self._rescale)
+        legend.fit_asked.connect(self._fit)
+        legend.worst_asked.connect(self.next_worst)
+        canvas.viewport.pre_draw.append(self._refresh)
+        canvas.viewport.tools.insert(0, self)
+
+    # What is shown
+
+    def follow(self, mesh: Mesh) -> None:
+        """Compare with the rest shape of another mesh."""
+        if mesh is self._mesh:
+            return
+        self._mesh, self._change = mesh, None
+        used = mesh.V[mesh.F.ravel()]
+        self._size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+        for measure in [m for m, scale in self.scales.items() if not scale.travels]:
+            del self.scales[measure]
+        if self.measure is not None:
+            self.choose(self.measure)
+
+    def choose(self, measure: Measure | None) -> None:
+        """Show another measure; None shows the paint."""
+        self.measure = measure
+        self._forget()
+        self._task.give_up()
+        self._canvas.surface.wear(None)
+        self._canvas.viewport.update()
+        if measure is None or self._mesh is None:
+            self._legend.hide()
+        else:
+            self._legend.show_scale(self.scale, self.unit)
+            self._legend.show_values(None, None)
+            self._prepare()
+        self.changed.emit()
+
+    @property
+    def scale(self) -> Scale:
+        """The scale of what is shown."""
+        assert self.measure is not None
+        return self.scales.get(self.measure) or usual(self.measure, self._size)
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit."""
+        self.unit = unit
+        if self.measure is not None and self._mesh is not None:
+            self._legend.show_scale(self.scale, unit)
+            self._read()
+
+    def close(self) -> None:
+        """End what is under way."""
+        self._reading.stop()
+        self._resting.stop()
+        self._task.close()
+
+    def _rescale(self, reach: float, neutral: float) -> None:
+        if self.measure is not None:
+            self.scales[self.measure] = Scale(self.measure, reach, neutral)
+            self._legend.show_scale(self.scale, self.unit)
+            self._color()
+            self._canvas.viewport.update()
+            self._read()
+            self.changed.emit()
+
+    def _fit(self) -> None:
+        """Let the scale end at the largest value, up or down."""
+        span = self.span
+        if span is not None and self.measure is not None:
+            fitted = self.scale.fitted(span, self._size)
+            self._rescale(fitted.reach, fitted.neutral)
+
+    # Measuring
+
+    def _forget(self) -> None:
+        self.values, self._places, self._seen = None, None, ()
+        self._mark.show(None)
+        self._resting.stop()
+
+    def _prepare(self) -> None:
+        """Get ready to measure: what is imported and compiled for it takes a while at the first time."""
+        skin, mesh = self._canvas.surface.touchable, self._mesh
+        if self._change is not None or mesh is None or skin is None:
+            self._legend.say("")
+            self._canvas.viewport.update()
+            return
+        self._legend.say(tr("Preparing to measure…"))
+
+        def work(_: Callable[[], bool]) -> object:
+            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
+
+            warm_up()
+            return _Ready(mesh, Change(mesh.V, skin.joined, skin.source), write_shades)
+
+        self._task.begin(work)
+
+    def _refresh(self) -> None:
+        """Measure the shape that is about to be drawn, if it is another one."""
+        surface, measure = self._canvas.surface, self.measure
+        if measure is None or self._change is None:
+            return
+        now = measure, surface.shape_revision, self._change
+        if now == self._seen or len(surface.U) != len(surface.shades):
+            return
+        self._forget()
+        self._seen = now
+        if measure.waits:
+            self._task.give_up()
+            self._legend.say(tr("Measured once the shape has come to rest."))
+            if surface.worn is not None:
+                surface.wear(None)
+            self._resting.start()
+        else:
+            self.values = getattr(self._change, measure.words.method)(surface.shape)
+            self._color()
+        if not self._reading.isActive():
+            self._reading.start()
+
+    def _measure_slowly(self) -> None:
+        change, U, seen = self._change, self._canvas.surface.shape, self._seen
+        if change is None or self.measure is None:
+            return
+        method = getattr(change, self.measure.words.method)
+        self._task.begin(lambda enough: _Slow(seen, method(U, enough)))
+
+    def _take(self, result: object) -> None:
+        """Take what the thread has found."""
+        if result is None:
+            self._legend.say(tr("There is not enough memory to measure this mesh."))
+        elif isinstance(result, _Ready) and result.mesh is self._mesh:
+            self._change, self._write = result.change, result.write
+            self._legend.say("")
+            self._canvas.viewport.update()
+        elif isinstance(result, _Slow) and result.seen == self._seen:
+            self.values = result.values
+            self._legend.say("")
+            self._color()
+            self._canvas.viewport.update()
+            self._read()
+
+    def _color(self) -> None:
+        """Show the values in the colours of their scale."""
+        if self.values is None or self._write is None:
+            return
+        surface, scale = self._canvas.surface, self.scale
+        self._write(self.values, scale.measure.is_signed, scale.end, surface.shades)
+        surface.shades_changed()
+        neutral = scale.neutral_share if scale.measure.is_signed else -1.0
+        surface.wear(scale.measure.colors, neutral)
+
+    # Reading
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The least and the largest value that the shape has; None where there is none."""
+        return span_of(self.values)
+
+    def value_at(self, position: QPointF) -> float | None:
+        """The value of the surface that is seen at a position in the viewport."""
+        surface = self._canvas.surface
+        hit = None if self.values is None else surface.hit(position)
+        if hit is None or self.values is None or surface.skin is None:
+            return None
+        return float(surface.shares(hit) @ self.values[surface.skin.F[hit.face]])
+
+    def _read(self) -> None:
+        """Tell the legend what is largest and what is under the cursor."""
+        if self.measure is not None:
+            value = None if self._cursor is None else self.value_at(self._cursor)
+            self._legend.show_values(self.span, value)
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Read the value under the cursor, which is there for others too."""
+        if self.measure is not None:
+            self._cursor = event.position()
+            if not self._reading.isActive():
+                self._read()
+        return False
+
+    def leave(self) -> None:
+        """There is no cursor any more."""
+        if self._cursor is not None:
+            self._cursor = None
+            self._read()
+
+    # The worst places
+
+    def next_worst(self, step: int = 1) -> None:
+        """Look at the next of the worst places, or at the one before; nothing where there is none."""
+        if self.values is None:
+            return
+        surface = self._canvas.surface
+        if self._places is None:
+            from apd_viewer.geometry.analysis.deviation import worst
+
+            self._places = worst(self.values, surface.U, _APART * self._size, _PLACES)
+        if not len(self._places):
+            return
+        before = np.flatnonzero(self._places == self._mark.vertex)
+        k = (int(before[0]) + step) % len(self._places) if len(before) else 0
+        vertex = int(self._places[k])
+        text = tr("{number} of {count}: {value}").format(
+            number=k + 1,
+            count=len(self._places),
+            value=self.scale.written(float(self.values[vertex]), self.unit),
+        )
+        self._mark.show(vertex, text)
+        away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
+        around = np.flatnonzero(away <= (_AROUND * self._size) ** 2)
+        self._canvas.bring_into_view(around, QRectF(self._covered()))
+
+    def cancel(self) -> bool:
+        """Take the mark away; it is no work that Esc would end."""
+        self._mark.show(None)
+        return False
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the mark."""
+        self._mark.paint(painter)

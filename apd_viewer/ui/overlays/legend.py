@@ -1,0 +1,170 @@
+"""The card over the canvas that says what the colours of an overlay mean, and lets them be changed."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Kind, Measure, Scale
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.overlays.scale_bar import ScaleBar
+from apd_viewer.ui.widgets.fields import Choice, Number, small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+# Lengths and curvatures are in the unit of the mesh, whatever that is.
+_DECIMALS, _LEAST = 30, 1e-30
+
+
+class Legend(QFrame):
+    """Which overlay is on, its scale, the value under the cursor and the largest of all.
+
+    Attributes
+    ----------
+    chosen : Signal(object)
+        A Measure, or None by the cross.
+    scaled : Signal(float, float)
+        The end of the scale and what counts for no change, as :class:`Scale` has them.
+    fit_asked, worst_asked : Signal()
+    """
+
+    chosen = Signal(object)
+    scaled = Signal(float, float)
+    fit_asked = Signal()
+    worst_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(objectName="card", accessibleName=tr("Overlay"))
+        shield(self)
+        self._scale = Scale(Measure.AREA, 0.1, 0.001)
+        self._unit = Unit.NONE
+        self._room = 10_000  # px in which it must find room
+        self._make_parts()
+        self._lay_out()
+        self.set_theme(LIGHT)
+        self.hide()
+
+    def _make_parts(self) -> None:
+        self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("What the colours show"))
+        for measure in Measure:
+            self.choice.addItem(measure.words.title, measure)
+        self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
+        self.close_button = small_button(tr("Switch the overlay off"), tr("Switch the overlay off"))
+        self.close_button.clicked.connect(lambda: self.chosen.emit(None))
+        self.bar = ScaleBar()
+        self._note = QLabel(objectName="quiet", wordWrap=True)
+        self._cursor, self._largest = QLabel(), QLabel()
+        self.worst = small_button(tr("Next worst place"), tr("Go to the next worst place"))
+        self.worst.clicked.connect(self.worst_asked)
+        tip = tr("The change at the ends of the scale, where the colours are strongest")
+        self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=_DECIMALS)
+        tip = tr("Changes up to this one are shown as none")
+        self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=_DECIMALS)
+        for field in (self.reach, self.neutral):
+            field.setFixedWidth(100)
+            field.valueChanged.connect(self._enter)
+        self.fit = QPushButton(tr("Fit"), toolTip=tr("Let the scale end at the largest change there is now"))
+        self.fit.clicked.connect(self.fit_asked)
+        for button in (self.fit, self.worst, self.close_button):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas
+
+    def _lay_out(self) -> None:
+        head = QHBoxLayout(spacing=4)
+        head.addWidget(self.choice, 1)
+        head.addWidget(self.close_button)
+        self._rows = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        self._rows.setColumnStretch(1, 1)
+        self._names: dict[QWidget, QLabel] = {}
+        self._lines: list[list[QWidget]] = []
+        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        for row, (text, value, button) in enumerate(
+            (
+                (tr("Under the cursor"), self._cursor, None),
+                (tr("Largest"), self._largest, self.worst),
+                (tr("Range"), self.reach, self.fit),
+                (tr("Neutral up to"), self.neutral, None),
+            )
+        ):
+            self._names[value] = QLabel(text, objectName="quiet")
+            self._rows.addWidget(self._names[value], row, 0)
+            self._rows.addWidget(value, row, 1, right)
+            if button is not None:
+                self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
+            self._lines.append([w for w in (self._names[value], value, button) if w is not None])
+        column = QVBoxLayout(self, spacing=8)
+        column.setContentsMargins(12, 10, 12, 10)
+        column.addLayout(head)
+        column.addWidget(self.bar)
+        column.addWidget(self._note)
+        column.addLayout(self._rows)
+
+    # Showing
+
+    def show_scale(self, scale: Scale, unit: Unit) -> None:
+        """Show another scale, and that there is one."""
+        self._scale, self._unit = scale, unit
+        self.choice.setCurrentIndex(list(Measure).index(scale.measure))
+        self.choice.setToolTip(scale.measure.words.tip)
+        self.bar.show_scale(scale, unit)
+        ratio = scale.measure.words.kind is Kind.RATIO
+        factor = 100.0 if ratio else 1.0
+        suffix = {
+            Kind.RATIO: "\u00a0%",
+            Kind.LENGTH: unit.length(""),
+            Kind.CURVATURE: unit.curvature(""),
+        }[scale.measure.words.kind]
+        for field, value, least in ((self.reach, scale.reach, _LEAST), (self.neutral, scale.neutral, 0.0)):
+            field.blockSignals(True)
+            field.setRange(least, 1.0 / _LEAST)
+            field.setSuffix(suffix)
+            field.setValue(factor * value)
+            field.blockSignals(False)
+        self._show_lines()
+        self.show()
+
+    def fit_into(self, room: int) -> None:
+        """Leave out lines, the last ones first, as far as it would be higher than ``room`` otherwise."""
+        self._room = room
+        self._show_lines()
+
+    def _show_lines(self) -> None:
+        heights = [self._height(line) for line in self._lines]
+        height = self.sizeHint().height()
+        height -= sum(h for h, line in zip(heights, self._lines, strict=True) if not line[0].isHidden())
+        for h, line in zip(heights, self._lines, strict=True):
+            wanted = self._scale.measure.is_signed or self.neutral not in line
+            height += h if wanted else 0
+            for widget in line:
+                if widget.isHidden() == (wanted and height <= self._room):
+                    widget.setVisible(widget.isHidden())
+
+    def _height(self, line: list[QWidget]) -> int:
+        return max(widget.sizeHint().height() for widget in line) + self._rows.verticalSpacing()
+
+    def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
+        """Show the least and the largest value, and the one under the cursor; None shows none."""
+        self.bar.show_values(span, value)
+        written = "–" if value is None else self._scale.written(value, self._unit)
+        largest = "–" if span is None else self._scale.written(max(span, key=abs), self._unit)
+        for label, text in ((self._cursor, written), (self._largest, largest)):
+            if label.text() != text:
+                label.setText(text)
+        self.worst.setEnabled(span is not None)
+        self.fit.setEnabled(span is not None)
+
+    def say(self, note: str) -> None:
+        """Say why there are no colours; empty where there are."""
+        if note != self._note.text() or self._note.isHidden() == bool(note):
+            self._note.setText(note)
+            self._note.setVisible(bool(note))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self.close_button.setIcon(icon("cancel", theme))
+        self.worst.setIcon(icon("worst", theme))
+
+    def _enter(self) -> None:
+        factor = 100.0 if self._scale.measure.words.kind is Kind.RATIO else 1.0
+        self.scaled.emit(self.reach.value() / factor, self.neutral.value() / factor)

@@ -1,0 +1,155 @@
+"""What lies over the canvas: messages, the invitation, and the empty state. Nothing here blocks."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QShowEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.rows import arrange
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+
+_MARGIN = 12
+_WIDEST = 480
+_UNBOUNDED = 16_777_215  # Qt's largest size of a widget
+_INVITATION_PADDING = 20
+_READING_TIME = 7000  # ms; failures stay until they are read
+
+
+class Notice(QFrame):
+    """One message at the top of the canvas; a newer one takes the place of an older one."""
+
+    def __init__(self, canvas: Viewport) -> None:
+        super().__init__(canvas)
+        shield(self)
+        self._canvas = canvas
+        self._theme = LIGHT
+        self.setObjectName("notice")
+        self._text = QLabel(wordWrap=True)
+        self._text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._symbol = QLabel()
+        self._close = QToolButton(
+            accessibleName=tr("Dismiss the message"), toolTip=tr("Dismiss"), iconSize=SIZE
+        )
+        self._close.clicked.connect(self.hide)
+        row = self._row = QHBoxLayout(self)
+        row.setContentsMargins(12, 8, 8, 8)
+        row.setSpacing(8)
+        row.addWidget(self._symbol)
+        row.addWidget(self._text, 1)
+        row.addWidget(self._close)
+        self._timer = QTimer(self, singleShot=True, interval=_READING_TIME)
+        self._timer.timeout.connect(self.hide)
+        self._kind = "message"
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    @property
+    def text(self) -> str:
+        """The sentence that is shown; empty when nothing is."""
+        return self._text.text() if not self.isHidden() else ""
+
+    def tell(self, sentence: str) -> None:
+        """Show something to know; it leaves by itself."""
+        self._show(sentence, "message")
+        self._timer.start()
+
+    def fail(self, sentence: str) -> None:
+        """Show what went wrong; it stays until dismissed or replaced."""
+        self._show(sentence, "failure")
+        self._timer.stop()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self._theme = theme
+        self._close.setIcon(icon("cancel", theme))
+        self._draw_symbol()
+
+    def _show(self, sentence: str, kind: str) -> None:
+        self._kind = kind
+        self._text.setText(sentence)
+        mark(self, "kind", kind)
+        self._draw_symbol()
+        self.show()
+        self.raise_()
+        self._place()
+
+    def _draw_symbol(self) -> None:
+        name = "warning" if self._kind == "failure" else "info"
+        self._symbol.setPixmap(icon(name, self._theme).pixmap(SIZE, self.devicePixelRatioF()))
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        canvas = self._canvas
+        room = max(120, min(_WIDEST, canvas.width() - 2 * _MARGIN - 80))
+        width = min(room, self._text.fontMetrics().horizontalAdvance(self._text.text()) + 4)
+        # The height for a width is never less than the smallest height, which the last text has set.
+        self._text.setMinimumSize(0, 0)
+        self._text.setMaximumSize(_UNBOUNDED, _UNBOUNDED)
+        self._text.setFixedSize(width, self._text.heightForWidth(width))
+        self._row.activate()
+        self.adjustSize()
+        self.move((canvas.width() - self.width()) // 2, _MARGIN)
+
+
+class Invitation(QLabel):
+    """One line at the bottom of the canvas that says what to do first."""
+
+    def __init__(self, canvas: Viewport) -> None:
+        super().__init__(canvas, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        self._canvas = canvas
+        self.setObjectName("invitation")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    def say(self, sentence: str) -> None:
+        """Show ``sentence``, or nothing where it is empty."""
+        self.setText(sentence)
+        self.setVisible(bool(sentence))
+        self._place()
+
+    def _place(self) -> None:
+        if self.isHidden():
+            return
+        canvas = self._canvas
+        words = self.fontMetrics().horizontalAdvance(self.text())
+        width = min(words + 2 * _INVITATION_PADDING, canvas.width() - 2 * _MARGIN)
+        self.setFixedSize(width, self.heightForWidth(width))
+        self.move((canvas.width() - width) // 2, canvas.height() - self.height() - 2 * _MARGIN)
+
+
+class Empty(QWidget):
+    """The middle of the canvas while no mesh is open."""
+
+    def __init__(self, canvas: Viewport, buttons: list[QWidget]) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self.setObjectName("empty")
+        column = QVBoxLayout(self)
+        column.setSpacing(12)
+        title = QLabel(tr("Drop a mesh here, or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
+        column.addWidget(title)
+        self._row = QHBoxLayout()
+        for button in buttons:
+            button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+            self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addLayout(self._row)
+        self.hide()
+        canvas.resized.connect(self._place)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Stand in the middle of the canvas."""
+        super().showEvent(event)
+        self._place()
+
+    def _place(self) -> None:
+        canvas = self._canvas
+        arrange(self._row, canvas.width() - 2 * _MARGIN)
+        self.adjustSize()
+        self.move((canvas.width() - self.width()) // 2, (canvas.height() - self.height()) // 2)

@@ -1,0 +1,106 @@
+"""The colours of a scale in a row, with what the shape has of them and what is under the cursor."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Measure, Scale
+from apd_viewer.session.quantities.units import Unit
+
+_STEPS = 256
+_TALL, _SPAN, _TICK = 14, 3, 7  # px: of the colours, of the line below them, of the tick
+
+
+class ScaleBar(QWidget):
+    """The colours, their ends and their zero in figures, and a tick at a value.
+
+    A line below the colours spans the values that the shape has, as far as the scale reaches.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(accessibleName=tr("Colours of the overlay"))
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._scale = Scale(Measure.AREA, 0.1)
+        self._unit = Unit.NONE
+        self._span: tuple[float, float] | None = None
+        self._value: float | None = None
+        self._colors = QImage()
+
+    def show_scale(self, scale: Scale, unit: Unit) -> None:
+        """Show the colours of another scale."""
+        self._scale, self._unit = scale, unit
+        self._colors = colors_along(scale)
+        self.update()
+
+    def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
+        """Show the least and the largest value, and the one under the cursor; None shows none."""
+        if (span, value) != (self._span, self._value):
+            self._span, self._value = span, value
+            self.update()
+
+    @property
+    def labels(self) -> tuple[tuple[float, str], ...]:
+        """Places on the scale, from 0 to 1, and what is written there."""
+        scale = self._scale
+        return tuple((scale.place(x), scale.written(x, self._unit)) for x in scale.marks)
+
+    def sizeHint(self) -> QSize:
+        """Tick, colours, line and figures."""
+        return QSize(200, _TICK + _TALL + 2 * _SPAN + self.fontMetrics().height() + 2)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw all of it."""
+        painter = QPainter(self)
+        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
+        palette, wide = self.palette(), float(self.width())
+        bar = QRectF(0.5, _TICK, wide - 1.0, _TALL)
+        painter.drawImage(bar, self._colors)
+        painter.setPen(QPen(palette.mid().color(), 1.0))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(bar)
+        ink = palette.windowText().color()
+        if self._span is not None:
+            low, high = (self._at(value, bar) for value in self._span)
+            painter.setPen(QPen(ink, 2.0, c=Qt.PenCapStyle.FlatCap))
+            y = bar.bottom() + _SPAN
+            painter.drawLine(QPointF(min(low, high - 2.0), y), QPointF(high, y))
+        if self._value is not None and self._value == self._value:
+            self._draw_tick(painter, self._at(self._value, bar), bar)
+        painter.setPen(ink)
+        for place, text in self.labels:
+            room = QRectF(self.fontMetrics().boundingRect(text)).adjusted(-1, 0, 3, 0)
+            left = min(max(place * wide - room.width() / 2, 0.0), wide - room.width())
+            top = bar.bottom() + 2 * _SPAN
+            painter.drawText(
+                QRectF(left, top, room.width(), self.fontMetrics().height()),
+                Qt.AlignmentFlag.AlignCenter,
+                text,
+            )
+
+    def _at(self, value: float, bar: QRectF) -> float:
+        return bar.left() + self._scale.place(value) * bar.width()
+
+    def _draw_tick(self, painter: QPainter, x: float, bar: QRectF) -> None:
+        ink, paper = self.palette().windowText().color(), self.palette().base().color()
+        painter.setPen(QPen(paper, 3.0))
+        painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))
+        painter.setPen(QPen(ink, 1.25))
+        painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(ink)
+        top = bar.top() - _TICK + 1.0
+        x = min(max(x, 5.0), self.width() - 5.0)
+        painter.drawPolygon(
+            QPolygonF([QPointF(x - 4.5, top), QPointF(x + 4.5, top), QPointF(x, bar.top() - 0.5)])
+        )
+
+
+def colors_along(scale: Scale) -> QImage:
+    """The colours of a scale from one end to the other, a pixel high."""
+    colors = QImage(_STEPS, 1, QImage.Format.Format_RGB32)
+    for k in range(_STEPS):
+        colors.setPixelColor(k, 0, QColor(*scale.color(k / (_STEPS - 1))))
+    return colors

@@ -1,0 +1,152 @@
+"""What is typed into cards over the canvas: which vertices, how large the brush is, where a pivot is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
+from apd_viewer.ui.overlays.typed_card import TypedCard
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.tools.selector import Act
+
+_PIXELS = "px"
+
+
+class Typed:
+    """Three cards, of which one is open at most.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    session : Session
+    parts : ActiveParts
+    give_up : callable
+        Takes back the drag that is under way; True if there was one.
+
+    Attributes
+    ----------
+    vertices, brush, pivot : TypedCard
+    """
+
+    def __init__(
+        self, canvas: Canvas, session: Session, parts: ActiveParts, give_up: Callable[[], bool]
+    ) -> None:
+        self._canvas, self._session, self._parts = canvas, session, parts
+        self._give_up = give_up
+        self.vertices = TypedCard(
+            canvas.viewport,
+            tr("Choose by numbers"),
+            tr("Ids or conditions of the vertices to choose"),
+            tr("y > 0.8Y and x < 0      or ids: 3, 10-20"),
+            tr("Return adds, Alt+Return removes, Ctrl+Return replaces, Esc closes."),
+        )
+        self.brush = TypedCard(
+            canvas.viewport,
+            tr("Size of the brush"),
+            tr("Radius of the brush"),
+            tr("24px      or 5mm, 0.05L"),
+            tr("Pixels stay on the screen, lengths on the mesh. Return takes it, Esc closes."),
+        )
+        self.pivot = TypedCard(
+            canvas.viewport,
+            tr("Pivot at"),
+            tr("Coordinates that the handle turns about"),
+            tr("0, 0.5Y, 12mm"),
+            tr("Three coordinates, parted by commas. Return takes them, Esc closes."),
+        )
+        self.vertices.asked.connect(self._preview)
+        self.vertices.entered.connect(self._choose)
+        self.vertices.closed.connect(lambda: canvas.preview(None))
+        self.brush.asked.connect(lambda text: self._understood(self.brush, text, self._radius))
+        self.brush.entered.connect(self._take_brush)
+        self.pivot.asked.connect(self._show_pivot)
+        self.pivot.entered.connect(self._take_pivot)
+        self.pivot.closed.connect(lambda: self._mark(None))
+
+    @property
+    def cards(self) -> tuple[TypedCard, ...]:
+        """All of them."""
+        return self.vertices, self.brush, self.pivot
+
+    def open(self, card: TypedCard) -> None:
+        """Show a card, and put the others away."""
+        if self._session.state is not None:
+            for other in self.cards:
+                if other is not card and other.isVisible():
+                    other.close_card()
+            card.open_card()
+
+    def _understood(self, card: TypedCard, text: str, read: Callable[[str], object]) -> object:
+        """What a text means; None where it means nothing, and the card says why."""
+        if self._session.state is None:
+            return None
+        try:
+            meant = read(text)
+        except InputError as error:
+            card.say(str(error) if text else "")
+            return None
+        card.say("")
+        return meant
+
+    # Vertices
+
+    def _preview(self, text: str) -> None:
+        ids = self._understood(self.vertices, text, self._session.chosen)
+        self._canvas.preview(ids if isinstance(ids, np.ndarray) else None)
+        if isinstance(ids, np.ndarray):
+            said = trn("{n:,} vertex.", "{n:,} vertices.", len(ids)).format(n=len(ids))
+            self.vertices.say(f"{said} {self.vertices.help}")
+
+    def _choose(self, text: str, act: Act) -> None:
+        ids = self._understood(self.vertices, text, self._session.chosen)
+        if isinstance(ids, np.ndarray) and not self._give_up():
+            self._canvas.choose_vertices(ids, act)
+
+    # The brush
+
+    def _radius(self, text: str) -> tuple[float, bool]:
+        """The radius, and whether it is in pixels."""
+        pixels = text.strip().lower().endswith(_PIXELS)
+        if not pixels:
+            radius = self._session.length(text)
+        else:
+            try:
+                radius = float(text.strip()[: -len(_PIXELS)])
+            except ValueError:
+                problem = tr("“{text}” is no number of pixels; write one such as 24px.")
+                raise InputError(problem.format(text=text)) from None
+        if not 0.0 < radius < np.inf:
+            raise InputError(tr("A brush has a radius above 0; write one such as 24px or 0.05L."))
+        return radius, pixels
+
+    def _take_brush(self, text: str, _: Act) -> None:
+        meant = self._understood(self.brush, text, self._radius)
+        if isinstance(meant, tuple):
+            radius, pixels = meant
+            if pixels:
+                self._canvas.painter.radius = radius
+            else:
+                self._canvas.painter.length = radius
+            self.brush.close_card()
+
+    # The pivot
+
+    def _show_pivot(self, text: str) -> None:
+        self._mark(self._understood(self.pivot, text, self._session.place))
+
+    def _take_pivot(self, text: str, _: Act) -> None:
+        point = self._understood(self.pivot, text, self._session.place)
+        if isinstance(point, np.ndarray) and not self._give_up():
+            self._session.set_pivot(point, self._parts.handle)
+            self.pivot.close_card()
+
+    def _mark(self, point: object) -> None:
+        self._canvas.picker.shown = point[None] if isinstance(point, np.ndarray) else np.empty((0, 3))

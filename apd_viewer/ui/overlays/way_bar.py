@@ -1,0 +1,58 @@
+"""The bar over the canvas with the ways to choose vertices, while a tool is in hand that paints."""
+
+from __future__ import annotations
+
+from typing import cast
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QToolBar, QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.ui.actions.select_actions import SelectActions
+from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.theme import Theme
+
+_MARGIN = 12
+
+
+class WayBar(QToolBar):
+    """A column at the left edge of the canvas.
+
+    Parameters
+    ----------
+    canvas : Viewport
+    actions : SelectActions
+    """
+
+    def __init__(self, canvas: Viewport, actions: SelectActions) -> None:
+        super().__init__(tr("Ways to choose vertices"), canvas, objectName="ways")
+        shield(self)
+        self._canvas = canvas
+        self.setOrientation(Qt.Orientation.Vertical)
+        self.setIconSize(SIZE)
+        self.addActions(list(actions.ways.values()))
+        self.addSeparator()
+        self.addAction(actions.through)
+        self.addSeparator()
+        self.addActions(actions.changes)
+        self.move(QPoint(_MARGIN, _MARGIN))
+        self.hide()
+        canvas.resized.connect(self._fit)
+
+    def show_for(self, paints: bool) -> None:
+        """Show it for a tool that paints, and only then."""
+        self.setVisible(paints)
+        self._fit()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the chevron of the menu, which the style draws black on any ground."""
+        more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
+        more.setIcon(icon("unfolded", theme))
+        more.setToolTip(tr("More ways, and changes to what is chosen"))
+
+    def _fit(self) -> None:
+        """Be no higher than the canvas: what there is no room for is in a menu at the end."""
+        room = self._canvas.height() - 2 * _MARGIN
+        self.resize(self.sizeHint().width(), min(self.sizeHint().height(), room))

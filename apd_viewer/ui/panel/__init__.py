@@ -1,0 +1,1 @@
+"""The side panel, its sections and the status bar."""

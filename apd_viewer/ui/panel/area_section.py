@@ -1,0 +1,178 @@
+"""The area: what it is, what it should be, and whether that was reached."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.presentation import readout
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.preferences.units import UnitButton
+from apd_viewer.ui.widgets.dial import PERCENT, Dial
+from apd_viewer.ui.widgets.fields import Check, percent_field
+from apd_viewer.ui.widgets.section import quiet
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.session import Session
+
+# For the values of Activity.
+_WORDS = {
+    "idle": tr("ready"),
+    "refining": tr("refining"),
+    "settled": tr("settled"),
+    "not reached": tr("not settled"),
+}
+_TIP = tr("What the total area should be, in percent of the area at rest")
+
+
+class Dot(QWidget):
+    """A dot that is quiet while all is well and warm when it is not."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFixedSize(16, 16)
+        self._color = QColor("gray")
+
+    def set_color(self, color: str) -> None:
+        """Fill with ``color``."""
+        if self._color.name() != color:
+            self._color = QColor(color)
+            self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the dot."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._color)
+        painter.drawEllipse(QPointF(8, 8), 5, 5)
+
+
+class AreaSection(QWidget):
+    """The hero number with its verdict, the target, and the sentence where it is out of reach.
+
+    Attributes
+    ----------
+    target : Dial
+        In percent.
+    unit : UnitButton
+    held : Signal(bool)
+        "local" should keep the total area too, or not.
+    percent, area, verdict, unreached, local_change, activity : QLabel
+    """
+
+    held = Signal(bool)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._theme = LIGHT
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 0, 0, 8)
+        self._add_reading(column)
+        self._add_target(column)
+        self.unreached = QLabel("", objectName="unreached", wordWrap=True)
+        self.unreached.setAccessibleName(tr("What is out of reach"))
+        self.unreached.hide()
+        column.addSpacing(4)
+        column.addWidget(self.unreached)
+        column.addSpacing(4)
+        tip = tr("The largest change of the area of a triangle, up or down, relative to its area at rest")
+        self.local_change = QLabel("–", accessibleName=tr("Largest local change of the area"), toolTip=tip)
+        grid = QGridLayout()
+        grid.addWidget(QLabel(tr("Largest local change"), objectName="quiet", toolTip=tip), 0, 0)
+        grid.addWidget(self.local_change, 0, 1, Qt.AlignmentFlag.AlignRight)
+        column.addLayout(grid)
+
+    def _add_reading(self, column: QVBoxLayout) -> None:
+        self.activity = QLabel("", objectName="quiet", accessibleName=tr("What the solver is doing"))
+        self._dot = Dot()
+        row = QHBoxLayout()
+        row.addWidget(QLabel(tr("Area"), objectName="heading"))
+        row.addStretch(1)
+        row.addWidget(self.activity)
+        row.addWidget(self._dot)
+        column.addLayout(row)
+        self.percent = QLabel("–", accessibleName=tr("Area in percent of the rest area"))
+        font = QFont(self.percent.font())
+        font.setPointSizeF(font.pointSizeF() * 2.5)
+        font.setWeight(QFont.Weight.DemiBold)
+        self.percent.setFont(font)
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
+        column.addWidget(self.percent)
+        self.verdict = quiet(tr("Change of the area"))
+        self.area = quiet(tr("Area, and area at rest"))
+        column.addWidget(self.verdict)
+        self.unit = UnitButton()
+        row = QHBoxLayout(spacing=4)
+        row.addWidget(self.area, 1)
+        row.addWidget(self.unit)
+        column.addLayout(row)
+
+    def _add_target(self, column: QVBoxLayout) -> None:
+        self.hold = Check(
+            tr("Hold the total area too"),
+            toolTip=tr("Keep the sum of all triangles' areas to the last digits"),
+        )
+        self.hold.toggled.connect(self.held)
+        label = QLabel(tr("Target"), toolTip=_TIP)
+        title = QWidget()
+        self._title = QStackedLayout(title)
+        self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
+        for part in (label, self.hold):
+            self._title.addWidget(part)
+        self.target = Dial(title, PERCENT, percent_field("", _TIP), tr("Target of the area"))
+        label.setBuddy(self.target.field)
+        column.addSpacing(8)
+        column.addWidget(self.target)
+
+    def show_settings(self, state: State) -> None:
+        """Show what is asked for."""
+        document = state.document
+        local = document.method == "local"
+        self.target.setVisible(document.method != "arap")
+        self._title.setCurrentIndex(int(local))
+        self.hold.blockSignals(True)
+        self.hold.setChecked(document.hold_area)
+        self.hold.blockSignals(False)
+        self.target.set_active(not local or document.hold_area)
+        self.target.show_value(document.area)
+
+    def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
+        """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
+        frame, missed = state.frame, state.lacks
+        self.percent.setText(readout.area_percent(state))
+        self.verdict.setText(readout.verdict(state))
+        self.area.setText(readout.area(state, unit))
+        self.local_change.setText(readout.local_change(state))
+        self._dot.set_color(self._theme.warm if missed else self._theme.good)
+        self._dot.setToolTip(
+            tr("Something asked for is not met") if missed else tr("All that is asked for is met")
+        )
+        if frame.unreached is not None and frame.settled:
+            self.unreached.setText(frame.unreached)
+            self.unreached.show()
+        elif frame.settled or not missed or asked_anew:
+            # It stays while the solver tries, or it would flicker with every step of a drag of the handle.
+            self.unreached.hide()
+
+    def show_activity(self, state: State, session: Session) -> None:
+        """Say what the solver does about the shape."""
+        activity = session.activity.value
+        said = _WORDS[activity]
+        if session.preparing:
+            said = tr("preparing")
+        elif activity == "not reached" and state.frame.unreached:
+            said = tr("out of reach")
+        self.activity.setText(said)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self._theme = theme
+        self.target.set_theme(theme)
+        self.unit.set_theme(theme)

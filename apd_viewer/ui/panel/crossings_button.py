@@ -1,0 +1,70 @@
+"""Whether the surface passes through itself: quiet while it does not, a button where it does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QIcon, QPixmap
+from PySide6.QtWidgets import QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+
+class CrossingsButton(QToolButton):
+    """One line under the volume, which says nothing there."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            objectName="crossings", iconSize=QSize(16, 16), focusPolicy=Qt.FocusPolicy.StrongFocus
+        )
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._theme, self._symbol = LIGHT, ""
+        self.show_moving()
+
+    def show_moving(self) -> None:
+        """The shape is on its way to somewhere else."""
+        tip = tr("Self-intersections are looked for as soon as the shape rests")
+        self._say(tr("self-intersections: not while it moves"), tip)
+
+    def show_checking(self) -> None:
+        """It is being found out."""
+        self._say(tr("checking for self-intersections…"), tr("Whether triangles pass through others"))
+
+    def show_count(self, triangles: int | None) -> None:
+        """So many triangles pass through others; None where nobody could look."""
+        if triangles is None:
+            tip = tr("The library ipctk is missing or gave no answer; without it nobody knows")
+            self._say(tr("self-intersections: not checked"), tip)
+        elif triangles == 0:
+            self._say(tr("no self-intersections"), tr("No triangle passes through another one"), "sound")
+        else:
+            said = tr("self-intersecting: {n:,} triangles")
+            tip = tr("The volume is wrong by what they share. Show where this is")
+            self._say(said.format(n=triangles), tip, "warning")
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self._theme = theme
+        self._draw()
+
+    def _say(self, text: str, tip: str, symbol: str = "") -> None:
+        self.setText(text)
+        self.setToolTip(tip)
+        self.setAccessibleName(text)
+        self.setEnabled(symbol == "warning")
+        self._symbol = symbol
+        self._draw()
+
+    def _draw(self) -> None:
+        theme = self._theme
+        if self._symbol == "warning":
+            self.setIcon(icon("warning", replace(theme, ink=theme.warm, on_accent=theme.warm)))
+        elif self._symbol:
+            self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)))
+        else:  # what is not known has none, and its words stand where they will stand once it is
+            nothing = QPixmap(self.iconSize())
+            nothing.fill(Qt.GlobalColor.transparent)
+            self.setIcon(QIcon(nothing))

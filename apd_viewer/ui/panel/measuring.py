@@ -1,0 +1,98 @@
+"""What is known of the room that the shape takes, and of its wall, brought to the panel and back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from PySide6.QtCore import QObject
+
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
+from apd_viewer.ui.preferences.memory import own_file
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.overlays.health import Health
+    from apd_viewer.ui.overlays.heat_map import HeatMap
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.preferences.memory import Memory
+
+
+class Measuring(QObject):
+    """Keeps panel, findings and what is remembered in step with the examination of the shape.
+
+    What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only
+    as long as the mesh is there.
+
+    Parameters
+    ----------
+    panel : Panel
+    health : Health
+    memory : Memory
+    heat : HeatMap
+        What a session says of its overlay is done there.
+    """
+
+    def __init__(self, panel: Panel, health: Health, memory: Memory, heat: HeatMap) -> None:
+        super().__init__(panel)
+        self._panel = panel
+        self._health = health
+        self._memory = memory
+        self._heat = heat
+        self._session: Session | None = None
+        self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
+        panel.measures.wall_typed.connect(self._type)
+        panel.volume.crossings.clicked.connect(health.open_last)
+
+    def start(self, session: Session) -> None:
+        """Follow what is examined from now on."""
+        self._session = session
+
+    def show(self) -> None:
+        """Show what is known of the shape on screen now."""
+        if self._session is None or self._session.state is None:
+            return
+        from apd_viewer.session.model.status_text import of_crossings
+
+        examining, mesh = self._session.examining, self._session.state.document.mesh
+        found = examining.found
+        self._panel.measures.show_examination(found, examining.at_rest)
+        self._panel.volume.show_examination(found, examining.under_way)
+        self._health.show_shape(of_crossings(mesh, found.crossing) if found is not None else ())
+
+    def welcome(self, mesh: Mesh) -> None:
+        """Another mesh is open."""
+        if mesh not in self._walls:
+            path = own_file(mesh)
+            known = {} if path is None else self._memory.walls
+            self._walls[mesh] = NO_WALL if path is None else known.get(path.resolve(), NO_WALL)
+        self._panel.measures.show_wall(self._walls[mesh])
+
+    def look_as(self, view: View) -> None:
+        """Have the surface made and coloured as a session says; one that says nothing leaves it alone."""
+        # A later version may show what this one cannot.
+        measure = next((measure for measure in Measure if measure.value == view.overlay), None)
+        if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
+            self._heat.choose(measure)
+        if view.wall != NO_WALL:
+            self._type(view.wall)
+            self._panel.measures.show_wall(view.wall)
+
+    def in_view(self, view: View) -> View:
+        """The view with what the surface is made of, and what its colours show."""
+        measure = self._heat.measure
+        overlay = "" if measure is None else measure.value
+        return replace(view, wall=self._panel.measures.wall, overlay=overlay)
+
+    def _type(self, wall: Wall) -> None:
+        if self._session is None or self._session.state is None:
+            return
+        mesh = self._session.state.document.mesh
+        self._walls[mesh] = wall
+        path = own_file(mesh)
+        if path is not None:
+            self._memory.remember_wall(path, wall)

@@ -1,0 +1,132 @@
+"""The method: what it keeps, what it gives up, and the settings that matter for it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.readout import METHOD_NAMES, METHOD_WORDS
+from apd_viewer.ui.widgets.dial import DECADES, Dial
+from apd_viewer.ui.widgets.fields import Choice, Number
+from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+
+class MethodSection(Section):
+    """The picker and the settings.
+
+    Attributes
+    ----------
+    method_chosen : Signal(str)
+    tolerance_chosen : Signal(float)
+        Relative, so 0.001 where the field says 0.1 %.
+    area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
+    stiffness : Dial
+    """
+
+    method_chosen = Signal(str)
+    tolerance_chosen = Signal(float)
+    area_stiffness_chosen = Signal(float)
+    shear_stiffness_chosen = Signal(float)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Method"))
+        self.method = Choice(accessibleName=tr("Method"), toolTip=tr("How the free part follows the handles"))
+        for key, name in METHOD_NAMES.items():
+            self.method.addItem(name, key)
+        self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
+        self.column.addWidget(self.method)
+        self._keeps = quiet(tr("What the method keeps"))
+        self._gives_up = quiet(tr("What the method gives up"))
+        self.column.addWidget(self._keeps)
+        self.column.addWidget(self._gives_up)
+        self._describe("exact")
+        self.column.addSpacing(4)
+        self._add_settings()
+
+    def _add_settings(self) -> None:
+        self.tolerance = Number(
+            accessibleName=tr("Tolerance of the area in percent"),
+            toolTip=tr("How far the total area may be from what it should be"),
+            minimum=0.001,
+            maximum=10.0,
+            decimals=3,
+            suffix=" %",
+        )
+        self.area_stiffness = _modulus(
+            tr("Area stiffness"),
+            tr("How firmly a triangle keeps its area: the area modulus, against that of the whole"),
+        )
+        self.shear_stiffness = _modulus(
+            tr("Shear stiffness"),
+            tr("How firmly a triangle keeps its angles: the shear modulus, against that of the whole"),
+        )
+        self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
+        self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
+        self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
+        self._rows = (
+            ("paper", _row(tr("Tolerance"), self.tolerance)),
+            ("local", _row(tr("Area stiffness"), self.area_stiffness)),
+            ("local", _row(tr("Shear stiffness"), self.shear_stiffness)),
+        )
+        for _, row in self._rows:
+            row.hide()  # until there is a method that it matters for
+            self.column.addWidget(row)
+        tip = tr("How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness")
+        field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
+        label = QLabel(tr("Stiffness"), toolTip=tip)
+        self.stiffness = Dial(label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal")))
+        self.column.addWidget(self.stiffness)
+
+    def show_settings(self, document: Document) -> None:
+        """Show the method and the settings that matter for it."""
+        self.method.setCurrentIndex(self.method.findData(document.method))
+        self._describe(document.method)
+        for method, row in self._rows:
+            row.setVisible(method == document.method)
+        self.tolerance.show_value(100.0 * document.tolerance)
+        self.area_stiffness.show_value(document.area_stiffness)
+        self.shear_stiffness.show_value(document.shear_stiffness)
+        self.stiffness.show_value(document.stiffness)
+
+    def _describe(self, method: str) -> None:
+        self.heading.say(METHOD_NAMES[method], only_folded=True)
+        keeps, gives_up = METHOD_WORDS[method]
+        self._keeps.setText(keeps)
+        self._gives_up.setText(gives_up)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        super().set_theme(theme)
+        self.stiffness.set_theme(theme)
+
+
+def _modulus(name: str, tip: str) -> Number:
+    field = Number(
+        brief=True,
+        accessibleName=name,
+        toolTip=tip,
+        minimum=0.0,
+        maximum=10_000.0,
+        decimals=4,
+    )
+    field.setStepType(Number.StepType.AdaptiveDecimalStepType)
+    return field
+
+
+def _row(title: str, field: Number) -> QWidget:
+    row = QWidget()
+    line = QHBoxLayout(row)
+    line.setContentsMargins(0, 0, 0, 0)
+    label = QLabel(title, toolTip=field.toolTip())
+    label.setBuddy(field)
+    line.addWidget(label)
+    line.addStretch(1)
+    line.addWidget(field)
+    return row

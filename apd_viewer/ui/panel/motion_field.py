@@ -1,0 +1,114 @@
+"""A line to type a motion of the active handle into: which one, and by how much."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.section import quiet
+
+# The names of apd_viewer.session.typed_motion.Motion, which is loaded later, in the order that they are offered.
+_MOTIONS = {
+    "TWIST": tr("Twist"),
+    "MOVE_X": tr("Move along x"),
+    "MOVE_Y": tr("Move along y"),
+    "MOVE_Z": tr("Move along z"),
+    "TURN_X": tr("Turn about x"),
+    "TURN_Y": tr("Turn about y"),
+    "TURN_Z": tr("Turn about z"),
+    "BEND_X": tr("Bend about x"),
+    "BEND_Y": tr("Bend about y"),
+    "BEND_Z": tr("Bend about z"),
+    "BEND_LINE": tr("About a line"),
+    "SCALE": tr("Scale"),
+}
+_LINE = "BEND_LINE"
+_TIPS = {
+    "MOVE": tr("Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh"),
+    "TURN": tr("About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn"),
+    "TWIST": tr("About the line from the centre of the base to that of the handle: an angle such as 60deg"),
+    "BEND": tr("About an axis through the centre of the base: an angle such as 30deg"),
+    _LINE: tr("Click two points of the mesh: the bend is about the line through them"),
+    "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
+}
+
+
+class MotionField(QWidget):
+    """What moves the handle by a typed amount, as one gesture.
+
+    Attributes
+    ----------
+    typed : Signal(str, str)
+        Name of the motion, and what was typed.
+    line_asked : Signal()
+        The line to bend about is to be picked on the mesh.
+    """
+
+    typed = Signal(str, str)
+    line_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.choice = Choice(accessibleName=tr("Motion of the handle"))
+        for name, title in _MOTIONS.items():
+            self.choice.addItem(title, name)
+        self.pick = QPushButton(tr("Pick the line"), toolTip=_TIPS[_LINE])
+        self.pick.clicked.connect(self.line_asked)
+        self.amount = _Amount(objectName="typed", accessibleName=tr("By how much"), placeholderText="60deg")
+        self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
+        self.choice.currentIndexChanged.connect(self._choose)
+        self._problem = quiet(tr("What is wrong with the amount"))
+        self._problem.setObjectName("unreached")
+        self._problem.setWordWrap(True)
+        self._problem.hide()
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(self.choice, 1)
+        line.addWidget(self.amount, 1)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 4, 0, 4)
+        column.addLayout(line)
+        column.addWidget(self.pick)
+        column.addWidget(self._problem)
+        self._choose()
+
+    @property
+    def motion(self) -> str:
+        """Name of the motion that is chosen."""
+        return str(self.choice.currentData())
+
+    @property
+    def about_line(self) -> bool:
+        """Whether it is about a line that is picked on the mesh."""
+        return self.motion == _LINE
+
+    def done(self) -> None:
+        """The motion was made: once more with the same amount is a press of Return."""
+        self._problem.hide()
+        self.amount.selectAll()
+
+    def refuse(self, sentence: str) -> None:
+        """Say what is wrong with what was typed, and leave it to be mended."""
+        self._problem.setText(sentence)
+        self._problem.show()
+        self.amount.selectAll()
+
+    def _choose(self) -> None:
+        kind = _LINE if self.about_line else self.motion.partition("_")[0]
+        self.pick.setVisible(self.about_line)
+        self.amount.setToolTip(_TIPS[kind])
+        self.choice.setToolTip(_TIPS[kind])
+        examples = {"MOVE": "0.15L", "SCALE": "1.2"}
+        self.amount.setPlaceholderText(examples.get(kind, "60deg"))
+        self._problem.hide()
+
+
+class _Amount(QLineEdit):
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Give the keyboard back on Esc."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.clearFocus()
+        else:
+            super().keyPressEvent(event)

@@ -1,0 +1,202 @@
+"""The panel at the side: the area first, then volume, method, handles, regions and paint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QEvent, QSize, Qt, QTimer
+from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.language import tr
+from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.panel.area_section import AreaSection
+from apd_viewer.ui.panel.method_section import MethodSection
+from apd_viewer.ui.panel.part_list import Swatch
+from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
+from apd_viewer.ui.panel.size_section import SizeSection
+from apd_viewer.ui.panel.volume_section import VolumeSection
+from apd_viewer.ui.preferences.named_keys import name_keys
+from apd_viewer.ui.widgets.dial import Dial
+from apd_viewer.ui.widgets.section import Section
+from apd_viewer.ui.widgets.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.ui.actions.pose_actions import PoseActions
+
+_WIDTH = 296
+
+
+class PaintSection(Section):
+    """How many vertices are painted as what."""
+
+    def __init__(self) -> None:
+        super().__init__(tr("Paint"))
+        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        grid.setColumnStretch(1, 1)
+        self._counts = []
+        for row, (name, tip, color) in enumerate(
+            (
+                (tr("Base"), tr("Vertices: base"), BASE_COLOR),
+                (tr("Handles"), tr("Vertices: handles"), HANDLE_COLORS[0]),
+                (tr("Free"), tr("Vertices: free"), FREE_COLOR),
+            )
+        ):
+            count = QLabel("–", accessibleName=tip, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
+            grid.addWidget(Swatch(color), row, 0)
+            grid.addWidget(QLabel(name, objectName="quiet"), row, 1)
+            grid.addWidget(count, row, 2)
+            self._counts.append(count)
+        self.column.addLayout(grid)
+
+    def show_settings(self, document: Document) -> None:
+        """Count the labels."""
+        counts = document.counts
+        for field, count in zip(
+            self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
+        ):
+            field.setText(f"{count:,}")
+
+
+class Panel(QScrollArea):
+    """Readings that follow the state, and the settings; the sections say what the user chose.
+
+    Attributes
+    ----------
+    area, volume, measures, method, handles, regions, paint
+        The sections.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # it scrolls to what has the keys
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Expanding)
+        self.area = AreaSection()
+        self.volume = VolumeSection()
+        self.measures = SizeSection()
+        self.method = MethodSection()
+        self.handles = HandleSection()
+        self.regions = RegionSection()
+        self.paint = PaintSection()
+        self.sections: tuple[Section, ...] = (
+            self.volume,
+            self.measures,
+            self.method,
+            self.handles,
+            self.regions,
+            self.paint,
+        )
+        body = QWidget(objectName="panel")
+        column = QVBoxLayout(body, spacing=4)
+        column.setContentsMargins(16, 12, 16, 12)
+        column.addWidget(self.area)
+        for section in self.sections:
+            column.addWidget(section)
+        column.addStretch(1)
+        self.setWidget(body)
+        self.unit = Unit.NONE
+
+    @property
+    def dials(self) -> tuple[Dial, ...]:
+        """The values that can be swept with a slider."""
+        return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
+
+    def minimumSizeHint(self) -> QSize:
+        """As wide as the widest line, so that nothing is ever cut off at the side."""
+        body, edge = self.widget(), self.contentsMargins()
+        bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
+        lines = body.minimumSizeHint().width() + bar if body else 0
+        return QSize(max(_WIDTH, lines), super().minimumSizeHint().height())
+
+    def sizeHint(self) -> QSize:
+        """No wider than it must be."""
+        return QSize(self.minimumSizeHint().width(), super().sizeHint().height())
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Ask for another width once the letters have grown."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            QTimer.singleShot(0, self, self.updateGeometry)
+
+    def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
+        """Show what differs between two states, with the active handle and region."""
+        asked_anew = old is None or old.document is not new.document
+        if asked_anew:
+            self.area.show_settings(new)
+            self.volume.show_settings(new)
+            self.method.show_settings(new.document)
+            self.show_parts(new, handle, region)
+        if old is None or old.document.labels is not new.document.labels:
+            self.paint.show_settings(new.document)
+        if asked_anew or old is None or old.frame is not new.frame:
+            targets = old is None or old.document.targets != new.document.targets
+            self._show_readings(new, targets or old is None or old.document.method != new.document.method)
+
+    def _show_readings(self, state: State, asked_anew: bool) -> None:
+        self.area.show_readings(state, self.unit, asked_anew)
+        self.volume.show_readings(state, self.unit)
+        self.measures.show_readings(state, self.unit)
+        self.handles.show_readings(state, self.unit)
+        self.regions.show_readings(state, self.unit)
+
+    @property
+    def unit(self) -> Unit:
+        """What the readings are in; another one is seen with the next state that is shown."""
+        return self._unit
+
+    @unit.setter
+    def unit(self, unit: Unit) -> None:
+        self._unit = unit
+        self.area.unit.show_unit(unit)
+
+    def measure_in(self, unit: Unit, state: State, handle: int, region: int) -> None:
+        """Show the readings of the state in another unit."""
+        self.unit = unit
+        self.show_parts(state, handle, region)
+        self._show_readings(state, asked_anew=False)
+
+    def show_parts(self, state: State, handle: int, region: int) -> None:
+        """Show the handles and regions, and which are active."""
+        self.handles.show_settings(state, self.unit, handle)
+        self.regions.show_settings(state, region)
+
+    def give_up_sweep(self) -> bool:
+        """Let go of a slider that is being swept; True if there was one."""
+        return any(dial.slider.give_up() for dial in self.dials)
+
+    def name_keys(self, actions: PoseActions) -> None:
+        """Name the keys of the actions in the tips of the buttons that do the same."""
+        add_handle, _, add_region = actions.parts
+        for button, action in (
+            (self.handles.add, add_handle),
+            (self.handles.back, actions.put_back),
+            (self.regions.add, add_region),
+        ):
+            name_keys(button, action)
+
+    def show_motion(self) -> None:
+        """Unfold the handles, and put the cursor where a motion is typed."""
+        self.handles.folded = False
+        field = self.handles.motion.amount
+        self.ensureWidgetVisible(field)
+        field.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        field.selectAll()
+
+    @property
+    def folded(self) -> list[str]:
+        """Titles of the sections that are folded."""
+        return [section.title for section in self.sections if section.folded]
+
+    @folded.setter
+    def folded(self, titles: list[str]) -> None:
+        for section in self.sections:
+            section.folded = section.title in titles
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self.area.set_theme(theme)
+        for section in self.sections:
+            section.set_theme(theme)

@@ -1,0 +1,272 @@
+"""A list of named parts of the mesh, each with its colour; one of them is active."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+
+
+class Swatch(QWidget):
+    """A square of the colour that a part has on the mesh."""
+
+    def __init__(self, color: tuple[int, int, int]) -> None:
+        super().__init__()
+        self.setFixedSize(14, 14)
+        self._color = QColor(*color)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the square."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self._color)
+        painter.drawRoundedRect(QRectF(1, 1, 12, 12), 3, 3)
+
+
+class Name(QLineEdit):
+    """A name that can be edited in place: Enter keeps the new one, Esc the old one.
+
+    Attributes
+    ----------
+    chosen : Signal(str)
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self, text: str) -> None:
+        super().__init__(objectName="name", frame=False)
+        self.setAccessibleName(tr("Name"))
+        self.setMinimumHeight(self.fontMetrics().height() + 8)
+        self._kept = text
+        self.rest()
+
+    def show_name(self, text: str) -> None:
+        """Show another name."""
+        if text != self._kept:
+            self._kept = text
+            if self.isReadOnly():
+                self.rest()
+
+    def edit(self) -> None:
+        """Let the user type."""
+        self.setReadOnly(False)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents, False)
+        self.setFocus()
+        self.selectAll()
+        self.update_look()
+
+    def rest(self) -> None:
+        """Show the name and leave the mouse to the row."""
+        self.setReadOnly(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setText(self._kept)
+        self.setToolTip(self._kept)
+        self.setCursorPosition(0)
+        self.deselect()
+        self.update_look()
+
+    def update_look(self) -> None:
+        """Let the style sheet look at ``readOnly`` again."""
+        self.style().unpolish(self)
+        self.style().polish(self)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter keeps what was typed, Esc what was there."""
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self._finish(self.text())
+        elif event.key() == Qt.Key.Key_Escape:
+            self._finish(self._kept)
+        else:
+            super().keyPressEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Keep what was typed."""
+        super().focusOutEvent(event)
+        self._finish(self.text())
+
+    def _finish(self, text: str) -> None:
+        if self.isReadOnly():
+            return
+        before = self._kept
+        self.rest()
+        row = self.parentWidget()
+        if row is not None:
+            row.setFocus()
+        if text.strip() and text.strip() != before:
+            self.chosen.emit(text.strip())
+
+
+# What is said of the parts of a kind: of their reading, and of the button that removes one.
+_SAID = {
+    "handle": (tr("Reading of the handle"), tr("Remove this handle")),
+    "region": (tr("Reading of the region"), tr("Remove this region")),
+}
+
+
+class PartRow(QFrame):
+    """A line of the list: colour, name, a reading, and below it what the active part alone shows.
+
+    Attributes
+    ----------
+    chosen, removed : Signal()
+    renamed : Signal(str)
+    stepped : Signal(int)
+        The arrow keys ask for the row above, -1, or below, 1.
+    reading : QLabel
+    details : QWidget
+    """
+
+    chosen = Signal()
+    removed = Signal()
+    renamed = Signal(str)
+    stepped = Signal(int)
+
+    def __init__(self, kind: str, name: str, color: tuple[int, int, int], details: QWidget) -> None:
+        super().__init__(objectName="part", focusPolicy=Qt.FocusPolicy.StrongFocus)
+        self.setToolTip(tr("Click makes it active; double click or F2 renames it, Delete removes it"))
+        self.name = Name(name)
+        reading, remove = _SAID[kind]
+        self.reading = QLabel("", objectName="quiet", accessibleName=reading)
+        self.details = details
+        self.remove = small_button(remove, remove)
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(Swatch(color))
+        line.addWidget(self.name, 1)
+        line.addWidget(self.reading)
+        line.addWidget(self.remove)
+        column = QVBoxLayout(self, spacing=2)
+        column.setContentsMargins(8, 3, 4, 3)
+        column.addLayout(line)
+        column.addWidget(details)
+        self.name.chosen.connect(self.renamed)
+        self.remove.clicked.connect(self.removed)
+        self.set_active(False)
+
+    def set_active(self, on: bool) -> None:
+        """Show whether this is the active part."""
+        self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
+        mark(self, "active", on)
+        self.details.setVisible(on)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Ask to be the active one."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.chosen.emit()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Let the name be edited."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.name.edit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Choose, rename, remove, or go to a neighbour."""
+        key = event.key()
+        if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space):
+            self.chosen.emit()
+        elif key == Qt.Key.Key_F2:
+            self.name.edit()
+        elif key == Qt.Key.Key_Delete and not self.remove.isHidden():
+            self.removed.emit()
+        elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
+            self.stepped.emit(-1 if key == Qt.Key.Key_Up else 1)
+        else:
+            super().keyPressEvent(event)
+
+
+class PartList(QWidget):
+    """The rows, as many as there are parts.
+
+    Parameters
+    ----------
+    colors : sequence of (int, int, int)
+    make : callable
+        From a name and a colour to a new row.
+
+    Attributes
+    ----------
+    chosen, removed : Signal(int)
+    renamed : Signal(int, str)
+    rows : list of PartRow
+    """
+
+    chosen = Signal(int)
+    removed = Signal(int)
+    renamed = Signal(int, str)
+
+    def __init__(
+        self,
+        colors: Sequence[tuple[int, int, int]],
+        make: Callable[[int, str, tuple[int, int, int]], PartRow],
+    ) -> None:
+        super().__init__()
+        self._colors = colors
+        self._make = make
+        self._theme = LIGHT
+        self.rows: list[PartRow] = []
+        self._column = QVBoxLayout(self, spacing=2)
+        self._column.setContentsMargins(0, 0, 0, 0)
+
+    def show_parts(self, names: Sequence[str], active: int) -> None:
+        """Show a row for each name, and which part is active."""
+        while len(self.rows) > len(names):
+            row = self.rows.pop()
+            row.hide()
+            row.deleteLater()  # it may be the one whose button was pressed
+        for k, name in enumerate(names):
+            if k == len(self.rows):
+                self._add(k, name)
+            self.rows[k].name.show_name(name)
+            self.rows[k].set_active(k == active)
+        self.setVisible(bool(self.rows))
+
+    def _add(self, k: int, name: str) -> None:
+        row = self._make(k, name, self._colors[k % len(self._colors)])
+        row.chosen.connect(lambda: self.chosen.emit(k))
+        row.removed.connect(lambda: self.removed.emit(k))
+        row.renamed.connect(lambda name: self.renamed.emit(k, name))
+        row.stepped.connect(lambda step: self._step(k + step))
+        row.remove.setIcon(icon("remove", self._theme))
+        self.rows.append(row)
+        self._column.addWidget(row)
+        self._put_in_tab_order(row)
+
+    def _put_in_tab_order(self, row: PartRow) -> None:
+        """Have Tab come to a row after those above it: by itself it would come to the latest last."""
+        before = self._before
+        for other in self.rows:
+            for widget in filter(_takes_keys, (other, *other.findChildren(QWidget))):
+                if other is row:
+                    self.setTabOrder(before, widget)
+                before = widget
+
+    @property
+    def _before(self) -> QWidget:
+        """What Tab comes to before the list, which takes no keys itself."""
+        before: QWidget | None = self.previousInFocusChain()
+        while before is not None and before is not self and not _takes_keys(before):
+            before = before.previousInFocusChain()
+        return before or self
+
+    def _step(self, k: int) -> None:
+        if 0 <= k < len(self.rows):
+            self.rows[k].setFocus()
+            self.chosen.emit(k)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        self._theme = theme
+        for row in self.rows:
+            row.remove.setIcon(icon("remove", theme))
+
+
+def _takes_keys(widget: QWidget) -> bool:
+    return bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus) and widget.focusProxy() is None

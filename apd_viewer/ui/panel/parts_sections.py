@@ -1,0 +1,212 @@
+"""The handles and the regions: their lists, and what is read and asked of each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.language import tr, trc
+from apd_viewer.presentation import readout
+from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
+from apd_viewer.ui.panel.motion_field import MotionField
+from apd_viewer.ui.panel.part_list import PartList, PartRow
+from apd_viewer.ui.widgets.dial import SHARE, Dial
+from apd_viewer.ui.widgets.fields import Check, Number, percent_field
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+
+_DRIFT = tr("How far a handle is from where it was put; the farthest of several")
+
+
+class HandleSection(Section):
+    """The handles: how far each was moved and turned, and how far they drifted.
+
+    Attributes
+    ----------
+    list : PartList
+    motion : MotionField
+    falloff : Dial
+        In percent of the longest side.
+    added, reset_asked, put_back_asked : Signal()
+    drift : QLabel
+    """
+
+    added = Signal()
+    reset_asked = Signal()
+    put_back_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("Handles"))
+        self.list = PartList(HANDLE_COLORS, self._row)
+        self.column.addWidget(self.list)
+        self.motion = MotionField()
+        self.column.addWidget(self.motion)
+        tip = tr(
+            "How far around the active handle the surface is drawn along, less and less with the distance; "
+            "in percent of the longest side"
+        )
+        field = Number(brief=True, decimals=2, maximum=100.0, suffix=" %", singleStep=1.0, toolTip=tip)
+        self.falloff = Dial(QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle"))
+        self.column.addWidget(self.falloff)
+        self.drift = QLabel("–", accessibleName=_DRIFT, toolTip=_DRIFT)
+        grid = QGridLayout()
+        grid.addWidget(QLabel(tr("Drift"), objectName="quiet", toolTip=_DRIFT), 0, 0)
+        grid.addWidget(self.drift, 0, 1, Qt.AlignmentFlag.AlignRight)
+        self.column.addLayout(grid)
+        self.add = QPushButton(
+            tr("Add"),
+            accessibleName=tr("Add handle"),
+            toolTip=tr("One more part to be moved by itself"),
+        )
+        self.back = QPushButton(tr("Put back"), toolTip=tr("Put the active handle back where it was gripped"))
+        self.back.setAccessibleName(tr("Put the active handle back"))
+        self.reset = QPushButton(
+            tr("Reset all"), toolTip=tr("Put all handles back, and the mesh in its rest shape")
+        )
+        self.add.clicked.connect(self.added)
+        self.back.clicked.connect(self.put_back_asked)
+        self.reset.clicked.connect(self.reset_asked)
+        buttons = QHBoxLayout(spacing=8)
+        for button in (self.add, self.back, self.reset):
+            buttons.addWidget(button)
+        self.column.addSpacing(4)
+        self.column.addLayout(buttons)
+
+    def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
+        details = quiet(tr("How far {name} was moved and turned").format(name=name))
+        details.setIndent(22)
+        return PartRow("handle", name, color, details)
+
+    def show_settings(self, state: State, unit: Unit, active: int) -> None:
+        """Show the handles, and how the active one was moved."""
+        document = state.document
+        self.list.show_parts([handle.name for handle in document.handles], active)
+        for k, row in enumerate(self.list.rows):
+            count = document.counts[HANDLE + k]
+            row.reading.setText(f"{count:,}" if count else tr("not painted"))
+            row.reading.setToolTip(tr("Vertices of the handle"))
+            row.remove.setVisible(len(document.handles) > 1)
+        self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
+        self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
+        self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
+        details = self.list.rows[active].details
+        if isinstance(details, QLabel):
+            details.setText(readout.motion(document, active, unit, max(state.inspection.size)))
+        self.heading.say(f"{len(document.handles)}", only_folded=True)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show how far the handles are from where they were put."""
+        self.drift.setText(readout.drift(state, unit))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.falloff.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+class RegionSection(Section):
+    """The named regions: what area each has, and what area it should keep.
+
+    Attributes
+    ----------
+    list : PartList
+    added : Signal()
+    kept : Signal(int, object)
+        A region and the area to keep in percent, or None to leave it free.
+    """
+
+    added = Signal()
+    kept = Signal(int, object)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Regions"))
+        self.empty = quiet(tr("What regions are for"))
+        self.empty.setText(tr("A region is a painted part whose area you can read, and keep."))
+        self.list = PartList(REGION_COLORS, self._row)
+        self.note = quiet(tr("Why regions are not kept"))
+        self.note.setText(tr("The method Paper only measures regions."))
+        self.note.hide()
+        self.add = QPushButton(tr("Add region"), toolTip=tr("One more part whose area is measured"))
+        self.add.clicked.connect(self.added)
+        for part in (self.empty, self.list, self.note):
+            self.column.addWidget(part)
+        self.column.addSpacing(4)
+        self.column.addWidget(self.add)
+
+    def _row(self, k: int, name: str, color: tuple[int, int, int]) -> PartRow:
+        row = PartRow("region", name, color, Keep())
+        details = row.details
+        assert isinstance(details, Keep)
+        details.kept.connect(lambda percent: self.kept.emit(k, percent))
+        return row
+
+    def show_settings(self, state: State, active: int) -> None:
+        """Show the regions and what is asked of them."""
+        document = state.document
+        regions, only_measured = document.regions, document.method == "paper"
+        self.list.show_parts([region.name for region in regions], active)
+        for region, row in zip(regions, self.list.rows, strict=True):
+            if isinstance(row.details, Keep):
+                row.details.show_target(region.area, not only_measured)
+        self.empty.setVisible(not regions)
+        self.note.setVisible(bool(regions) and only_measured)
+        self.heading.say(f"{len(regions)}" if regions else trc("regions", "none"), only_folded=True)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show the area of each region."""
+        for row, (area, sizes) in zip(self.list.rows, readout.regions(state, unit), strict=False):
+            row.reading.setText(area)
+            row.reading.setToolTip(tr("Area in percent of its area at rest: {sizes}").format(sizes=sizes))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.add.setIcon(icon("add", theme))
+
+
+class Keep(QWidget):
+    """What the area of a region should be: free, or a percentage of its area at rest.
+
+    Attributes
+    ----------
+    kept : Signal(object)
+        In percent, or None.
+    """
+
+    kept = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        tip = tr("What the area of the region should be, in percent of its area at rest")
+        self.box = Check(
+            tr("Keep at"), toolTip=tr("Keep the area of the region to the last digits, or leave it free")
+        )
+        self.field: Number = percent_field(tr("Target of the area of the region"), tip)
+        line = QHBoxLayout(self, spacing=8)
+        line.setContentsMargins(22, 0, 0, 2)
+        line.addWidget(self.box)
+        line.addWidget(self.field)
+        line.addStretch(1)
+        self.box.toggled.connect(lambda on: self.kept.emit(self.field.value() if on else None))
+        self.field.valueChanged.connect(lambda percent: self.kept.emit(percent))
+
+    def show_target(self, percent: float | None, possible: bool) -> None:
+        """Show what is asked for, and whether anything can be."""
+        self.setEnabled(possible)
+        self.box.blockSignals(True)
+        self.box.setChecked(percent is not None)
+        self.box.blockSignals(False)
+        self.field.setEnabled(percent is not None and possible)
+        self.field.show_value(100.0 if percent is None else percent)

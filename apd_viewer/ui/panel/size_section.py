@@ -1,0 +1,170 @@
+"""What room the shape takes, and what it weighs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation import readout
+from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
+from apd_viewer.ui.widgets.section import Section, quiet
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.session.model.document import State
+
+
+class SizeSection(Section):
+    """A compact table of readings, and two fields for what the surface is made of.
+
+    Attributes
+    ----------
+    wall_typed : Signal(Wall)
+    extent, box, packed, compact, mass : QLabel
+    thickness, density : QLineEdit
+    """
+
+    wall_typed = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Size and mass"))
+        self._unit, self._area, self._typed = Unit.NONE, 0.0, NO_WALL
+        self._found: Examination | None = None
+        self._at_rest: Examination | None = None
+        self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        self._grid.setColumnStretch(1, 1)
+        later = tr("measured when the shape rests")
+        self.extent = self._row(
+            tr("Box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
+        )
+        self.box, self._box_change = self._rows(
+            tr("Box volume"), tr("Volume of the box along x, y and z; {later}").format(later=later)
+        )
+        self.packed, self._packed_change = self._rows(
+            tr("Packed volume"),
+            tr(
+                "Volume of the smallest box that was found around the shape, turned in any way: "
+                "what it takes up in a carton or a bale; {later}"
+            ).format(later=later),
+        )
+        self.compact, self._compact_change = self._rows(
+            tr("Compactness"),
+            tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a ball, 0.52 for a cube"),
+        )
+        self._add_wall()
+        self.mass = self._row(tr("Mass"), tr("Area times thickness times density"), wide=True)
+        self.column.addLayout(self._grid)
+        self.column.addSpacing(4)
+        self._problem = quiet(tr("Why there is no mass"))
+        self._problem.setObjectName("unreached")
+        self._problem.hide()
+        self.column.addWidget(self._problem)
+
+    def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
+        row = self._grid.rowCount()
+        reading = QLabel(
+            readout.NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
+        )
+        self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+        self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
+        return reading
+
+    def _rows(self, title: str, tip: str) -> tuple[QLabel, QLabel]:
+        """A reading, and by how much it has changed."""
+        reading = self._row(title, tip)
+        name = tr("{title}, change").format(title=title)
+        change = QLabel("", objectName="quiet", accessibleName=name, alignment=Qt.AlignmentFlag.AlignRight)
+        change.setMinimumWidth(change.fontMetrics().horizontalAdvance("−100.0 %"))
+        self._grid.addWidget(change, self._grid.rowCount() - 1, 2)
+        return reading, change
+
+    def _add_wall(self) -> None:
+        row = self._grid.rowCount()
+        tip = tr("Thickness of the wall: 0.3mm, or a number in the unit of the mesh")
+        self.thickness = self._field(tr("thickness"), tip)
+        tip = tr("Density of the material: 1.38 (g/cm³, as of PET), or 1380 kg/m³")
+        self.density = self._field(tr("density"), tip)
+        label = QLabel(tr("Wall"), objectName="quiet")
+        label.setBuddy(self.thickness)
+        line = QHBoxLayout(spacing=4)
+        line.setContentsMargins(0, 4, 0, 4)
+        line.addWidget(self.thickness, 1)
+        line.addWidget(self.density, 1)
+        self._grid.addWidget(label, row, 0)
+        self._grid.addLayout(line, row, 1, 1, 2)
+
+    def _field(self, what: str, tip: str) -> QLineEdit:
+        field = _Field(objectName="typed", placeholderText=what, toolTip=tip)
+        field.setAccessibleName(tr("Wall, {what}").format(what=what))
+        field.setMaxLength(MOST_CHARACTERS)
+        field.editingFinished.connect(self._type)
+        return field
+
+    @property
+    def wall(self) -> Wall:
+        """What is typed."""
+        return Wall(self.thickness.text(), self.density.text())
+
+    def show_wall(self, wall: Wall) -> None:
+        """Show what the surface of another mesh is made of."""
+        self.thickness.setText(wall.thickness)
+        self.density.setText(wall.density)
+        self._typed = wall
+        self._show_mass()
+
+    def _type(self) -> None:
+        if self.wall != self._typed:
+            self._typed = self.wall
+            self._show_mass()
+            self.wall_typed.emit(self.wall)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show what every frame has: the compactness and the mass."""
+        self._area = state.frame.area
+        for label, text in zip((self.compact, self._compact_change), readout.compact(state), strict=True):
+            label.setText(text)
+        if unit is not self._unit:
+            self._unit = unit
+            self._show_boxes()
+        self._show_mass()
+
+    def show_examination(self, found: Examination | None, at_rest: Examination | None) -> None:
+        """Show what was found of the shape; None while it is not known."""
+        self._found, self._at_rest = found, at_rest
+        self._show_boxes()
+
+    def _show_boxes(self) -> None:
+        found, rest = self._found, self._at_rest
+        rows = (self.box, self._box_change, "box"), (self.packed, self._packed_change, "packed")
+        for reading, changed, what in rows:
+            said = readout.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
+            reading.setText(said[0])
+            changed.setText(said[1])
+        self.extent.setText(readout.extent(found, self._unit))
+        change = self._packed_change.text()
+        self.heading.say(tr("packed {change}").format(change=change) if change else "", only_folded=True)
+
+    def _show_mass(self) -> None:
+        try:
+            grams, problem = mass(self._typed, self._area, self._unit), ""
+        except InputError as error:
+            grams, problem = None, str(error)
+        self.mass.setText(readout.weight(grams))
+        if problem != self._problem.text():
+            self._problem.setText(problem)
+            self._problem.setVisible(bool(problem))
+
+
+class _Field(QLineEdit):
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Give the keyboard back on Enter and Esc."""
+        super().keyPressEvent(event)
+        if event.key() in (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.clearFocus()

@@ -1,0 +1,100 @@
+"""The line at the bottom: what the tool does, what is under way, how fast the solver is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QLabel, QSizePolicy, QStatusBar, QToolButton, QWidget
+
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation.number_format import short
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.tools.painter import Painter
+
+
+class Hint(QLabel):
+    """A line that ends in dots where there is no room for all of it."""
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw as much as there is room for."""
+        room = self.rect().adjusted(8, 0, -8, 0)
+        painter = QPainter(self)
+        painter.setPen(self.palette().windowText().color())
+        text = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
+
+
+class StatusBar(QStatusBar):
+    """Hint at the left; errand, pace, size and findings of the mesh at the right.
+
+    Parameters
+    ----------
+    badge : QWidget
+        Of the findings.
+
+    Attributes
+    ----------
+    cancel_asked : Signal()
+    """
+
+    cancel_asked = Signal()
+
+    def __init__(self, badge: QWidget) -> None:
+        super().__init__()
+        self.setSizeGripEnabled(False)
+        self._hint = Hint()
+        self._cancel = QToolButton(text=tr("Cancel"))
+        self._cancel.clicked.connect(self.cancel_asked)
+        self._errand, self._pace, self._size = QLabel(), QLabel(), QLabel()
+        # It gives way: a word less of it is no loss, and the tip has it whole.
+        self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.addWidget(self._hint, 1)
+        for widget in (self._errand, self._cancel, self._pace, self._size, badge):
+            self.addPermanentWidget(widget)
+        # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
+        self._errand.setText(tr("Starting…"))
+        self._cancel.hide()
+
+    def hint(self, text: str) -> None:
+        """Say what the tool in hand does."""
+        self._hint.setText(text)
+        self._hint.setToolTip(text)
+
+    def say_brush(self, brush: Painter, unit: Unit) -> None:
+        """Tell for a moment how large the brush is."""
+        size = f"{brush.radius:.0f} px" if brush.length is None else unit.length(short(brush.length))
+        self.showMessage(tr("Brush {size}").format(size=size), 1500)
+
+    def show_session(self, session: Session) -> None:
+        """Show what is under way."""
+        errand, state = session.errand, session.state
+        self._errand.setText(tr("{errand}…").format(errand=errand.title) if errand else "")
+        self._errand.setVisible(errand is not None)
+        self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
+        self._size.setText(_vertices(state) if state else "")
+        self._size.setToolTip(_extent(state, session.unit) if state else "")
+        iteration = state.frame.iteration if state else 0
+        pace = tr("iteration {iteration:,}, {pace:.1f} ms an iteration").format(
+            iteration=iteration, pace=1e3 * session.seconds_per_iteration
+        )
+        self._pace.setText(pace if iteration else "")
+
+
+def _vertices(state: State) -> str:
+    n = state.inspection.vertices
+    return trn("{n:,} vertex", "{n:,} vertices", n).format(n=n)
+
+
+def _extent(state: State, unit: Unit) -> str:
+    """How many faces the mesh has, and how far it reaches along x, y and z."""
+    found = state.inspection
+    size = unit.length(" × ".join(short(extent) for extent in found.size))
+    return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(
+        vertices=found.vertices, faces=found.faces, size=size
+    )

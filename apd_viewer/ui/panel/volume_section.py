@@ -1,0 +1,99 @@
+"""The volume: what it is, and what it should be if that matters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Signal
+
+from apd_viewer.language import tr
+from apd_viewer.presentation import readout
+from apd_viewer.ui.panel.crossings_button import CrossingsButton
+from apd_viewer.ui.widgets.dial import PERCENT, Dial
+from apd_viewer.ui.widgets.fields import Check, percent_field
+from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.theme import Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.quantities.units import Unit
+
+_TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
+
+
+class VolumeSection(Section):
+    """Readings of the volume, and a target that can be switched on.
+
+    Attributes
+    ----------
+    target : Dial
+        In percent.
+    kept : Signal(object)
+        The volume to keep in percent, or None to leave it free.
+    volume, litres : QLabel
+    crossings : CrossingsButton
+    """
+
+    kept = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Volume"))
+        self.volume = quiet(tr("Volume, and volume at rest"))
+        self.keep = Check(tr("Keep the volume"), toolTip=tr("Keep the enclosed volume to the last digits"))
+        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Target of the volume"))
+        self.why_not = quiet(tr("Why the volume cannot be kept"))
+        self.litres = quiet(tr("Volume in litres, and how it was closed"))
+        self.crossings = CrossingsButton()
+        for part in (self.volume, self.litres, self.crossings, self.target, self.why_not):
+            self.column.addWidget(part)
+        for later in (self.target.field, self.target.slider, self.why_not):
+            later.hide()  # until there is something to keep
+        self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        super().set_theme(theme)
+        self.target.set_theme(theme)
+        self.crossings.set_theme(theme)
+
+    @property
+    def change(self) -> str:
+        """The change of the volume, in words."""
+        return self.heading.reading
+
+    def show_settings(self, state: State) -> None:
+        """Show what is asked for, or why nothing can be."""
+        document, inspection = state.document, state.inspection
+        why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
+        if document.method == "paper" and not why:
+            why = tr("The method Paper cannot keep a volume.")
+        self.why_not.setText(why)
+        self.why_not.setVisible(bool(why))
+        asked = document.volume is not None
+        self.keep.setEnabled(not why)
+        self.keep.blockSignals(True)
+        self.keep.setChecked(asked and not why)
+        self.keep.blockSignals(False)
+        active = asked and not why
+        self.target.set_active(active)
+        self.target.field.setVisible(active)
+        self.target.slider.setVisible(active)
+        self.target.show_value(100.0 if document.volume is None else document.volume)
+
+    def show_readings(self, state: State, unit: Unit) -> None:
+        """Show the shape's volume; that of an open surface with its openings capped, and saying so."""
+        said = readout.volume(state, unit)
+        self.heading.say(said.change)
+        self.volume.setText(said.sizes)
+        self.litres.setText("\n".join(said.more))
+        self.litres.setVisible(bool(said.more))
+
+    def show_examination(self, found: Examination | None, under_way: bool) -> None:
+        """Say whether the surface passes through itself, as far as that is known."""
+        if found is not None:
+            self.crossings.show_count(None if found.crossing is None else len(found.crossing))
+        elif under_way:
+            self.crossings.show_checking()
+        else:
+            self.crossings.show_moving()

@@ -1,0 +1,362 @@
+"""The plots: how a shape came to be what it is, and how it differs from rest, drawn with every frame."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QRect, QRectF, QSize, Qt, QTimer
+from PySide6.QtGui import QColor, QHideEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import (
+    QBoxLayout,
+    QGridLayout,
+    QLabel,
+    QMenu,
+    QScrollArea,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.widgets.icons import SIZE, icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.area_change import LocalChange
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.trace import Trace
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.overlays.notice import Notice
+    from apd_viewer.ui.plots.chart import Chart
+    from apd_viewer.ui.preferences.memory import Memory
+
+_SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
+_LOWEST = 140  # pixels, of a chart below another one
+_WIDE = 560  # pixels, for all that chooses in a row
+_AGAIN = 100  # ms
+_HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
+_FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
+
+
+class _Words(NamedTuple):
+    """What is said of a chart that can be chosen."""
+
+    title: str
+    tip: str
+
+
+_CHARTS = {
+    "error": _Words(tr("Area error"), tr("How far the area is from what is asked, by iteration")),
+    "energy": _Words(tr("Energy"), tr("What the deformation costs, along the gesture")),
+    "area": _Words(tr("Area and volume"), tr("Their changes against rest, along the gesture")),
+    "local": _Words(
+        tr("Local change"),
+        tr(
+            "How much of the surface has grown and shrunk, and by how much: the mean, what 99 % of it "
+            "do not exceed, and the largest"
+        ),
+    ),
+}
+_AT_FIRST = ("error", "area", "local")
+
+
+class Plots(QWidget):
+    """Charts beside each other, or below each other where there is more room, and what chooses among them.
+
+    They read the session when they are drawn, so they cost nothing while they cannot be seen; and what draws
+    them is imported when they are first shown.
+
+    Parameters
+    ----------
+    memory : Memory
+    notice : Notice
+        Where to say what was written.
+
+    Attributes
+    ----------
+    views : dict of str to ChartView
+    choices : dict of str to QToolButton
+    """
+
+    def __init__(self, memory: Memory, notice: Notice) -> None:
+        super().__init__(objectName="plots")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._memory, self._notice = memory, notice
+        self._session: Session | None = None
+        self._theme = LIGHT
+        self._measured: tuple[np.ndarray, LocalChange] | None = None
+        self._loading = threading.Thread(target=_load, name="plots", daemon=True)
+        self.views = {name: ChartView(words, partial(self._chart, name)) for name, words in _CHARTS.items()}
+        self.choices = {name: self._choice(name) for name in _CHARTS}
+        column = QVBoxLayout(self, spacing=0)
+        column.setContentsMargins(0, 0, 0, 4)
+        column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetNoConstraint)
+        self._head = QGridLayout(spacing=4)
+        self._head.setContentsMargins(8, 0, 8, 0)
+        self._head.setColumnStretch(len(_CHARTS), 1)
+        column.addLayout(self._head)
+        self._make_save()
+        charts = QWidget(objectName="charts")
+        self._charts = QBoxLayout(QBoxLayout.Direction.LeftToRight, charts)
+        self._charts.setSpacing(4)
+        self._charts.setContentsMargins(0, 0, 0, 0)
+        for view in self.views.values():
+            self._charts.addWidget(view, 1)
+        self._none = QLabel(tr("Choose above what is plotted."), objectName="quiet")
+        self._none.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._charts.addWidget(self._none, 1)
+        room = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
+        room.setWidget(charts)
+        column.addWidget(room, 1)
+        self._turn(wide=True)
+        self._choose(memory.plots if memory.plots is not None else _AT_FIRST)
+
+    def _choice(self, name: str) -> QToolButton:
+        words = _CHARTS[name]
+        button = QToolButton(text=words.title, toolTip=words.tip, checkable=True, objectName="choice")
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        button.toggled.connect(self._chosen)
+        return button
+
+    def _make_save(self) -> None:
+        self.save = QToolButton(text=tr("Save"), toolTip=tr("Save the plots as a picture or as numbers"))
+        self.save.setObjectName("choice")
+        self.save.setIconSize(SIZE * 0.8)
+        self.save.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.save.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.save.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.save.setMenu(self._make_menu())
+
+    def _make_menu(self) -> QMenu:
+        menu = QMenu(self.save)
+        self._pictures = [
+            menu.addAction(tr("Picture as PNG…"), partial(self._ask, "plots", ".png", self.write_picture)),
+            menu.addAction(tr("Picture as SVG…"), partial(self._ask, "plots", ".svg", self.write_picture)),
+        ]
+        menu.addSeparator()
+        self._numbers = menu.addAction(
+            tr("Numbers of the gesture as CSV…"), partial(self._ask, "gesture", ".csv", self.write_trace)
+        )
+        self._histogram = menu.addAction(
+            tr("Local change as CSV…"), partial(self._ask, "local-change", ".csv", self.write_histogram)
+        )
+        menu.aboutToShow.connect(self._offer)
+        return menu
+
+    def _offer(self) -> None:
+        """Offer to save what there is."""
+        for action in self._pictures:
+            action.setEnabled(any(not view.isHidden() for view in self.views.values()))
+        self._numbers.setEnabled(len(self._trace) > 1)
+        self._histogram.setEnabled(self._state is not None)
+
+    def start(self, session: Session) -> None:
+        """Plot what happens in a session."""
+        self._session = session
+        self.follow()
+
+    def end(self) -> None:
+        """Wait for what is compiled: while the interpreter ends it would take that down."""
+        if self._loading.ident is not None:
+            self._loading.join()
+
+    def follow(self) -> None:
+        """Something has changed: draw anew with the next frame, if this can be seen."""
+        if self.isVisible():
+            for view in self.views.values():
+                view.update()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw in the colours of a theme."""
+        self._theme = theme
+        self.save.setIcon(icon("save", theme))
+        for view in self.views.values():
+            view.theme = theme
+            view.update()
+
+    # Choosing
+
+    def _choose(self, names: tuple[str, ...] | list[str]) -> None:
+        for name, button in self.choices.items():
+            button.blockSignals(True)
+            button.setChecked(name in names)
+            button.blockSignals(False)
+        self._arrange()
+
+    def _chosen(self) -> None:
+        self._memory.plots = [name for name, button in self.choices.items() if button.isChecked()]
+        self._arrange()
+
+    def _arrange(self) -> None:
+        for name, view in self.views.items():
+            view.setVisible(self.choices[name].isChecked())
+        self._none.setVisible(not any(button.isChecked() for button in self.choices.values()))
+
+    def sizeHint(self) -> QSize:
+        """So much that the charts are no strip, and the canvas stays the largest."""
+        return _SIZE
+
+    def minimumSizeHint(self) -> QSize:
+        """Less than the charts need beside each other: they can go below each other."""
+        return _SMALLEST
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Put the charts beside each other where it is wide, below each other where it is high."""
+        super().resizeEvent(event)
+        self._turn(self.width() > max(_WIDE, self.height()))
+
+    def _turn(self, wide: bool) -> None:
+        directions = QBoxLayout.Direction
+        self._charts.setDirection(directions.LeftToRight if wide else directions.TopToBottom)
+        for view in self.views.values():
+            view.setMinimumHeight(0 if wide else _LOWEST)
+        columns = len(self.choices) if wide else len(self.choices) // 2
+        for k, button in enumerate(self.choices.values()):
+            self._head.addWidget(button, k // columns, k % columns)
+        self._head.addWidget(self.save, 0, len(self.choices) + 1)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Keep no shape that nobody looks at."""
+        self._measured = None
+        super().hideEvent(event)
+
+    # What is plotted
+
+    @property
+    def _trace(self) -> Trace:
+        from apd_viewer.session.model.trace import Trace
+
+        return Trace() if self._session is None else self._session.trace
+
+    @property
+    def _state(self) -> State | None:
+        return None if self._session is None else self._session.state
+
+    def _chart(self, name: str) -> Chart:
+        """What a view shows, as things are now."""
+        from apd_viewer.ui.plots.plots import reading_charts
+
+        session, state = self._session, self._state
+        if name == "error":
+            return reading_charts.area_error(state, self._trace)
+        if name == "energy":
+            return reading_charts.energy(self._trace, Unit.NONE if session is None else session.unit)
+        if name == "area":
+            return reading_charts.area_and_volume(state, self._trace)
+        if state is None:
+            return reading_charts.local_change(None, tr("Open a mesh to see here how its triangles change."))
+        if not self._ready():
+            return reading_charts.local_change(None, tr("Preparing…"))
+        return reading_charts.local_change(self._local_change(state))
+
+    def _ready(self) -> bool:
+        """Whether the histogram can be found; the very first time it is compiled, which takes seconds."""
+        if self._loading.ident is None:
+            self._loading.start()
+        if self._loading.is_alive():
+            view = self.views["local"]
+            QTimer.singleShot(_AGAIN, view, view.update)
+            return False
+        return True
+
+    def _local_change(self, state: State) -> LocalChange:
+        """How the triangles differ from rest; found once for a shape."""
+        from apd_viewer.geometry.analysis.area_change import local_change
+        from apd_viewer.session.model.memo import triangle_areas
+
+        U, mesh = state.frame.U, state.document.mesh
+        if self._measured is None or self._measured[0] is not U:
+            self._measured = U, local_change(U, state.skin.F, triangle_areas(mesh.V, mesh.F))
+        return self._measured[1]
+
+    # Saving
+
+    def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
+        from apd_viewer.ui.filing.plot_files import ask_where
+
+        state = self._state
+        stem = state.document.mesh.stem if state else "mesh"
+        path = ask_where(self, self._memory.folder, f"{stem}-{name}", suffix)
+        if path is None:
+            return
+        try:
+            write(path)
+        except InputError as error:
+            self._notice.fail(str(error))
+        else:
+            self._notice.tell(tr("Wrote {name}.").format(name=path.name))
+
+    def write_picture(self, path: Path) -> None:
+        """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
+        from apd_viewer.ui.filing.plot_files import write_picture
+        from apd_viewer.ui.plots.chart import draw_chart
+
+        views = [view for view in self.views.values() if not view.isHidden()]
+        around = QRect()
+        for view in views:
+            around = around.united(view.geometry())
+
+        def draw(painter: QPainter) -> None:
+            for view in views:
+                room = QRectF(view.geometry().translated(-around.topLeft()))
+                draw_chart(painter, room, view.chart(), LIGHT, self.font())
+
+        write_picture(path, around.size(), draw)
+
+    def write_trace(self, path: Path) -> None:
+        """Write the readings of the gesture as CSV; raises InputError."""
+        from apd_viewer.files.tables import write_table
+        from apd_viewer.session.model.trace import COLUMNS
+
+        write_table(path, COLUMNS, self._trace.rows)
+
+    def write_histogram(self, path: Path) -> None:
+        """Write the histogram of the local change as CSV, finer than it is drawn; raises InputError."""
+        from apd_viewer.files.tables import write_table
+
+        state = self._state
+        assert state is not None
+        octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
+        shares = self._local_change(state).shares(octaves)
+        edges = np.concatenate([[0.0], _FINE, [np.nan]])
+        write_table(path, _HISTOGRAM, np.column_stack([edges[:-1], edges[1:], shares]))
+
+
+class ChartView(QWidget):
+    """A place in which a chart is drawn.
+
+    Parameters
+    ----------
+    words : _Words
+    chart : callable
+        What to draw, asked for at every drawing.
+    """
+
+    def __init__(self, words: _Words, chart: Callable[[], Chart]) -> None:
+        super().__init__(accessibleName=words.title, toolTip=words.tip)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
+        self.chart = chart
+        self.theme = LIGHT
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the chart."""
+        from apd_viewer.ui.plots.chart import draw_chart
+
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self.theme.panel))
+        draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
+        painter.end()
+
+
+def _load() -> None:
+    """Compile what the histogram needs, or load it from the cache."""
+    from apd_viewer.geometry.analysis.area_change import warm_up
+
+    warm_up()

@@ -1,0 +1,131 @@
+"""The readings of a shape and of the way to it, as charts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.pose.frame import MET
+from apd_viewer.language import tr
+from apd_viewer.presentation.axis import Axis, decades, linear, power, ratios, rounded
+from apd_viewer.presentation.number_format import short, signed, significant
+from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.area_change import LocalChange
+    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.trace import Trace
+    from apd_viewer.session.quantities.units import Unit
+
+_ROUNDING = 1e-15  # less of an error is nothing but rounding
+_DEEPEST = 1e-4
+_ROUGHLY = 1e-2  # where nothing is asked of the area
+_BINS = 41  # odd: unchanged is one of them
+# How far a histogram reaches, in ratios of areas.
+_REACHES = (1.001, 1.002, 1.005, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0, 16.0, 256.0, 1024.0)
+_SMALLEST = 0.02  # % of the area and the volume; changes smaller than that are drawn as such
+
+
+def area_error(state: State | None, trace: Trace) -> Chart:
+    """How far the area is from what is asked, by iteration, against what is accepted."""
+    title = tr("Area error by iteration")
+    if state is None or len(trace) < 2:
+        return Chart(title, empty=tr("Move a handle to see here how the area is brought back."))
+    limit, name = _accepted(state.document)
+    # Of what is far better than asked, nobody needs to see how much better it is.
+    miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
+    reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
+    now = float(trace["area_miss"][-1])
+    said = tr("{error} %").format(error=_percent(now))
+    across = (Mark(float(np.log10(limit)), color="warm"),) if limit else ()
+    return Chart(
+        title,
+        ((said, "ink"), *(((name, "warm"),) if limit else ())),
+        linear(0.0, float(trace["iteration"][-1]), whole=True),
+        decades(min(reached), max(reached)),
+        (Curve(trace["iteration"], np.log10(miss)),),
+        across=across,
+    )
+
+
+def _accepted(document: Document) -> tuple[float | None, str]:
+    """The relative error of the area that is accepted, and its name; None where the area is free."""
+    if document.kept[0] is None:
+        return None, ""
+    if document.method == "paper":
+        limit = document.tolerance
+        return limit, tr("tolerance {percent} %").format(percent=short(100.0 * limit))
+    return MET, tr("exact: {percent} %").format(percent=power(-7))
+
+
+def energy(trace: Trace, unit: Unit) -> Chart:
+    """The energy along the gesture."""
+    title = tr("Energy along the gesture")
+    E = trace["energy"]
+    known = E[np.isfinite(E)]
+    if len(trace) < 2 or len(known) == 0:
+        return Chart(title, empty=tr("Move a handle to see here what the deformation costs."))
+    last = (
+        unit.area(significant(float(E[-1]), 5)) if np.isfinite(E[-1]) else tr("known once the preview ends")
+    )
+    axis = rounded(0.0, float(known.max()))
+    return Chart(
+        title, ((last, "ink"),), _seconds(trace), axis, (Curve(trace["seconds"], E),), upright=_let_go(trace)
+    )
+
+
+def area_and_volume(state: State | None, trace: Trace) -> Chart:
+    """How area and volume change along the gesture, against rest."""
+    title = tr("Area and volume along the gesture")
+    if state is None or len(trace) < 2:
+        return Chart(title, empty=tr("Move a handle to see here what becomes of area and volume."))
+    area, rest = 100.0 * trace["area_error"], state.inspection.volume
+    volume = 100.0 * (trace["volume"] / rest - 1.0) if rest else np.full(len(area), np.nan)
+    said = [(tr("area {change} %").format(change=signed(float(area[-1]), 3)), "accent")]
+    if np.isfinite(volume[-1]):
+        said.append((tr("volume {change} %").format(change=signed(float(volume[-1]), 2)), "warm"))
+    both = np.concatenate([area, volume[np.isfinite(volume)]])
+    y = rounded(min(float(both.min()), -_SMALLEST), max(float(both.max()), _SMALLEST), " %")
+    curves = Curve(trace["seconds"], volume, "warm"), Curve(trace["seconds"], area, "accent")
+    return Chart(title, tuple(said), _seconds(trace), y, curves, upright=_let_go(trace))
+
+
+def local_change(change: LocalChange | None, empty: str = "") -> Chart:
+    """How much of the surface has grown and shrunk, and by how much."""
+    title = tr("Local area change")
+    if change is None:
+        return Chart(title, empty=empty)
+    reach = next((r for r in _REACHES if r - 1.0 >= 1.25 * change.p99), _REACHES[-1])
+    x = ratios(reach)
+    edges = np.linspace(x.low, x.high, _BINS + 1)
+    # What lies beyond is in the outermost bars.
+    shares = 100.0 * change.shares(np.concatenate([[-np.inf], edges[1:-1], [np.inf]]))
+    said = (
+        (tr("mean {percent} %").format(percent=_percent(change.mean)), "ink"),
+        (tr("99th {percent} %").format(percent=_percent(change.p99)), "quiet"),
+        (tr("max {percent} %").format(percent=_percent(change.largest)), "quiet"),
+    )
+    y = rounded(0.0, float(shares.max()), " %")
+    return Chart(title, said, x, y, bars=Bars(edges, shares))
+
+
+def _seconds(trace: Trace) -> Axis:
+    return linear(0.0, float(trace["seconds"][-1]), tr(" s"))
+
+
+def _let_go(trace: Trace) -> tuple[Mark, ...]:
+    """Where the hand let go, and the shape began to settle."""
+    moment, last = trace.let_go_at, float(trace["seconds"][-1])
+    return (Mark(moment, tr("let go")),) if moment is not None and moment < last else ()
+
+
+def _percent(fraction: float) -> str:
+    """A fraction in percent, with three digits that count; what is nothing but rounding is zero."""
+    percent = 100.0 * fraction
+    if percent < 100.0 * _ROUNDING:
+        return "0"
+    if percent < 1e-3:
+        exponent = int(np.floor(np.log10(percent)))
+        return f"{percent / 10.0**exponent:.1f}·{power(exponent)}" if exponent < -3 else f"{percent:.1g}"
+    return short(percent)

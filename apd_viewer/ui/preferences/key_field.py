@@ -1,0 +1,176 @@
+"""A field that shows the keys of an action as caps, and takes new ones after a click."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QKeyCombination, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaintEvent, QPalette, QPen
+from PySide6.QtWidgets import QAbstractButton, QSizePolicy
+
+from apd_viewer.language import tr, trc
+from apd_viewer.ui.preferences.shortcuts import Entry, native, split
+
+_HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
+_PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_ALONE = (  # keys that wait for another one
+    Qt.Key.Key_Control,
+    Qt.Key.Key_Shift,
+    Qt.Key.Key_Alt,
+    Qt.Key.Key_AltGr,
+    Qt.Key.Key_Meta,
+    Qt.Key.Key_CapsLock,
+    Qt.Key.Key_unknown,
+)
+
+
+class KeyField(QAbstractButton):
+    """The keys of one action; a click waits for new ones, Delete for none, Esc leaves the old ones.
+
+    Parameters
+    ----------
+    entry : Entry
+
+    Attributes
+    ----------
+    waiting_changed : Signal(bool)
+    chosen : Signal(str)
+        Keys that were pressed.
+    stepped : Signal(int)
+        The arrow keys ask for the field above, -1, or below, 1.
+    """
+
+    waiting_changed = Signal(bool)
+    chosen = Signal(str)
+    stepped = Signal(int)
+
+    def __init__(self, entry: Entry) -> None:
+        super().__init__(focusPolicy=Qt.FocusPolicy.StrongFocus)
+        self.setAttribute(Qt.WidgetAttribute.WA_Hover)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        self._entry = entry
+        self._waits = False
+        self.clicked.connect(lambda: self.wait_for_keys(True))
+        self.show_keys()
+
+    def show_keys(self) -> None:
+        """Show the keys that the action has now."""
+        keys = native(self._entry.keys) or _NONE
+        self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self._entry.title, keys=keys))
+        self.setToolTip(tr("Change the keys of “{action}”").format(action=self._entry.title))
+        self.updateGeometry()
+        self.update()
+
+    @property
+    def waits(self) -> bool:
+        """Whether the next keys are the new ones."""
+        return self._waits
+
+    def wait_for_keys(self, on: bool) -> None:
+        """Take the next keys as new ones, or do so no more."""
+        if on != self._waits:
+            self._waits = on
+            self.waiting_changed.emit(on)
+            self.update()
+
+    def sizeHint(self) -> QSize:
+        """Room for all caps."""
+        caps = sum(width for _, width, _ in self._pieces())
+        prompt = self.fontMetrics().horizontalAdvance(_PROMPT)
+        return QSize(int(max(caps, prompt)) + 2 * _PADDING, _HEIGHT)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for all caps, but not for the question."""
+        caps = sum(width for _, width, _ in self._pieces())
+        return QSize(int(caps) + 2 * _PADDING, _HEIGHT)
+
+    def event(self, event: QEvent) -> bool:
+        """While it waits all keys come here, those of other actions too."""
+        if event.type() == QEvent.Type.ShortcutOverride and self._waits:
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Take new keys, begin to wait for them, or go to a neighbour."""
+        key = event.key()
+        if self._waits:
+            self._take(event)
+        elif key in _ENTER:
+            self.click()
+        elif key in (Qt.Key.Key_Up, Qt.Key.Key_Down):
+            self.stepped.emit(-1 if key == Qt.Key.Key_Up else 1)
+        else:
+            super().keyPressEvent(event)
+
+    def _take(self, event: QKeyEvent) -> None:
+        if event.key() in _ALONE:
+            return
+        self.wait_for_keys(False)
+        if event.key() in (Qt.Key.Key_Backspace, Qt.Key.Key_Delete):
+            self.chosen.emit("")
+        elif event.key() != Qt.Key.Key_Escape:
+            self.chosen.emit(_keys_of(event))
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Wait no more."""
+        self.wait_for_keys(False)
+        super().focusOutEvent(event)
+
+    def _pieces(self) -> list[tuple[str, float, bool]]:
+        """Words from left to right, the room for each, and whether it is a cap."""
+        metrics = self.fontMetrics()
+        pieces = []
+        for number, key in enumerate(split(self._entry.keys)):
+            if number:
+                pieces.append((_OR, float(metrics.horizontalAdvance(_OR) + 2 * _PADDING), False))
+            for cap in _caps(native(key)):
+                width = max(_CAP, metrics.horizontalAdvance(cap) + 2 * _PADDING)
+                pieces.append((cap, float(width + _GAP), True))
+        return pieces or [(_NONE, float(metrics.horizontalAdvance(_NONE) + _GAP), False)]
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the caps, at the right."""
+        painter, palette = QPainter(self), self.palette()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        room = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
+        if self._waits or self.hasFocus() or self.underMouse():
+            lively = self._waits or self.hasFocus()
+            painter.setPen(palette.highlight().color() if lively else palette.mid().color())
+            painter.drawRoundedRect(room, 6, 6)
+        if self._waits:
+            prompt = self.fontMetrics().elidedText(_PROMPT, Qt.TextElideMode.ElideRight, int(room.width()))
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, prompt)
+            return
+        pieces = self._pieces()
+        x = room.right() - _PADDING + _GAP - sum(width for _, width, _ in pieces)
+        for word, width, is_cap in pieces:
+            _draw(painter, palette, QRectF(x, (self.height() - _CAP) / 2, width - _GAP, _CAP), word, is_cap)
+            x += width
+
+
+def _draw(painter: QPainter, palette: QPalette, room: QRectF, word: str, is_cap: bool) -> None:
+    if is_cap:
+        painter.setPen(QPen(palette.mid().color(), 1))
+        painter.setBrush(palette.alternateBase())
+        painter.drawRoundedRect(room.adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+    ink = palette.windowText().color()
+    ink.setAlphaF(1.0 if is_cap else 0.65)
+    painter.setPen(ink)
+    painter.drawText(room, Qt.AlignmentFlag.AlignCenter, word)
+
+
+def _caps(keys: str) -> list[str]:
+    """The single caps of a combination; a plus may be one of them."""
+    if keys.endswith("+") and len(keys) > 1:
+        return [*_caps(keys[:-2]), "+"]
+    return keys.split("+") if len(keys) > 1 else [keys]
+
+
+def _keys_of(event: QKeyEvent) -> str:
+    """What was pressed; Shift is left out where it only made another sign, such as a question mark."""
+    kept, text = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier, event.text()
+    if text and text.isprintable() and not text.isalnum() and not text.isspace():
+        kept &= ~Qt.KeyboardModifier.ShiftModifier
+    combination = QKeyCombination(kept, Qt.Key(event.key()))
+    return QKeySequence(combination).toString(QKeySequence.SequenceFormat.PortableText)

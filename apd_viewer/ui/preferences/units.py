@@ -1,0 +1,134 @@
+"""Which unit of length each mesh is in: asked for where sizes are read, and remembered."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from PySide6.QtCore import QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QActionGroup, QIcon, QPainter, QPaintEvent
+from PySide6.QtWidgets import QMenu, QToolButton
+
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.preferences.memory import own_file
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.preferences.memory import Memory
+
+_NAMES = {
+    Unit.NONE: tr("No unit"),
+    Unit.MILLIMETRE: tr("Millimetres (mm)"),
+    Unit.CENTIMETRE: tr("Centimetres (cm)"),
+    Unit.METRE: tr("Metres (m)"),
+}
+_CHEVRON, _PADDING = 16, 6
+_TIP = tr("The unit of length of this file: readings are shown in it, and nothing is scaled")
+
+
+class UnitButton(QToolButton):
+    """A small button that names the unit, with a menu of all of them.
+
+    Attributes
+    ----------
+    chosen : Signal(Unit)
+    """
+
+    chosen = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__(toolTip=_TIP, focusPolicy=Qt.FocusPolicy.StrongFocus)
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self._theme = LIGHT
+        self._unit = Unit.NONE
+        menu = QMenu(self)
+        group = QActionGroup(menu)
+        for unit, name in _NAMES.items():
+            action = menu.addAction(name)
+            action.setCheckable(True)
+            action.setData(unit.value)
+            action.triggered.connect(lambda _checked=False, unit=unit: self.chosen.emit(unit))
+            group.addAction(action)
+        self.setMenu(menu)
+        self.show_unit(Unit.NONE)
+
+    def show_unit(self, unit: Unit) -> None:
+        """Name the unit that is in use."""
+        self._unit = unit
+        self.setText(unit.title)
+        self.setAccessibleName(tr("Unit of length: {title}").format(title=unit.title))
+        for action in self.menu().actions():
+            action.setChecked(action.data() == unit.value)
+        self.updateGeometry()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """The name, and the chevron under those of the sections."""
+        metrics = self.fontMetrics()
+        return QSize(_PADDING + metrics.horizontalAdvance(self.text()) + 4 + _CHEVRON, metrics.height() + 6)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the name and a chevron; where nobody has chosen yet, the name stands out."""
+        theme, room = self._theme, self.rect()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self.underMouse() or self.hasFocus() or self.isDown():
+            painter.setPen(theme.accent if self.hasFocus() else theme.accent_soft)
+            painter.setBrush(theme.accent_soft)
+            painter.drawRoundedRect(QRectF(room).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
+        ink = theme.accent if self._unit is Unit.NONE else theme.ink
+        painter.setPen(ink if self.isEnabled() else theme.faint)
+        painter.drawText(room.adjusted(_PADDING, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, self.text())
+        chevron = QRect(room.right() + 1 - _CHEVRON, (room.height() - _CHEVRON) // 2, _CHEVRON, _CHEVRON)
+        mode = QIcon.Mode.Normal if self.isEnabled() else QIcon.Mode.Disabled
+        icon("unfolded", theme).paint(painter, chevron, Qt.AlignmentFlag.AlignCenter, mode)
+
+
+class Units:
+    """The unit of every mesh that was opened.
+
+    The files' units are remembered; those of samples, and of meshes that have no file, only as long as
+    the mesh is there.
+
+    Parameters
+    ----------
+    memory : Memory
+    """
+
+    def __init__(self, memory: Memory) -> None:
+        self._memory = memory
+        self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
+
+    def of(self, mesh: Mesh) -> Unit:
+        """The unit that was chosen for a mesh, or the one that its user seems to work in."""
+        if mesh not in self._chosen:
+            path = own_file(mesh)
+            self._chosen[mesh] = Unit.NONE if path is None else self._of_file(path)
+        return self._chosen[mesh]
+
+    def choose(self, mesh: Mesh, unit: Unit) -> None:
+        """Have a mesh measured in ``unit``, now and when its file is opened again."""
+        self._chosen[mesh] = unit
+        path = own_file(mesh)
+        if path is not None:
+            self._memory.remember_unit(path, unit)
+
+    def _of_file(self, path: Path) -> Unit:
+        units = self._memory.units
+        if path.resolve() in units:
+            return units[path.resolve()]
+        # Once may be an exception; whoever says it twice running works in it.
+        latest = list(units.values())[:2]
+        unit = latest[0] if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE
+        if unit is not Unit.NONE:
+            self._memory.remember_unit(path, unit)  # or it might be another one the next time
+        return unit

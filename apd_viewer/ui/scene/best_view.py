@@ -1,0 +1,99 @@
+"""From where a part of the mesh is seen: the camera that shows it, moved no more than it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from apd_viewer.ui.scene.camera import UP, Camera
+
+# What is seen of a part is found out at so many of its vertices.
+_SAMPLES = 32
+# The camera stays with so much of what the best view shows, and goes no further than to so much.
+_ENOUGH, _BEST = 0.4, 0.9
+# What it goes to: so many ways around, from so high and so low.
+_WAYS = 12
+_HEIGHTS = np.deg2rad([0.0, 30.0, -30.0, 60.0, -60.0])
+# So much of a part may be covered.
+_UNSEEN = 0.2
+# Around a part, so much of the whole mesh is shown with it.
+_AROUND = 0.08
+
+# Origins and directions of rays, (k, 3), to the distances at which they meet the surface, (k,).
+Rays = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, rays: Rays) -> Camera:
+    """The camera, turned about its focal point so that the surface does not hide the points.
+
+    It stays where it is if it sees enough of what could be seen.
+
+    Parameters
+    ----------
+    eye : Camera
+    points, normals : (k, 3) float array
+        Normals are of length one, or zero where there is no surface.
+    size : float
+        Of the mesh.
+    rays : callable
+    """
+    every = 1 + len(points) // _SAMPLES
+    points, normals = points[::every], normals[::every]
+    here = -eye.axes[2]
+    now = _seen(points, normals, here, size, rays)
+    if now >= _ENOUGH:
+        return eye  # no view shows more than all
+    stands = _around(here)
+    seen = np.array([_seen(points, normals, stand, size, rays) for stand in stands])
+    if now >= _ENOUGH * seen.max():
+        return eye
+    stand = stands[np.flatnonzero(seen >= _BEST * seen.max())[0]]
+    return replace(eye, position=eye.focal + eye.distance * stand, up=UP)
+
+
+def _around(here: np.ndarray) -> np.ndarray:
+    """Where else the camera may stand: unit vectors, (k, 3), first those that are level and near ``here``."""
+    turn, height = np.meshgrid(np.arange(_WAYS) * 2.0 * np.pi / _WAYS, _HEIGHTS)
+    level = np.cos(height)
+    stands = np.stack([level * np.sin(turn), np.sin(height), level * np.cos(turn)], axis=-1).reshape(-1, 3)
+    return stands[np.argsort(np.abs(stands[:, 1]) - stands @ here, kind="stable")]
+
+
+def _seen(points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: Rays) -> float:
+    """How much of the surface at the points faces ``stand``, and is not hidden from far away there."""
+    away = 2.0 * size
+    met = rays(points + away * stand, np.tile(-stand, (len(points), 1)))
+    faces = np.where(normals.any(axis=1), np.abs(normals @ stand), 1.0)
+    return float((faces * (met > away - 1e-3 * size)).mean())
+
+
+def in_view(eye: Camera, points: np.ndarray, covered: QRectF) -> bool:
+    """Whether all points are in the picture, and most of them not in the part of it that is covered."""
+    if (eye.depth(points) <= 0.0).any():
+        return False
+    x, y = eye.project(points).T
+    across = (x > covered.left()) & (x < covered.right())
+    under = across & (y > covered.top()) & (y < covered.bottom())
+    inside = (x >= 0) & (x <= eye.width) & (y >= 0) & (y <= eye.height)
+    return bool(inside.all() and under.mean() <= _UNSEEN)
+
+
+def surroundings(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Corners of a box, (8, 3), around the points and some of the mesh, whose box is ``low`` to ``high``."""
+    pad = _AROUND * float(np.linalg.norm(high - low))
+    near, far = points.min(axis=0), points.max(axis=0)
+    ends = np.array([np.maximum(near - pad, low), np.minimum(far + pad, high)])
+    return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def aside(eye: Camera, covered: QRectF) -> tuple[float, float]:
+    """How far the picture must be shifted to the left or up, in pixels, to stand in what is not covered.
+
+    ``covered`` is a part at the lower right; as many pixels must be free around what is shown.
+    """
+    wide, tall = max(0.0, eye.width - covered.left()), max(0.0, eye.height - covered.top())
+    beside, above = (eye.width - wide) * eye.height, (eye.height - tall) * eye.width
+    return (-wide / 2, 0.0) if beside > above else (0.0, -tall / 2)

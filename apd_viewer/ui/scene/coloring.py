@@ -1,0 +1,100 @@
+"""The colours of the vertices: what they are painted as, what is drawn along, previewed or marked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.ui.scene.marks import Marks
+    from apd_viewer.ui.scene.surface import Surface
+
+
+class Coloring:
+    """Keeps the colours of a surface in step with the document.
+
+    Parameters
+    ----------
+    surface : Surface
+    marks : Marks
+
+    Attributes
+    ----------
+    previewed : int array or None
+        What is tinted, as a press would choose it.
+    """
+
+    def __init__(self, surface: Surface, marks: Marks) -> None:
+        self._surface, self._marks = surface, marks
+        self._document: Document | None = None
+        self.previewed: np.ndarray | None = None
+
+    def begin(self, document: Document) -> np.ndarray:
+        """The colours of another mesh, (n, 4) uint8 array: nothing is previewed on it, nor marked."""
+        self._document, self.previewed = document, None
+        self._marks.show(None)
+        return colors_of(document)
+
+    def follow(self, document: Document) -> None:
+        """Show what differs in another document of the mesh."""
+        before, self._document = self._document, document
+        if before is not None and (not before.painted_like(document) or before.soft is not document.soft):
+            self._restore(differing(before, document))
+
+    def _restore(self, ids: np.ndarray) -> None:
+        """Show the vertices in the colours of what they are."""
+        if self._document is not None:
+            self._surface.set_colors(colors_of(self._document, ids), ids)
+        if self._marks.ids is not None:
+            self._surface.set_colors(self._marks.colors(), self._marks.ids)
+
+    def preview(self, ids: np.ndarray | None, color: tuple[int, int, int]) -> None:
+        """Tint the vertices ``ids``, and those at the same places, and no others any more."""
+        document, before = self._document, self.previewed
+        if document is None or (ids is None and before is None):
+            return
+        self.previewed = None if ids is None else document.mesh.weld.everywhere(ids)
+        if before is not None:
+            self._restore(before)
+        if self.previewed is not None:
+            self._surface.set_colors(tinted(colors_of(document, self.previewed), color), self.previewed)
+
+    def mark(self, vertices: np.ndarray | None) -> None:
+        """Mark vertices on the mesh, all where none are named; None takes the marks away."""
+        document, before = self._document, self._marks.ids
+        if document is None:
+            return
+        if before is not None:
+            self._marks.show(None)
+            self._restore(before)
+        if vertices is None:
+            return
+        every = np.arange(len(document.mesh.V))
+        self._marks.show(document.mesh.weld.everywhere(vertices) if len(vertices) else every, vertices)
+        self._surface.set_colors(self._marks.colors(), self._marks.ids)
+
+
+def colors_of(document: Document, ids: np.ndarray | None = None) -> np.ndarray:
+    """RGBA of the vertices ``ids``, or of all, (k, 4) uint8 array."""
+    some = slice(None) if ids is None else ids
+    colors = label_colors(document.labels[some], document.member[some])
+    soft = document.soft
+    if len(soft.ids):
+        where = np.full(len(document.labels), -1)
+        where[soft.ids] = np.arange(len(soft.ids))
+        places = where[some]
+        drawn = places >= 0
+        colors[drawn] = drawn_along(colors[drawn], soft.handle[places[drawn]], soft.strength[places[drawn]])
+    return colors
+
+
+def differing(old: Document, new: Document) -> np.ndarray:
+    """The vertices of one mesh whose colours differ between two documents, ascending ids."""
+    differ = (old.labels != new.labels) | (old.member != new.member)
+    if old.soft is not new.soft:
+        differ[old.soft.ids] = differ[new.soft.ids] = True
+    return np.flatnonzero(differ)

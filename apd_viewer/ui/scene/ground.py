@@ -1,0 +1,147 @@
+"""The ground that the mesh stands on at rest, as a grid in its unit of length, and the way of the axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyvista as pv
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QPainter, QPen
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import place, short
+from apd_viewer.presentation.scales import nice
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.scene.rest_actor import RestActor
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_LINES = 12  # about so many fit along the longer side of the mesh
+_AROUND = 0.3  # of the size of the mesh
+_APART = 34.0  # px between two figures
+_BETWEEN = 6  # px, the least
+_CORNER, _REACH = 58.0, 30.0  # px: of the axes from the upper right corner, and their length
+_ON_LIGHT, _ON_DARK = (0.74, 0.77, 0.81), (0.33, 0.36, 0.42)
+_COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
+_LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
+
+
+class Ground(RestActor):
+    """A grid below the mesh, figures at two of its sides, and axes in a corner of the picture.
+
+    To the viewport it is a tool that only paints.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    step : float
+        Between two lines, mesh units.
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__(viewport)
+        self._unit = Unit.NONE
+        self.step = 1.0
+        self._ends = np.zeros((2, 3))
+        self._actor.GetProperty().LightingOff()
+        viewport.tools.append(self)
+
+    def measure_in(self, unit: Unit) -> None:
+        """Write lengths in another unit."""
+        self._unit = unit
+        self._viewport.overlay.update()
+
+    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+        used = mesh.V[mesh.F.ravel()]
+        low, high = used.min(axis=0), used.max(axis=0)
+        size = float((high - low).max())
+        self.step = nice(size / _LINES)
+        around = np.array([_AROUND * size, 0.0, _AROUND * size])
+        self._ends = np.array([low - around, high + around])
+        for row, rounded in ((0, np.floor), (1, np.ceil)):
+            self._ends[row, [0, 2]] = self.step * rounded(self._ends[row, [0, 2]] / self.step)
+        self._ends[:, 1] = low[1]
+        self._actor.SetPosition(*self._ends.mean(axis=0))
+        self._box = tuple(self._ends.T.ravel())
+        return _lines(self._ends, self._ticks(0), self._ticks(2))
+
+    def _ticks(self, axis: int) -> np.ndarray:
+        """Where the lines across an axis are."""
+        first, last = np.rint(self._ends[:, axis] / self.step)
+        return self.step * np.arange(first, last + 1)
+
+    def _match_background(self, dark: bool) -> None:
+        self._actor.GetProperty().SetColor(*(_ON_DARK if dark else _ON_LIGHT))
+
+    def paint(self, painter: QPainter) -> None:
+        """Write the figures, and draw the axes."""
+        if self._shown is None:
+            return
+        ink = QColor(166, 173, 186) if self._viewport.dark else QColor(90, 98, 112)
+        painter.save()
+        painter.setPen(ink)
+        taken: list[QRectF] = []
+        for axis in (0, 2):
+            self._write_along(painter, axis, taken)
+        corner = QPointF(self._viewport.width() - _CORNER, _CORNER)
+        text = tr("grid {length}").format(length=self._unit.length(short(self.step)))
+        room = QRectF(corner.x() - 70, corner.y() + _REACH + 8, _CORNER + 70 - 12, 18)
+        painter.drawText(room, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop, text)
+        self._draw_axes(painter, corner)
+        painter.restore()
+
+    def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
+        """Write where the lines are at the side of the grid that is nearer to the eye.
+
+        No figure is written over one that was ``taken`` down before: both sides have one at their corner.
+        """
+        eye, other, ticks = self._viewport.eye, 2 - axis, self._ticks(axis)
+        side = 0 if eye.position[other] < self._ends[:, other].mean() else 1
+        points = np.tile(self._ends[side], (len(ticks), 1))
+        points[:, axis] = ticks
+        out = points.copy()
+        out[:, other] += (0.4 if side else -0.4) * self.step
+        seen = eye.depth(out) > 0.05 * eye.distance
+        places = eye.project(out)
+        gap = float(np.linalg.norm(np.diff(places[seen], axis=0), axis=1).min(initial=np.inf))
+        every = next((k for k in (1, 2, 5, 10) if k * gap >= _APART), 0)
+        for value, at, visible in zip(ticks, places, seen, strict=True):
+            if every and visible and round(value / self.step) % every == 0:
+                number = place(float(value), self.step)
+                width = painter.fontMetrics().horizontalAdvance(number) + _BETWEEN
+                room = QRectF(at[0] - width / 2, at[1] - 9, width, 18)
+                if not any(room.intersects(other) for other in taken):
+                    painter.drawText(room, Qt.AlignmentFlag.AlignCenter, number)
+                    taken.append(room)
+
+    def _draw_axes(self, painter: QPainter, corner: QPointF) -> None:
+        right, up, forward = self._viewport.eye.axes
+        font = QFont(painter.font())
+        font.setBold(True)
+        painter.setFont(font)
+        for k in np.argsort(-forward):  # the farthest first
+            color = QColor(*(_LIGHTER if self._viewport.dark else _COLORS)[k])
+            x, y = float(right[k]), -float(up[k])
+            painter.setPen(QPen(color, 2.0, c=Qt.PenCapStyle.RoundCap))
+            painter.drawLine(corner, corner + QPointF(_REACH * x, _REACH * y))
+            at = corner + QPointF((_REACH + 9.0) * x, (_REACH + 9.0) * y)
+            painter.drawText(QRectF(at.x() - 9, at.y() - 9, 18, 18), Qt.AlignmentFlag.AlignCenter, "XYZ"[k])
+
+
+def _lines(ends: np.ndarray, across_x: np.ndarray, across_z: np.ndarray) -> pv.PolyData:
+    """The lines of the grid, seen from its middle."""
+    middle, half = ends.mean(axis=0), (ends[1] - ends[0]) / 2
+    points = [(x - middle[0], 0.0, sign * half[2]) for x in across_x for sign in (-1, 1)]
+    points += [(sign * half[0], 0.0, z - middle[2]) for z in across_z for sign in (-1, 1)]
+    grid = pv.PolyData(np.array(points, dtype=np.float32))
+    count = len(points) // 2
+    grid.verts = np.empty(0, dtype=np.int64)
+    pairs = np.arange(2 * count).reshape(-1, 2)
+    grid.lines = np.column_stack([np.full(count, 2), pairs]).ravel()
+    return grid

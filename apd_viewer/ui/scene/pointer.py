@@ -1,0 +1,73 @@
+"""A place of the material under the cursor, which other shapes of the same mesh have too."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPen
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent
+
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_RING = 6.0  # px
+
+
+class Place(NamedTuple):
+    """A point of the material, wherever a shape has it: a face, and the weights (3,) of its corners."""
+
+    face: int
+    shares: np.ndarray
+
+
+class Pointer(QObject):
+    """Tells the place under the cursor, and marks one with a ring. A tool that leaves the mouse to others.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    hovered : Signal(object)
+        The Place under the cursor, or None.
+    place : Place or None
+        What is marked.
+    """
+
+    hovered = Signal(object)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport)
+        self._viewport, self._surface = viewport, surface
+        self.place: Place | None = None
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Tell what is under the cursor."""
+        hit = self._surface.hit(event.position())
+        self.hovered.emit(None if hit is None else Place(hit.face, self._surface.shares(hit)))
+        return False
+
+    def leave(self) -> None:
+        """There is no cursor any more."""
+        self.hovered.emit(None)
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the ring."""
+        skin = self._surface.skin
+        if self.place is None or skin is None:
+            return
+        point = self.place.shares @ self._surface.U[skin.F[self.place.face]]
+        if self._viewport.eye.depth(point) <= 0.0:
+            return
+        x, y = self._viewport.project(point[None])[0]
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for color, width in (("#ffffff", 3.5), ("#1d2129", 1.5)):
+            painter.setPen(QPen(QColor(color), width))
+            painter.drawEllipse(QPointF(x, y), _RING, _RING)

@@ -1,0 +1,71 @@
+"""What is drawn of the rest shape beside the shape that came of it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
+
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+if TYPE_CHECKING:
+    import pyvista as pv
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.scene.viewport import Viewport
+
+
+class RestActor(ABC):
+    """Can be switched on, follows the mesh, and takes nothing while it is off.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._viewport = viewport
+        self._mesh: Mesh | None = None
+        self._on = False
+        self._box: tuple[float, ...] = ()
+        self._mapper = vtkPolyDataMapper()
+        self._mapper.ScalarVisibilityOff()
+        self._actor = vtkActor()
+        self._actor.SetMapper(self._mapper)
+        self._actor.SetVisibility(False)
+        viewport.renderer.AddActor(self._actor)
+        viewport.pre_draw.append(lambda: self._match_background(viewport.dark))
+        viewport.more_boxes.append(lambda: self._box)
+
+    @property
+    def on(self) -> bool:
+        """Whether it is shown."""
+        return self._on
+
+    @on.setter
+    def on(self, on: bool) -> None:
+        self._on = on
+        self._show()
+
+    def follow(self, mesh: Mesh) -> None:
+        """Show that of another mesh."""
+        if mesh is not self._mesh:
+            self._mesh = mesh
+            self._show()
+
+    @property
+    def _shown(self) -> Mesh | None:
+        return self._mesh if self._on else None
+
+    def _show(self) -> None:
+        mesh, self._box = self._shown, ()
+        self._actor.SetVisibility(mesh is not None)
+        self._mapper.SetInputData(None if mesh is None else self._drawn(mesh))
+        self._viewport.update()
+
+    @abstractmethod
+    def _drawn(self, mesh: Mesh) -> pv.PolyData:
+        """What there is to draw; also puts the actor in its place, and says how far it reaches."""
+
+    @abstractmethod
+    def _match_background(self, dark: bool) -> None:
+        """Stand out from a dark or a light background."""

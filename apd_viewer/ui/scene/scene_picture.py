@@ -1,0 +1,179 @@
+"""Pictures of the scene at any size, with or without a background: drawn as on the screen, beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QImage
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+# Pixels that are drawn so as to be made fewer; a software renderer needs seconds for more.
+_MOST_DRAWN = 24_000_000
+# Pixels of a picture: each takes some bytes in memory, several times over.
+_MOST = 200_000_000
+
+
+def scene_picture(
+    viewport: Viewport, size: QSize, transparent: bool = False, renderer: vtkRenderer | None = None
+) -> QImage:
+    """What a viewport shows, without its tools: all of it, whatever the shape of the picture is.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    size : QSize
+        Pixels.
+    transparent : bool
+        Whether to leave the background out.
+    renderer : vtkRenderer or None
+        Another scene than that of the viewport, with a camera of its own that shows all there is.
+
+    Raises
+    ------
+    InputError
+        If so many pixels cannot be drawn.
+    """
+    viewport.prepare()
+    scene = viewport.renderer if renderer is None else renderer
+    with viewport.aside() as window:
+        if window is None:
+            raise InputError(tr("Nothing can be drawn here: there is no OpenGL; update the graphics driver."))
+        finer = _finer(window, size)
+        seen = viewport.size() if renderer is None else size
+        with (
+            _only(window, scene),
+            _framed(scene, seen, size),
+            _on_nothing(window, scene, transparent),
+            _thicker(scene, finer * grown(seen, size)),
+        ):
+            # It would smooth the edge of the shape with a background that is not there.
+            scene.SetUseFXAA(finer == 1 and not transparent and window.GetMultiSamples() == 0)
+            image = _drawn(window, size * finer, transparent)
+            scene.SetUseFXAA(False)
+    if finer > 1:
+        smooth = Qt.TransformationMode.SmoothTransformation
+        image = image.scaled(size, Qt.AspectRatioMode.IgnoreAspectRatio, smooth)
+    return image
+
+
+def check_size(viewport: Viewport, size: QSize) -> None:
+    """Raise InputError if a picture of this size cannot be drawn."""
+    with viewport.aside() as window:
+        if window is not None:
+            _finer(window, size)
+
+
+def grown(seen: QSize, size: QSize) -> float:
+    """How much larger a picture shows what is ``seen`` of a viewport, all of which it shows."""
+    return min(size.width() / max(seen.width(), 1), size.height() / max(seen.height(), 1))
+
+
+def _finer(window: vtkRenderWindow, size: QSize) -> int:
+    """How many times larger to draw: where nothing else smooths the edges, twice if that is affordable."""
+    most, longest = int(vtkTextureObject.GetMaximumTextureSize(window)), max(size.width(), size.height())
+    if longest > most:
+        said = tr("A picture can have up to {most:,} pixels a side on this computer; choose a smaller one.")
+        raise InputError(said.format(most=most))
+    pixels = size.width() * size.height()
+    if pixels > _MOST:
+        said = tr("A picture can have up to {most:,} million pixels; choose a smaller one.")
+        raise InputError(said.format(most=_MOST // 1_000_000))
+    rough = window.GetMultiSamples() == 0
+    return 2 if rough and 2 * longest <= most and 4 * pixels <= _MOST_DRAWN else 1
+
+
+def _drawn(window: vtkRenderWindow, size: QSize, transparent: bool) -> QImage:
+    width, height = size.width(), size.height()
+    window.GetInteractor().UpdateSize(width, height)
+    window.Render()
+    pixels = vtkUnsignedCharArray()
+    window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
+    rows = vtk_to_numpy(pixels).reshape(height, width, 4)[::-1].copy()
+    # Drawn over nothing a colour comes weighted by how much it covers; a background claims to be nothing.
+    kind = QImage.Format.Format_RGBA8888_Premultiplied
+    if not transparent:
+        rows[:, :, 3], kind = 255, QImage.Format.Format_RGBX8888
+    return QImage(rows.data, width, height, 4 * width, kind).copy()
+
+
+@contextmanager
+def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
+    """Draw one scene, and leave the others as they are."""
+    others = [other for other in window.GetRenderers() if other is not scene and other.GetDraw()]
+    guest = not window.HasRenderer(scene)
+    for other in others:
+        other.DrawOff()
+    if guest:
+        window.AddRenderer(scene)
+    try:
+        yield
+    finally:
+        if guest:
+            window.RemoveRenderer(scene)
+        for other in others:
+            other.DrawOn()
+
+
+@contextmanager
+def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
+    """Open the camera so that all is in a picture that is narrower than the view; a wider one shows more."""
+    camera = scene.GetActiveCamera()
+    angle = camera.GetViewAngle()
+    narrower = (seen.width() * size.height()) / max(seen.height() * size.width(), 1)
+    if narrower > 1.0:
+        camera.SetViewAngle(math.degrees(2.0 * math.atan(narrower * math.tan(math.radians(angle) / 2.0))))
+    try:
+        yield
+    finally:
+        camera.SetViewAngle(angle)
+
+
+@contextmanager
+def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) -> Iterator[None]:
+    """Take the background away."""
+    if not transparent:
+        yield
+        return
+    color, blended = scene.GetBackground(), scene.GetGradientBackground()
+    alpha, bits = scene.GetBackgroundAlpha(), window.GetAlphaBitPlanes()
+    scene.SetBackground(0.0, 0.0, 0.0)
+    scene.GradientBackgroundOff()
+    scene.SetBackgroundAlpha(0.0)
+    window.SetAlphaBitPlanes(1)
+    try:
+        yield
+    finally:
+        scene.SetBackground(*color)
+        scene.SetGradientBackground(blended)
+        scene.SetBackgroundAlpha(alpha)
+        window.SetAlphaBitPlanes(bits)
+
+
+@contextmanager
+def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
+    """Draw lines as thick, against the rest, as they are seen."""
+    _thicken(scene, factor)
+    try:
+        yield
+    finally:
+        _thicken(scene, 1.0 / factor)
+
+
+def _thicken(scene: vtkRenderer, factor: float) -> None:
+    for actor in scene.GetActors():
+        look = actor.GetProperty()
+        look.SetLineWidth(factor * look.GetLineWidth())

@@ -1,0 +1,103 @@
+"""One calm material and one soft light, for the window and for pictures."""
+
+from __future__ import annotations
+
+from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
+
+from apd_viewer.presentation.color_maps import ColorMap
+from apd_viewer.presentation.palette import FREE_COLOR
+
+# The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
+# ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:
+# they leave half of it dark or wash out the painted colours, which here stay true where the surface
+# faces the viewer. The rim is light on a dark background, dark on a light one. Triangles of a fine mesh are
+# smaller than a pixel, and without a graphics card each costs this sixteen times: hence products for powers.
+_SHADING = """
+  vec3 n = normalize(normalVCVSOutput);
+  vec3 v = normalize(-vertexVC.xyz);
+  vec3 key = normalize(vec3(-0.50, 0.62, 0.80));
+  float wrapped = clamp((dot(n, key) + 0.35) / 1.35, 0.0, 1.0);
+  float sky = 0.5 + 0.5 * n.y;
+  float turned = 1.0 - clamp(dot(n, v), 0.0, 1.0);
+  float rim = turned * turned * turned;
+  float gloss = clamp(dot(n, normalize(key + v)), 0.0, 1.0);
+  gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
+  vec3 shaded = diffuseColor * (0.42 + 0.10 * sky + 0.64 * wrapped);
+  shaded += 0.07 * gloss + rim * (rimOnDark * (0.05 + 0.17 * sky) * mix(vec3(1.0), diffuseColor, 0.35)
+                                  - (1.0 - rimOnDark) * 0.30 * diffuseColor);
+  gl_FragData[0] = vec4(shaded, OPACITY);
+"""
+
+# Of the distance: some sixty of them are seen above each other, in a picture of any size.
+_STRIPE = 0.0084
+
+# Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
+# are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
+# painted lies over them in stripes, between which the colours are those of the legend. The place of a pixel
+# in the picture would say as well where they are, but a software renderer takes long to tell it.
+_HEAT = """
+  float heat = opacity * 255.0;
+  float place = clamp((heat - 1.0) / 254.0, 0.0, 1.0);
+  if (abs(place - 0.5) < 0.5 * heatNeutral) { place = 0.5; }
+  vec3 paint = vertexColorVSOutput.rgb;
+  float line = LINE;
+  vec3 away = paint - FREE;
+  float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
+  float stripe = abs(fract((vertexVC.x + vertexVC.y) / (STRIPE * vertexVC.z)) - 0.5);
+  painted *= clamp(16.7 * stripe - 5.5, 0.0, 1.0);
+  diffuseColor = heat < 0.5 ? FREE : COLORS;
+  diffuseColor = line * mix(diffuseColor, paint, painted);
+"""
+
+# Edges of triangles, by which VTK has darkened the paint, darken the colours too.
+_LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
+
+# Seen through from the front, and at its outline.
+GLASS = """
+  float facing = clamp(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)), 0.0, 1.0);
+  float rim = pow(1.0 - facing, 2.5);
+  gl_FragData[0] = vec4(mix(vec3(0.16, 0.22, 0.33), vec3(0.80, 0.87, 1.0), onDark), 0.07 + 0.63 * rim);
+"""
+
+# What is seen of the inside where the surface is cut.
+_INSIDE = """
+  if (!gl_FrontFacing) { diffuseColor *= 0.62; }
+"""
+
+
+def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
+    """Give ``actor`` the material, whenever one of these differs, or whether its edges are shown.
+
+    With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
+    """
+    code = _SHADING.replace("OPACITY", "opacity" if heat is None else "1.0")
+    if inside:
+        code = _INSIDE + code
+    if heat is not None:
+        code = _HEAT + code
+        free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
+        line = _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0"
+        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line, "STRIPE": str(_STRIPE)}
+        for name, value in values.items():
+            code = code.replace(name, value)
+    shader = actor.GetShaderProperty()
+    shader.ClearAllFragmentShaderReplacements()
+    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
+    match_background(actor, dark=False)
+
+
+def scale_heat(actor: vtkActor, neutral: float) -> None:
+    """Show ``neutral`` of a scale, around its middle, as no change."""
+    actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("heatNeutral", neutral)
+
+
+def match_background(actor: vtkActor, dark: bool) -> None:
+    """Make the rim of ``actor`` stand out from a dark or a light background."""
+    actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("rimOnDark", float(dark))
+
+
+def headlight() -> vtkLight:
+    """The light of a scene: without one VTK would not hand normals to the shader."""
+    light = vtkLight()
+    light.SetLightTypeToHeadlight()
+    return light

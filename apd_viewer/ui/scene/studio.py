@@ -1,0 +1,99 @@
+"""A scene of its own beside the one on screen, for pictures of shapes that are not shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QImage
+from vtkmodules.vtkRenderingCore import vtkRenderer
+
+from apd_viewer.ui.scene.coloring import colors_of
+from apd_viewer.ui.scene.scene_picture import scene_picture
+from apd_viewer.ui.scene.surface import Surface
+
+if TYPE_CHECKING:
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.model.document import State
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_LONGER = 1000  # px
+_ROOM = 0.02  # of the picture, around the shapes
+
+
+class _Set:
+    """As much of a viewport as a surface needs."""
+
+    dark = False
+
+    def __init__(self) -> None:
+        self.renderer = vtkRenderer()
+        self.pre_draw: list[Callable[[], None]] = []
+        self.box: Callable[[], tuple[float, ...]] | None = None
+        self.pick: object = None
+
+    def update(self) -> None:
+        """There is no screen."""
+
+
+class Studio:
+    """Takes pictures of the shapes of one state, all from where the user looks, and all as near.
+
+    Parameters
+    ----------
+    viewport : Viewport
+        Draws the pictures, which have no background.
+    state : State
+    edges, smooth : bool
+        See :class:`apd_viewer.ui.scene.surface.Surface`.
+    """
+
+    def __init__(self, viewport: Viewport, state: State, edges: bool, smooth: bool) -> None:
+        self._viewport, self._set = viewport, _Set()
+        self._surface = Surface(cast("Viewport", self._set))
+        self._surface.set_mesh(state.skin, state.frame.U, colors_of(state.document))
+        self._surface.edges, self._surface.smooth = edges, smooth
+        used = np.unique(state.skin.F)
+        self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
+
+    def _aim(self, points: np.ndarray) -> QSize:
+        """Look at all of the points; how large a picture suits them."""
+        eye = self._viewport.eye
+        right, up, _ = eye.axes
+        wide, high = float(np.ptp(points @ right)), float(np.ptp(points @ up))
+        ratio = min(max(wide / high if high > 0.0 else 2.0, 0.7), 4.0 / 3.0)
+        size = (
+            QSize(_LONGER, round(_LONGER / ratio)) if ratio > 1.0 else QSize(round(_LONGER * ratio), _LONGER)
+        )
+        eye = replace(eye, width=size.width(), height=size.height())
+        eye = eye.framed(points, np.full(len(points), _ROOM * _LONGER))
+        camera = self._set.renderer.GetActiveCamera()
+        camera.SetPosition(*eye.position)
+        camera.SetFocalPoint(*eye.focal)
+        camera.SetViewUp(*eye.up)
+        camera.SetViewAngle(np.rad2deg(eye.angle))
+        return size
+
+    def painted(self, U: np.ndarray) -> QImage:
+        """The shape with the positions ``U`` (n, 3), as it is painted."""
+        self._surface.wear(None)
+        return self._taken(U)
+
+    def measured(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
+        """The same in the colours of a ``scale``; ``shades`` (n,) uint8 as those of a surface."""
+        neutral = scale.neutral_share if scale.measure.is_signed else -1.0
+        self._surface.wear(scale.measure.colors, neutral)
+        self._surface.shades[:] = shades
+        self._surface.shades_changed()
+        return self._taken(U)
+
+    def _taken(self, U: np.ndarray) -> QImage:
+        self._surface.set_points(U)
+        if self._set.box is not None:
+            self._set.renderer.ResetCameraClippingRange(list(self._set.box()))
+        for prepare in self._set.pre_draw:
+            prepare()
+        return scene_picture(self._viewport, self.size, transparent=True, renderer=self._set.renderer)

@@ -1,0 +1,287 @@
+"""The mesh on the screen: points, normals and colours that change in place."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pyvista as pv
+from vtkmodules.vtkCommonDataModel import vtkPlane
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+from apd_viewer.geometry.picking.preview_surface import Sketch
+from apd_viewer.ui.scene.shading import headlight, match_background, scale_heat, shade
+
+if TYPE_CHECKING:
+    from PySide6.QtCore import QPointF
+
+    from apd_viewer.geometry.picking.surface_index import Skin
+    from apd_viewer.presentation.color_maps import ColorMap
+    from apd_viewer.ui.scene.viewport import Viewport
+
+
+class Hit(NamedTuple):
+    """Where a ray meets the surface: face index, point (3,), unit normal (3,) towards the viewer."""
+
+    face: int
+    point: np.ndarray
+    normal: np.ndarray
+
+
+class Surface:
+    """One triangle mesh in a viewport.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    skin : Skin, Sketch or None
+        Of the mesh that is shown.
+    U : (n, 3) float64 array
+        Positions as shown, read-only; what picking uses.
+    worn : ColorMap or None
+        In which values are shown instead of the paint.
+    revision : int
+        Counts changes of ``skin`` and ``U``.
+    shape_revision : int
+        Counts changes of ``shape``.
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._viewport = viewport
+        self.skin: Skin | Sketch | None = None
+        self.U: np.ndarray = np.empty((0, 3))
+        self.revision = self.shape_revision = 0
+        self._given = self.U
+        self._blend: tuple[np.ndarray, float] | None = None
+        self._cut: tuple[np.ndarray, np.ndarray] | None = None
+        self._plane = vtkPlane()
+        self._origin = np.zeros(3)
+        self._box: tuple[float, ...] = ()
+        self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
+        self._mesh = pv.PolyData()
+        self._mapper = vtkPolyDataMapper()
+        self._mapper.SetScalarModeToUsePointFieldData()
+        self._mapper.SelectColorArray("rgba")
+        self._mapper.SetColorModeToDirectScalars()
+        self._actor = vtkActor()
+        self._actor.SetMapper(self._mapper)
+        self._actor.ForceOpaqueOn()
+        self._actor.SetVisibility(False)
+        prop = self._actor.GetProperty()
+        prop.SetInterpolationToPhong()
+        prop.SetLineWidth(1.0)
+        self.worn: ColorMap | None = None
+        shade(self._actor)
+        viewport.pre_draw.append(self._match_background)
+        viewport.renderer.AddActor(self._actor)
+        viewport.renderer.AddLight(headlight())
+        viewport.pick = self.point_under
+        viewport.box = lambda: self._box
+
+    def set_mesh(self, skin: Skin | Sketch, U: np.ndarray, rgba: np.ndarray) -> None:
+        """Show another mesh.
+
+        Parameters
+        ----------
+        skin : Skin or Sketch
+        U : (n, 3) float array
+        rgba : (n, 4) uint8 array
+        """
+        self.skin, self._blend = skin, None
+        # Far from the origin single precision is coarser than the mesh.
+        self._origin = np.array([x.mean() for x in U.T])
+        self._actor.SetPosition(*self._origin)
+        self._mesh = pv.PolyData.from_regular_faces(np.zeros(U.shape, dtype=np.float32), skin.F)
+        self._mesh.point_data["Normals"] = np.zeros_like(self._mesh.points)
+        self._mesh.point_data["rgba"] = np.array(rgba, dtype=np.uint8)
+        self._mesh.GetPointData().SetActiveNormals("Normals")
+        self._mapper.SetInputData(self._mesh)
+        self._actor.SetVisibility(True)
+        self.set_points(U)
+
+    def set_points(self, U: np.ndarray) -> None:
+        """Move the vertices to ``U``, an (n, 3) float array, and turn the normals with them.
+
+        The array is kept, not copied: nobody must write to it any more.
+        """
+        assert self.skin is not None
+        if U is not self._given:
+            self._given = U
+            self.shape_revision += 1
+        if self._blend is not None:
+            rest, share = self._blend
+            U = rest + share * (U - rest)
+        self.U = np.ascontiguousarray(U, dtype=np.float64).view()
+        self.U.flags.writeable = False
+        points, normals = self._mesh.points, self._mesh.point_data["Normals"]
+        low, high = self.skin.drape(self.U, self._origin, np.asarray(points), np.asarray(normals))
+        # Asked for its bounds, VTK would look at all triangles once more, on one core.
+        self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
+        self._boxes = None
+        points.VTKObject.Modified()
+        normals.VTKObject.Modified()
+        self.revision += 1
+        self._viewport.update()
+
+    @property
+    def shape(self) -> np.ndarray:
+        """The positions that the vertices have, (n, 3), even while others are shown: see :meth:`blend`."""
+        return self._given
+
+    def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
+        """Show the shape on its way from ``rest`` (n, 3), 0, to what it is, 1; as it is without ``rest``."""
+        self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
+        if self.skin is not None:
+            self.set_points(self._given)
+
+    def cut(self, point: np.ndarray | None, normal: np.ndarray | None = None) -> None:
+        """Leave out what is behind a plane, seen along its ``normal``, both (3,); nothing without them."""
+        was_cut, self._cut = self._cut is not None, None
+        self._mapper.RemoveAllClippingPlanes()
+        if point is not None and normal is not None:
+            self._cut = point, normal
+            self._plane.SetOrigin(*point)
+            self._plane.SetNormal(*normal)
+            self._mapper.AddClippingPlane(self._plane)
+        if was_cut != (self._cut is not None):
+            self._shade()
+        self._viewport.update()
+
+    def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
+        """Colour the vertices ``ids``, or all; ``rgba`` is a (k, 4) uint8 array, a row for each of them."""
+        # How opaque they are is how they are measured: see `wear`.
+        self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
+        self._viewport.update()
+
+    def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
+        """Show values on a scale instead of the paint, which is seen in stripes; None shows the paint.
+
+        ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
+        is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
+        ask: it may be called while one is made ready.
+        """
+        if heat is not self.worn:
+            self.worn = heat
+            self._shade()
+        if heat is not None:
+            scale_heat(self._actor, neutral)
+        elif self.skin is not None:
+            self.shades[:] = 255
+            self.shades_changed()
+
+    @property
+    def shades(self) -> np.ndarray:
+        """The values, (n,) uint8: 1 to 255 is the scale, 0 no value. Say when they are changed."""
+        return np.asarray(self._mesh.point_data["rgba"])[:, 3]
+
+    def shades_changed(self) -> None:
+        """Draw with the values that are in ``shades`` from the next draw on."""
+        self._mesh.point_data["rgba"].VTKObject.Modified()
+
+    @property
+    def edges(self) -> bool:
+        """Whether the edges are drawn over the surface."""
+        return bool(self._actor.GetProperty().GetEdgeVisibility())
+
+    @edges.setter
+    def edges(self, on: bool) -> None:
+        prop = self._actor.GetProperty()
+        prop.SetEdgeVisibility(on)
+        prop.SetEdgeColor(0.12, 0.13, 0.15)
+        prop.SetEdgeOpacity(0.35)
+        self._shade()
+        self._viewport.update()
+
+    def _shade(self) -> None:
+        shade(self._actor, self.worn, inside=self._cut is not None)
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the shading is blended over the faces, or each face flat."""
+        return bool(self._actor.GetProperty().GetInterpolation())
+
+    @smooth.setter
+    def smooth(self, on: bool) -> None:
+        prop = self._actor.GetProperty()
+        if on:
+            prop.SetInterpolationToPhong()
+        else:
+            prop.SetInterpolationToFlat()
+        self._viewport.update()
+
+    def _match_background(self) -> None:
+        match_background(self._actor, self._viewport.dark)
+
+    @property
+    def touchable(self) -> Skin | None:
+        """The skin, where there is one that can be touched."""
+        return None if isinstance(self.skin, Sketch) else self.skin
+
+    def hit(self, position: QPointF) -> Hit | None:
+        """What is seen of the surface at a position in the viewport."""
+        skin = self.touchable
+        if skin is None:
+            return None
+        origin, direction = self._viewport.ray(position)
+        near, far = self._uncut(origin, direction)
+        origin = origin + near * direction
+        face, distance, b1, b2 = skin.hit(origin, direction, self.U, self.boxes)
+        if face < 0 or distance > far - near:
+            return None
+        weights = np.array([1.0 - b1 - b2, b1, b2])
+        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[skin.F[face]]
+        length = float(np.linalg.norm(normal))
+        normal = normal / length if length > 0 else -direction
+        return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
+
+    def shares(self, hit: Hit) -> np.ndarray:
+        """The weights, (3,), with which the corners of the face that was hit make the point."""
+        assert self.skin is not None
+        a, b, c = self.U[self.skin.F[hit.face]]
+        weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
+        shares: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
+        return shares / shares.sum()
+
+    def _uncut(self, origin: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
+        """From where to where a ray is in front of the plane that cuts the surface."""
+        if self._cut is None:
+            return 0.0, np.inf
+        point, normal = self._cut
+        height, slope = float((origin - point) @ normal), float(direction @ normal)
+        if slope == 0.0:
+            return (0.0, np.inf) if height >= 0.0 else (0.0, -1.0)
+        meets = -height / slope
+        return (max(meets, 0.0), np.inf) if slope > 0.0 else (0.0, meets)
+
+    def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """How far rays go, (k,), until they meet the surface; infinite where they do not.
+
+        Origins and unit directions are (k, 3) arrays.
+        """
+        skin = self.touchable
+        if skin is None:
+            return np.full(len(origins), np.inf)
+        hits = [skin.hit(*ray, self.U, self.boxes) for ray in zip(origins, directions, strict=True)]
+        return np.array([distance if face >= 0 else np.inf for face, distance, _, _ in hits])
+
+    @property
+    def boxes(self) -> np.ndarray:
+        """Boxes around the triangles: see :func:`apd_viewer.geometry.picking.picking.boxes`."""
+        if self._boxes is None:
+            skin = self.touchable
+            assert skin is not None
+            self._boxes = skin.boxes(self.U)
+        return self._boxes
+
+    @property
+    def normals(self) -> np.ndarray:
+        """Unit normals of the vertices, (n, 3), as drawn; zero where there is no face."""
+        return np.asarray(self._mesh.point_data["Normals"])
+
+    def point_under(self, position: QPointF) -> np.ndarray | None:
+        """Point of the surface seen at a position in the viewport."""
+        hit = self.hit(position)
+        return None if hit is None else hit.point

@@ -1,0 +1,82 @@
+"""The camera goes around the shape, until somebody takes it."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from apd_viewer.ui.scene.camera import DEGREES_PER_PIXEL
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent, QWheelEvent
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+SPEED = 24.0  # degrees a second
+_TICK = 16  # ms
+_LONGEST = 0.1  # s: after a pause it goes on, and does not leap
+
+
+class Turntable(QObject):
+    """A tool of the viewport that wants nothing, and stops when others do.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    stopped : Signal()
+    """
+
+    stopped = Signal()
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._last = 0.0
+        self._timer = QTimer(self, interval=_TICK)
+        self._timer.timeout.connect(self._turn)
+        viewport.tools.insert(0, self)
+
+    @property
+    def on(self) -> bool:
+        """Whether it turns."""
+        return self._timer.isActive()
+
+    @on.setter
+    def on(self, on: bool) -> None:
+        self._last = time.perf_counter()
+        if on:
+            self._timer.start()
+        else:
+            self._timer.stop()
+
+    def press(self, _: QMouseEvent) -> bool:
+        """Stop for whoever takes the mouse."""
+        self._stop()
+        return False
+
+    def wheel(self, _: QWheelEvent) -> bool:
+        """Go on: to come nearer is no reason to stop."""
+        return False
+
+    def cancel(self) -> bool:
+        """Stop; True if it turned."""
+        return self._stop()
+
+    def _stop(self) -> bool:
+        turned = self.on
+        if turned:
+            self.on = False
+            self.stopped.emit()
+        return turned
+
+    def _turn(self) -> None:
+        now = time.perf_counter()
+        angle = SPEED * float(np.clip(now - self._last, 0.0, _LONGEST))
+        self._last = now
+        self._viewport.eye = self._viewport.eye.orbited(angle / DEGREES_PER_PIXEL, 0.0)

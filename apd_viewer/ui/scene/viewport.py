@@ -1,0 +1,371 @@
+"""The 3-D view: one VTK draw a paint, tools that see the mouse first, a Qt layer on top."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRect, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QNativeGestureEvent
+from pyvistaqt import QtInteractor
+
+from apd_viewer.ui.scene.camera import UP, Camera
+from apd_viewer.ui.scene.mouse_dispatcher import MouseDispatcher
+from apd_viewer.ui.scene.navigation import Navigation
+from apd_viewer.ui.scene.overlay import Overlay
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from PySide6.QtCore import QEvent
+    from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
+    from PySide6.QtWidgets import QWidget
+
+HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
+OPENING = np.deg2rad(30.0)
+SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
+SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
+STILL = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
+CLOSEST = 1e-4  # zoom limits, in multiples of what was framed
+FARTHEST = 50.0
+
+
+class Viewport(QtInteractor):
+    """Widget that shows a scene and hands mouse events to tools.
+
+    What a tool may have is said in :mod:`apd_viewer.ui.scene.mouse_dispatcher`, and how the mouse moves the camera
+    in :mod:`apd_viewer.ui.scene.navigation`.
+
+    Attributes
+    ----------
+    tools : list
+        First come, first served.
+    pre_draw : list of callables
+        Called before each VTK draw.
+    draws : int
+        VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
+    overlay : QWidget
+    pick : callable or None
+        From a position in the widget to the point of the surface seen there, or None.
+    box : callable or None
+        The box around all that is drawn: least and largest x, then y, then z.
+    more_boxes : list of callables
+        The same of what else is drawn; empty where nothing is.
+    linked : sequence of Viewport
+        Others that look through the same camera; see :func:`link`.
+    dark : bool
+        Whether the background is dark.
+    resized : Signal()
+    clicked : Signal(QPointF)
+        A press that no tool wanted and that moved nothing, at its position in the widget.
+    """
+
+    resized = Signal()
+    clicked = Signal(QPointF)
+
+    _in_paint: bool  # of the base class: while it is set a draw is not brought to the screen
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        self.tools: list[Any] = []
+        self.pre_draw: list[Callable[[], None]] = []
+        self.draws = 0
+        self.pick: Callable[[QPointF], np.ndarray | None] | None = None
+        self.box: Callable[[], tuple[float, ...]] | None = None
+        self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
+        self.linked: Sequence[Viewport] = ()
+        self.dark = False
+        self._stale = True  # the scene has changed since the last VTK draw
+        self._software = False
+        self._refine = False
+        self._extent = 1.0
+        # Points, the room around them, and where the camera went to show them.
+        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
+        self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
+        self.ren_win.GetInteractor().EnableRenderOff()
+        # They would ask everything for its bounds, to leave out what the camera does not see.
+        self.renderer.GetCullers().RemoveAllItems()
+        self._dispatcher = MouseDispatcher(self, self.tools, Navigation(self))
+        self._still = QTimer(self, singleShot=True, interval=STILL)
+        self._still.timeout.connect(self._draw_smooth)
+        self.overlay = Overlay(self, self.tools)
+        self._make_camera()
+        self.set_theme("#f4f5f7")
+
+    # ---- camera
+
+    @property
+    def eye(self) -> Camera:
+        """The camera; assign another one to move it."""
+        camera = self.renderer.GetActiveCamera()
+        return Camera(
+            position=np.array(camera.GetPosition()),
+            focal=np.array(camera.GetFocalPoint()),
+            up=np.array(camera.GetViewUp()),
+            angle=np.deg2rad(camera.GetViewAngle()),
+            width=max(self.width(), 1),
+            height=max(self.height(), 1),
+        )
+
+    @eye.setter
+    def eye(self, eye: Camera) -> None:
+        camera = self.renderer.GetActiveCamera()
+        camera.SetPosition(*eye.position)
+        camera.SetFocalPoint(*eye.focal)
+        camera.SetViewUp(*eye.up)
+        camera.SetViewAngle(np.rad2deg(eye.angle))
+        # All at once: the window is put together once for all that is drawn, and not for each.
+        for view in (self, *self.linked):
+            view.update()
+
+    def ray(self, position: QPointF) -> tuple[np.ndarray, np.ndarray]:
+        """Origin and unit direction of the ray through a position in the widget."""
+        return self.eye.ray(position.x(), position.y())
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Positions in the widget, (k, 2), of (k, 3) points."""
+        return self.eye.project(np.asarray(points))
+
+    def world_per_pixel(self, point: np.ndarray) -> float:
+        """Length of a logical pixel, in mesh units, at a point."""
+        return self.eye.world_per_pixel(np.asarray(point))
+
+    def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
+        """Show all of the (k, 3) points, from the same direction, with ``room`` pixels around each."""
+        if len(points):
+            points, room = np.asarray(points), np.broadcast_to(room, len(points))
+            self.eye = self.eye.framed(points, room)
+            self._extent = self.eye.distance
+            self._framed = points, room, self.eye.position
+
+    def look_home(self) -> None:
+        """Look from where the view began: from the front, a little from the right and from above."""
+        eye = self.eye
+        self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
+
+    def look_along(self, axis: str) -> None:
+        """Look from the 'front' (+Z), 'side' (+X) or 'top' (+Y), or with '-' before from the opposite."""
+        self.eye = self.eye.placed(axis)
+
+    def zoom_at(self, position: QPointF, factor: float) -> None:
+        """Come closer by a factor to what is seen at a position in the widget."""
+        eye = self.eye
+        point = self.pick(position) if self.pick is not None else None
+        if point is None:
+            point = eye.on_focal_plane(position.x(), position.y())
+        closer = eye.zoomed(point, factor)
+        if CLOSEST <= closer.distance / self._extent <= FARTHEST:
+            self.eye = closer
+
+    def _make_camera(self) -> None:
+        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), OPENING, 1, 1)
+        self.eye = replace(eye, position=HOME)
+
+    # ---- looks
+
+    def set_theme(self, background_top: str, background_bottom: str | None = None) -> None:
+        """Set the colour of the background, or the two ends of a vertical blend."""
+        top, bottom = QColor(background_top), QColor(background_bottom or background_top)
+        self.dark = bottom.lightnessF() < 0.5
+        self.renderer.SetBackground(bottom.redF(), bottom.greenF(), bottom.blueF())
+        self.renderer.SetBackground2(top.redF(), top.greenF(), top.blueF())
+        self.renderer.SetGradientBackground(top != bottom)
+        self.update()
+
+    def screenshot(self, *args: Any, **kwargs: Any) -> Any:
+        """Picture of the scene without the tools, as of now; see pyvista.Plotter.screenshot."""
+        self._ensure_initialized()
+        self._refine = self._software
+        self._draw()
+        return super().screenshot(*args, **kwargs)
+
+    # ---- drawing
+
+    @contextmanager
+    def aside(self) -> Iterator[Any]:
+        """Give the render window to draw something else with; None where OpenGL cannot be had."""
+        self._ensure_initialized()
+        window = self.ren_win
+        if self._ctx is None or not window.GetReadyForRendering():
+            yield None
+            return
+        size = window.GetSize()
+        self.makeCurrent()
+        self._in_paint = True
+        try:
+            yield window
+        finally:
+            self._in_paint = False
+            window.GetInteractor().UpdateSize(*size)
+            self.update()
+
+    def update(self, *_: Any) -> None:
+        """Draw the scene and the overlay again, soon; several calls make one draw."""
+        if getattr(self, "_closed", False):
+            return
+        self._stale = True
+        super().update()
+        if hasattr(self, "overlay"):  # not yet while the base class builds itself
+            self.overlay.update()
+
+    def render(self, *_: Any, **__: Any) -> None:
+        """Same as update: pyvista calls this after each change."""
+        self._rendered = True
+        self.update()
+
+    _render = render
+
+    def initializeGL(self) -> None:
+        """Choose what the OpenGL at hand can afford."""
+        super().initializeGL()
+        name = str(self.context().functions().glGetString(0x1F01)).lower()  # GL_RENDERER
+        self._software = any(word in name for word in SOFTWARE)
+        self.ren_win.SetMultiSamples(0 if self._software else SAMPLES)
+        self._stale = True
+
+    def resizeGL(self, width: int, height: int) -> None:
+        """Draw at the new size."""
+        super().resizeGL(width, height)
+        # Qt rounds halves up, Python to even: at a scale of 1.5 a line of pixels would stay black.
+        ratio = self.devicePixelRatioF()
+        self.ren_win.GetInteractor().UpdateSize(int(width * ratio + 0.5), int(height * ratio + 0.5))
+        self._stale = True
+
+    def _blit(self, target: int, _rect: object) -> None:
+        super()._blit(target, QRect(0, 0, *self.ren_win.GetSize()))
+
+    def paintGL(self) -> None:
+        """Draw if the scene has changed, and bring the picture to the screen."""
+        if self._stale and self._RenderWindow is not None and self._RenderWindow.GetReadyForRendering():
+            self._draw()
+        # Inside _in_paint the stock method only copies the picture; else it would draw a second time.
+        self._in_paint = True
+        try:
+            super().paintGL()
+        finally:
+            self._in_paint = False
+
+    def prepare(self) -> None:
+        """Bring the scene up to date, as before each VTK draw."""
+        for prepare in self.pre_draw:
+            prepare()
+        boxes = [box for find in (self.box, *self.more_boxes) if find is not None and (box := find())]
+        if boxes:
+            ends = np.array(boxes).reshape(-1, 3, 2)
+            low, high = ends[:, :, 0].min(axis=0), ends[:, :, 1].max(axis=0)
+            self.renderer.ResetCameraClippingRange(np.column_stack([low, high]).ravel().tolist())
+
+    def _draw(self) -> None:
+        self.prepare()
+        self.renderer.SetUseFXAA(self._refine)
+        self._in_paint = True
+        try:
+            self.ren_win.Render()  # unlike the interactor's Render, this one releases the GIL
+        finally:
+            self._in_paint = False
+        self.draws += 1
+        self._stale = False
+        if self._software and not self._refine:
+            self._still.start()
+        self._refine = False
+
+    def _draw_smooth(self) -> None:
+        self._refine = True
+        self.update()
+
+    # ---- events
+
+    def click(self, position: QPointF) -> None:
+        """Say that the scene was clicked."""
+        self.clicked.emit(position)
+
+    def cancel(self) -> bool:
+        """Cancel what the tools are doing, as Esc does; True if one of them was at work."""
+        return self._dispatcher.cancel()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Offer the press to the tools, then to the camera."""
+        self.setFocus()  # or keys would go on into the field that was typed in last
+        self._dispatcher.press(event)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Treat the second press of two quick ones like any other."""
+        self._dispatcher.press(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on with a drag, or show what a press would do."""
+        self._dispatcher.move(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End a drag."""
+        self._dispatcher.release(event)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Offer the wheel to the tools, then zoom."""
+        self._dispatcher.wheel(event)
+        event.accept()
+
+    def enterEvent(self, _event: QEvent) -> None:
+        """Keep VTK out of it."""
+
+    def leaveEvent(self, _event: QEvent) -> None:
+        """Tell the tools that the cursor is gone."""
+        self._dispatcher.leave()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc cancels, Return finishes; VTK's one-key shortcuts are off."""
+        key = event.key()
+        done = key == Qt.Key.Key_Escape and self.cancel()
+        if not done and key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            done = self._dispatcher.finish()
+        if not done:
+            event.ignore()
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """Keep VTK out of it."""
+        event.ignore()
+
+    def event(self, event: QEvent) -> bool:
+        """Zoom when two fingers pinch a trackpad."""
+        if isinstance(event, QNativeGestureEvent):
+            if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
+                self.zoom_at(event.position(), 1.0 + event.value())
+            return True
+        return super().event(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the overlay as large as the view, and in frame what was, until the camera is moved."""
+        super().resizeEvent(event)
+        self.overlay.setGeometry(self.rect())
+        self.resized.emit()
+        if self._framed is not None and np.array_equal(self._framed[2], self.eye.position):
+            self.frame(*self._framed[:2])
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Draw what changed while the view was hidden."""
+        super().showEvent(event)
+        self.update()
+
+    def close(self) -> None:
+        """Free the scene; the view cannot be used afterwards."""
+        if not getattr(self, "_closed", True):
+            self._still.stop()
+            self.pre_draw.clear()
+            self.tools.clear()
+            self.more_boxes.clear()
+            self.linked = ()
+            self.pick = self.box = self._framed = None
+        super().close()
+        # Qt frees context and surface itself and may put others at their addresses, where Python
+        # would still find these wrappers: of the wrong class, or of an object that is gone.
+        self._ctx = self._surface = None
+
+
+def link(viewports: Sequence[Viewport]) -> None:
+    """Have viewports, which should be of one size, look through the camera of the first from now on."""
+    camera = viewports[0].renderer.GetActiveCamera()
+    for view in viewports:
+        view.renderer.SetActiveCamera(camera)
+        view.linked = [other for other in viewports if other is not view]

@@ -1,0 +1,199 @@
+"""Asks what a picture shall be, and shows it small."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRect, QSize, Qt, QTimer
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
+from PySide6.QtWidgets import QDialog, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.widgets.fields import Check, Choice, Number
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.sharing.pictures import Pictures
+
+_LEAST, _MOST = 16, 32_768  # pixels a side; what cannot be drawn of them is said
+_TIMES = (1, 2, 3, 4)
+_PREVIEW = QSize(360, 270)
+_SOON = 40  # ms
+_SQUARE = 8  # px
+
+
+class _Preview(QWidget):
+    """A picture as large as there is room, on squares where it is transparent."""
+
+    def __init__(self) -> None:
+        super().__init__(accessibleName=tr("Preview"))
+        self.setFixedSize(_PREVIEW)
+        self.image = QImage()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw it."""
+        painter = QPainter(self)
+        size = self.image.size()
+        room = QRect(0, 0, size.width(), size.height())
+        room.moveCenter(self.rect().center())
+        if not self.image.isNull():
+            light, dark = QColor("#ffffff"), QColor("#e2e4e8")
+            painter.fillRect(room, light)
+            painter.setClipRect(room)
+            for y in range(0, room.height(), _SQUARE):
+                for x in range((y // _SQUARE) % 2 * _SQUARE, room.width(), 2 * _SQUARE):
+                    painter.fillRect(room.left() + x, room.top() + y, _SQUARE, _SQUARE, dark)
+            painter.drawImage(room.topLeft(), self.image)
+        painter.setClipping(False)
+        painter.setPen(self.palette().mid().color())
+        painter.drawRect(
+            room.adjusted(0, 0, -1, -1) if room.isValid() else self.rect().adjusted(0, 0, -1, -1)
+        )
+
+
+class PictureDialog(QDialog):
+    """Size, background and what is drawn over it.
+
+    Parameters
+    ----------
+    parent : QWidget
+    pictures : Pictures
+    wish : Wish
+        To begin with.
+
+    Attributes
+    ----------
+    times : Choice
+        Multiples of the view, and a size of one's own.
+    width_, height_ : Number
+        Pixels.
+    transparent, legend, gizmo : Check
+    save, copy : QPushButton
+    """
+
+    def __init__(self, parent: QWidget, pictures: Pictures, wish: Wish) -> None:
+        super().__init__(parent, objectName="picture")
+        self.setWindowTitle(tr("Save picture"))
+        self._pictures = pictures
+        self.preview = _Preview()
+        self._make_fields(wish)
+        self._lay_out()
+        self._soon = QTimer(self, singleShot=True, interval=_SOON)
+        self._soon.timeout.connect(self._show)
+        self._connect()
+        self._show_times()
+        self._show()
+
+    def _make_fields(self, wish: Wish) -> None:
+        self.times = Choice(accessibleName=tr("Size"))
+        for times in _TIMES:
+            title = tr("As the view") if times == 1 else tr("{times} × the view").format(times=times)
+            self.times.addItem(title, times)
+        self.times.addItem(tr("Own size"), 0)
+        self.width_ = Number(accessibleName=tr("Width"), toolTip=tr("Width of the picture"), decimals=0)
+        self.height_ = Number(accessibleName=tr("Height"), toolTip=tr("Height of the picture"), decimals=0)
+        for field in (self.width_, self.height_):
+            field.setRange(_LEAST, _MOST)
+            field.setSuffix(tr(" px"))
+        self._put(wish.size)
+        tip = tr("Only the mesh is in the picture, to be laid on any ground")
+        self.transparent = Check(tr("Transparent background"), toolTip=tip, checked=wish.transparent)
+        self.legend = Check(tr("Legend of the overlay"), checked=wish.legend and self._pictures.has_legend)
+        self.legend.setEnabled(self._pictures.has_legend)
+        self.legend.setToolTip("" if self.legend.isEnabled() else tr("No overlay is shown"))
+        self.gizmo = Check(tr("Gizmo"), checked=wish.gizmo and self._pictures.has_gizmo)
+        self.gizmo.setEnabled(self._pictures.has_gizmo)
+        self.gizmo.setToolTip("" if self.gizmo.isEnabled() else tr("No gizmo is shown"))
+        self.save = QPushButton(tr("Save…"), objectName="primary", default=True)
+        self.copy = QPushButton(tr("Copy"), toolTip=tr("Copy this picture to the clipboard"))
+        self._cancel = QPushButton(tr("Cancel"))
+
+    def _lay_out(self) -> None:
+        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=12)
+        sides = QHBoxLayout(spacing=8)
+        for part in (self.width_, QLabel("×"), self.height_):
+            sides.addWidget(part)
+        sides.addStretch(1)
+        size = QLabel(tr("Size"))
+        size.setBuddy(self.times)
+        grid.addWidget(size, 0, 0)
+        grid.addWidget(self.times, 0, 1)
+        grid.addLayout(sides, 1, 1)
+        for row, check in enumerate((self.transparent, self.legend, self.gizmo), start=2):
+            grid.addWidget(check, row, 1)
+        self.problem = QLabel("", objectName="problem", wordWrap=True)
+        grid.addWidget(self.problem, 5, 0, 1, 2)
+        grid.setRowStretch(6, 1)
+        top = QHBoxLayout(spacing=20)
+        top.addWidget(self.preview)
+        top.addLayout(grid)
+        buttons = QHBoxLayout(spacing=8)
+        buttons.addStretch(1)
+        for button in (self._cancel, self.copy, self.save):
+            buttons.addWidget(button)
+        column = QVBoxLayout(self, spacing=16)
+        column.setContentsMargins(16, 16, 16, 16)
+        column.addLayout(top)
+        column.addLayout(buttons)
+        column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetFixedSize)
+
+    def _connect(self) -> None:
+        self.times.activated.connect(self._take_times)
+        for field in (self.width_, self.height_):
+            field.valueChanged.connect(self._take_size)
+        for check in (self.transparent, self.legend, self.gizmo):
+            check.toggled.connect(self._soon.start)
+        self.save.clicked.connect(self.accept)
+        self._cancel.clicked.connect(self.reject)
+        self.copy.clicked.connect(self._copy)
+
+    @property
+    def wish(self) -> Wish:
+        """What was said."""
+        size = QSize(int(self.width_.value()), int(self.height_.value()))
+        return Wish(size, self.transparent.isChecked(), self.legend.isChecked(), self.gizmo.isChecked())
+
+    def _take_times(self) -> None:
+        if times := self.times.currentData():
+            self._put(self._pictures.view_size * times)
+        else:
+            self.width_.setFocus(Qt.FocusReason.OtherFocusReason)
+            self.width_.selectAll()
+        self._soon.start()
+
+    def _put(self, size: QSize) -> None:
+        self.width_.show_value(size.width())
+        self.height_.show_value(size.height())
+
+    def _take_size(self) -> None:
+        self._show_times()
+        self._soon.start()
+
+    def _show_times(self) -> None:
+        """Name the multiple of the view that the size is."""
+        size = self.wish.size
+        found = [times for times in _TIMES if self._pictures.view_size * times == size]
+        self.times.setCurrentIndex(self.times.findData(found[0] if found else 0))
+
+    def _show(self) -> None:
+        """Take the picture small, and say where it cannot be taken at its size."""
+        wish = self.wish
+        small = wish.size.scaled(_PREVIEW, Qt.AspectRatioMode.KeepAspectRatio).expandedTo(QSize(1, 1))
+        try:
+            self.preview.image = self._pictures.taken(Wish(small, wish.transparent, wish.legend, wish.gizmo))
+            self._pictures.check_size(wish.size)
+            self._say("")
+        except InputError as error:
+            self._say(str(error))
+        self.preview.update()
+
+    def _say(self, problem: str) -> None:
+        self.problem.setText(problem)
+        self.problem.setVisible(bool(problem))
+        for button in (self.save, self.copy):
+            button.setEnabled(not problem)
+
+    def _copy(self) -> None:
+        self._pictures.copy(self.wish)
+        self.reject()

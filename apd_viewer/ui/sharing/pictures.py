@@ -1,0 +1,156 @@
+"""Pictures of the view: to a file or to the clipboard, at any size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QByteArray, QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QGuiApplication, QImage, QPainter, QPen
+from PySide6.QtSvg import QSvgRenderer
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.theme import DARK, LIGHT
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.notice import Notice
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What a picture shall be.
+
+    Attributes
+    ----------
+    size : QSize
+        Pixels.
+    transparent : bool
+        Whether the background is left out.
+    legend, gizmo : bool
+        What is drawn over it, where it is there.
+    """
+
+    size: QSize
+    transparent: bool = False
+    legend: bool = True
+    gizmo: bool = False
+
+
+class Pictures:
+    """Takes pictures of what a canvas shows.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    looks : Looks
+    notice : Notice
+    """
+
+    def __init__(self, canvas: Canvas, looks: Looks, notice: Notice) -> None:
+        self._canvas, self._looks, self._notice = canvas, looks, notice
+        self._session: Session | None = None
+
+    def start(self, session: Session) -> None:
+        """Take pictures of what is open in a session."""
+        self._session = session
+
+    @property
+    def view_size(self) -> QSize:
+        """Pixels of the view on its screen."""
+        view = self._canvas.viewport
+        return view.size() * view.devicePixelRatioF()
+
+    @property
+    def has_legend(self) -> bool:
+        """Whether there is an overlay, and a legend of it."""
+        return self._looks.heat.measure is not None
+
+    @property
+    def has_gizmo(self) -> bool:
+        """Whether there is a gizmo to be seen."""
+        return self._canvas.gizmo.visible
+
+    def save(self, path: Path, wish: Wish) -> None:
+        """Write a picture as PNG; it is drawn now, and written in the background."""
+        if self._session is None:
+            return
+        try:
+            image = self.taken(wish)
+        except InputError as error:
+            self._notice.fail(str(error))
+            return
+
+        def work() -> str:
+            with replacing(path) as scratch:
+                if not image.save(str(scratch), "PNG"):
+                    raise OSError(tr("the picture could not be encoded"))
+            size = tr("{width:,} × {height:,} pixels").format(width=image.width(), height=image.height())
+            return tr("Wrote {name}: {size}.").format(name=path.name, size=size)
+
+        title = tr("Writing {name}").format(name=path.name)
+        self._session.send(title, work, self._notice.tell, can_be_cancelled=False)
+
+    def copy(self, wish: Wish | None = None) -> None:
+        """Bring a picture to the clipboard; the view as it is seen, without the gizmo."""
+        try:
+            image = self.taken(wish or Wish(self.view_size))
+        except InputError as error:
+            self._notice.fail(str(error))
+            return
+        QGuiApplication.clipboard().setImage(image)
+        said = tr("Copied a picture of {width:,} × {height:,} pixels.")
+        self._notice.tell(said.format(width=image.width(), height=image.height()))
+
+    def check_size(self, size: QSize) -> None:
+        """Raise InputError if a picture of this size cannot be drawn."""
+        from apd_viewer.ui.scene.scene_picture import check_size
+
+        check_size(self._canvas.viewport, size)
+
+    def taken(self, wish: Wish) -> QImage:
+        """The picture; raises InputError where it is too large to be drawn."""
+        from apd_viewer.ui.scene.scene_picture import grown, scene_picture
+
+        view = self._canvas.viewport
+        QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+        try:
+            image = scene_picture(view, wish.size, wish.transparent)
+        finally:
+            QGuiApplication.restoreOverrideCursor()
+        scale = grown(view.size(), wish.size)
+        with QPainter(image) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            # What the view shows stands in the middle of the picture.
+            painter.translate(QPointF(wish.size.width(), wish.size.height()) / 2)
+            painter.scale(scale, scale)
+            painter.save()
+            painter.translate(-QPointF(view.width(), view.height()) / 2)
+            self._looks.ground.paint(painter)
+            if wish.gizmo:
+                self._canvas.pivots.paint(painter)
+                self._canvas.gizmo.paint(painter)
+            painter.restore()
+            if wish.legend and self.has_legend:
+                painter.translate(-QPointF(wish.size.width(), -wish.size.height()) / (2 * scale))
+                self._draw_legend(painter)
+        return image
+
+    def _draw_legend(self, painter: QPainter) -> None:
+        """Draw a card above the lower left corner, where the painter stands."""
+        from apd_viewer.presentation.legend_drawing import HEIGHT, WIDTH, legend_svg
+
+        heat, theme = self._looks.heat, DARK if self._canvas.viewport.dark else LIGHT
+        card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)
+        painter.setPen(QPen(QColor(theme.line), 1.0))
+        painter.setBrush(QColor(theme.raised))
+        painter.drawRoundedRect(card, _ROUND, _ROUND)
+        svg = legend_svg(heat.scale, heat.unit, heat.span, theme.ink)
+        QSvgRenderer(QByteArray(svg.encode())).render(painter, card)

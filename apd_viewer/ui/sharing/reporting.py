@@ -1,0 +1,260 @@
+"""What others are given to look at: the report, and pictures."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRectF, QSize, Qt
+from PySide6.QtGui import QFont, QFontMetricsF, QGuiApplication, QImage, QPainter
+from PySide6.QtWidgets import QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.sharing.pictures import Pictures, Wish
+from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
+
+if TYPE_CHECKING:
+    from apd_viewer.files import html_page
+    from apd_viewer.geometry.analysis.area_change import LocalChange
+    from apd_viewer.presentation.report import Evidence, Subject
+    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.view import View
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.notice import Notice
+    from apd_viewer.ui.panel.measuring import Measuring
+    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_CHART, _LETTERS = QSize(1016, 230), 12  # px
+_LONGEST = 24_000_000  # bytes of a session; in a page it takes a third more
+
+
+@dataclass(frozen=True, eq=False)
+class _Measured:
+    """What was found out for a report, and how the area has changed at the vertices."""
+
+    evidence: Evidence
+    values: np.ndarray
+    shades: np.ndarray
+
+
+class Reporting:
+    """Writes reports, and hands pictures out.
+
+    Parameters
+    ----------
+    window : QWidget
+        Over which to ask.
+    canvas : Canvas
+    looks : Looks
+    measuring : Measuring
+    memory : Memory
+    notice : Notice
+
+    Attributes
+    ----------
+    pictures : Pictures
+    """
+
+    def __init__(
+        self,
+        window: QWidget,
+        canvas: Canvas,
+        looks: Looks,
+        measuring: Measuring,
+        memory: Memory,
+        notice: Notice,
+    ) -> None:
+        self._window, self._canvas, self._looks = window, canvas, looks
+        self._measuring, self._memory, self._notice = measuring, memory, notice
+        self._session: Session | None = None
+        self.pictures = Pictures(canvas, looks, notice)
+        self._wish: Wish | None = None
+
+    def start(self, session: Session) -> None:
+        """Tell of what is open in a session."""
+        self._session = session
+        self.pictures.start(session)
+
+    @property
+    def verbs(self) -> dict[str, Callable[..., object]]:
+        """What can be done, by name."""
+        return {
+            "report": self.ask,
+            "save_picture": self.ask_for_picture,
+            "copy_picture": self.pictures.copy,
+        }
+
+    def ask(self) -> None:
+        """Let the user choose where to write a report."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        path = dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
+        if path is not None:
+            self.write(path)
+
+    def ask_for_picture(self) -> None:
+        """Let the user say what picture to take, and where to write it."""
+        if self._session is None or (state := self._session.state) is None:
+            return
+        from apd_viewer.ui.sharing.picture_dialog import PictureDialog
+
+        pictures = self.pictures
+        dialog = PictureDialog(self._window, pictures, self._wish or Wish(pictures.view_size * 2))
+        if dialog.exec():
+            self._wish = wish = dialog.wish
+            path = dialogs.ask_where_to_put_picture(self._window, self._memory.folder, state.document.mesh)
+            if path is not None:
+                pictures.save(path, wish)
+        dialog.deleteLater()
+
+    def write(self, path: Path) -> None:
+        """Write a report of the shape on screen, in the background."""
+        if self._session is None or self._session.state is None:
+            return
+        from apd_viewer.presentation.report import Subject
+
+        session, state = self._session, self._session.state
+        view = self._measuring.in_view(self._canvas.view(session.unit.value))
+        examining = session.examining
+        subject = Subject(
+            state, session.unit, view.wall, examining.found, examining.at_rest, datetime.now().astimezone()
+        )
+        scale = self._scale(state)
+        session.send(
+            tr("Measuring for {name}").format(name=path.name),
+            lambda: _measured(state, view, scale),
+            lambda measured: self._finish(path, subject, measured, scale),
+        )
+
+    def _scale(self, state: State) -> Scale:
+        """The scale on which the user looks at the local change."""
+        V, F = state.document.mesh.V, state.document.mesh.F
+        size = float(np.linalg.norm(np.ptp(V[F.ravel()], axis=0))) or 1.0
+        return self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, size)
+
+    def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
+        """Take the pictures, for which there is only this thread, and have the page written."""
+        assert self._session is not None
+        session, now = self._session, self._session.state
+        if now is not None and now.frame.U is subject.state.frame.U:  # more may be known of it by now
+            examining = session.examining
+            subject = replace(subject, found=examining.found, at_rest=examining.at_rest)
+        QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+        try:
+            images = self._images(subject.state, measured, scale)
+            histogram = self._histogram(measured.evidence.change)
+        except InputError as error:
+            self._notice.fail(str(error))
+            return
+        finally:
+            QGuiApplication.restoreOverrideCursor()
+        legend = self._legend(subject, measured, scale)
+
+        def work() -> str:
+            from apd_viewer.files.html_page import write_page
+            from apd_viewer.presentation.report import page_of
+
+            write_page(path, page_of(subject, measured.evidence, _encoded(images, legend), histogram))
+            return tr("Wrote {name}.").format(name=path.name)
+
+        title = tr("Writing {name}").format(name=path.name)
+        session.send(title, work, self._notice.tell, can_be_cancelled=False)
+
+    def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
+        from apd_viewer.ui.scene.studio import Studio
+
+        surface = self._canvas.surface
+        studio = Studio(self._canvas.viewport, state, surface.edges, surface.smooth)
+        V, U = state.document.mesh.V, state.frame.U
+        return [studio.painted(V), studio.painted(U), studio.measured(U, measured.shades, scale)]
+
+    def _legend(self, subject: Subject, measured: _Measured, scale: Scale) -> str:
+        from apd_viewer.presentation.legend_drawing import legend_svg
+
+        values = measured.values[np.isfinite(measured.values)]
+        span = (float(values.min()), float(values.max())) if len(values) else None
+        return legend_svg(scale, subject.unit, span)
+
+    def _histogram(self, change: LocalChange) -> html_page.Drawing:
+        from apd_viewer.files import html_page
+        from apd_viewer.ui.plots.reading_charts import local_change
+
+        chart = replace(local_change(change), title="", readings=())
+        font = QFont(self._window.font())
+        font.setPixelSize(_LETTERS)
+        words = 2.5 * QFontMetricsF(font).height()  # the room of title and readings, which the page has
+        room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
+
+        def drawn(theme: Theme) -> str:
+            from apd_viewer.ui.filing.plot_files import svg_of
+            from apd_viewer.ui.plots.chart import draw_chart
+
+            def draw(painter: QPainter) -> None:
+                draw_chart(painter, room, chart, theme, font)
+
+            return svg_of(_CHART, draw)
+
+        caption = tr("Share of the surface, by how much its triangles have shrunk or grown")
+        return html_page.Drawing(drawn(LIGHT), drawn(DARK), caption)
+
+
+def _measured(state: State, view: View, scale: Scale) -> _Measured:
+    """Find out what takes a while."""
+    from apd_viewer.files.fingerprint import fingerprint
+    from apd_viewer.geometry.analysis.area_change import local_change
+    from apd_viewer.geometry.analysis.deviation import Change, write_shades
+    from apd_viewer.presentation.report import Evidence
+    from apd_viewer.session.model.memo import triangle_areas
+
+    mesh, skin, U = state.document.mesh, state.skin, state.frame.U
+    values = Change(mesh.V, skin.joined, skin.source).area(U)
+    shades = np.full(len(U), 255, dtype=np.uint8)
+    write_shades(values, scale.measure.is_signed, scale.end, shades)
+    evidence = Evidence(
+        local_change(U, skin.F, triangle_areas(mesh.V, mesh.F)),
+        None if mesh.path is None else fingerprint(mesh.path),
+        _session_of(state, view),
+    )
+    return _Measured(evidence, values, shades)
+
+
+def _session_of(state: State, view: View) -> bytes:
+    """A session with all of it, which tells nobody where the mesh was; nothing where it is too long."""
+    from apd_viewer.session.storage.session_file import save_session
+
+    document = state.document
+    state = replace(state, document=replace(document, mesh=document.mesh.homeless()))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "report.apd"
+        save_session(path, state, view, embed=True)
+        return path.read_bytes() if path.stat().st_size <= _LONGEST else b""
+
+
+def _encoded(images: list[QImage], legend: str) -> html_page.Pictures:
+    from apd_viewer.files import html_page
+
+    captions = tr("Rest shape"), tr("Shape now"), tr("Local area change")
+    pictures = [
+        html_page.Picture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
+    ]
+    return html_page.Pictures(tuple(pictures), legend)
+
+
+def png_of(image: QImage) -> bytes:
+    """A picture as the content of a PNG file."""
+    content = QByteArray()
+    buffer = QBuffer(content)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    if not image.save(buffer, "PNG"):
+        raise InputError(tr("The picture could not be encoded; choose a smaller one."))
+    return bytes(content.data())

@@ -1,0 +1,1 @@
+"""Dialogs for sweeps and the paper's tables."""

@@ -1,0 +1,214 @@
+"""The foot of a dialog that has something computed: start, progress, cancel, and the results to save."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, QUrl, Signal
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.language import tr
+from apd_viewer.session.jobs.background_job import Errand, Outcome
+from apd_viewer.ui.studies.command_process import CommandProcess
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.preferences.memory import Memory
+
+_SCALE = 1000
+
+
+class RunBar(QWidget):
+    """Runs a command into a folder of its own, from which the results can be saved.
+
+    Parameters
+    ----------
+    start : str
+        On the button that starts.
+    name : str
+        Of the folder that the results are saved as.
+    memory : Memory
+        Where files were opened and written last.
+
+    Attributes
+    ----------
+    asked : Signal()
+        Whoever owns it then calls :meth:`begin`.
+    ended : Signal(object, str)
+        The folder of the results, and what the command said.
+    busy : Signal(bool)
+        Work has begun, or is over.
+    """
+
+    asked = Signal()
+    ended = Signal(object, str)
+    busy = Signal(bool)
+    _delivered = Signal(object)
+
+    def __init__(self, start: str, name: str, memory: Memory) -> None:
+        super().__init__()
+        self._name = name
+        self._memory = memory
+        self._scratch: Path | None = None
+        self._errand: Errand | None = None
+        self._saved: Path | None = None
+        self._command = CommandProcess(self)
+        self._command.progressed.connect(self._show_progress)
+        self._command.ended.connect(self._end)
+        self._command.failed.connect(self.fail)
+        self._delivered.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        self._lay_out(start)
+        self._show_busy(False)
+
+    def _lay_out(self, start: str) -> None:
+        self.words = QLabel(objectName="quiet", wordWrap=True)
+        self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
+        self.open = QPushButton(tr("Open the folder"), clicked=self._open)
+        self.save = QPushButton(tr("Save…"), clicked=self._ask_where)
+        self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
+        self.start = QPushButton(start, objectName="primary", clicked=lambda: self.asked.emit())
+        self.start.setDefault(True)
+        column = QVBoxLayout(self, spacing=8)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.bar)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.words, 1)
+        for button in (self.open, self.save, self.cancel, self.start):
+            row.addWidget(button)
+        column.addLayout(row)
+
+    @property
+    def running(self) -> bool:
+        """Whether something is under way."""
+        return self._errand is not None or self._command.running
+
+    @property
+    def _results(self) -> Path:
+        """Where the command writes to; there must have been one."""
+        assert self._scratch is not None
+        return self._scratch / "results"
+
+    def begin(self, words: Callable[[Path, Path], list[str]]) -> None:
+        """Run a command.
+
+        Parameters
+        ----------
+        words : callable
+            ``words(scratch, results)`` gives what to run, without where to: it is called on a thread, and may
+            write to the first folder what the command reads. The second is where the results will be.
+        """
+        self.close_all()
+        self._saved = None
+        self._scratch = scratch = Path(tempfile.mkdtemp(prefix="apd-viewer-"))
+        results = self._results
+
+        def work() -> list[str]:
+            results.mkdir()
+            return [*words(scratch, results), "-o", str(results), "--progress-lines"]
+
+        self._errand = Errand(tr("Preparing"), work, self._command.start, self._delivered.emit)
+        self.words.setText(tr("preparing"))
+        self.bar.setMaximum(0)  # nobody knows how long
+        self._show_busy(True)
+
+    def stop(self) -> None:
+        """End what is under way; nothing of it is left."""
+        self.close_all()
+        self.words.setText(tr("Cancelled; nothing was written."))
+        self._show_busy(False)
+
+    def close_all(self) -> None:
+        """End what is under way, and forget what has not been saved."""
+        if self._errand is not None:
+            errand, self._errand = self._errand, None
+            errand.join()
+        self._command.cancel()
+        if self._scratch is not None:
+            shutil.rmtree(self._scratch, ignore_errors=True)
+            self._scratch = None
+
+    def fail(self, sentence: str) -> None:
+        """Say why there is no result."""
+        self.words.setText(sentence)
+        self._show_busy(False)
+
+    def _receive(self, outcome: Outcome) -> None:
+        if outcome.errand is not self._errand:  # given up meanwhile
+            return
+        self._errand = None
+        if outcome.failure is not None:
+            self.fail(outcome.failure)
+        else:
+            outcome.errand.done(outcome.value)
+
+    def _show_progress(self, done: float, doing: str) -> None:
+        self.bar.setMaximum(_SCALE)
+        self.bar.setValue(round(_SCALE * done))
+        self.words.setText(f"{100 * done:.0f} %  {doing}")
+
+    def _end(self, said: str) -> None:
+        self.words.setText("")
+        self._show_busy(False)
+        self.ended.emit(self._results, said)
+
+    def _show_busy(self, on: bool) -> None:
+        there = not on and self._scratch is not None and any(self._results.glob("*"))
+        self.bar.setVisible(on)
+        self.cancel.setVisible(on)
+        self.start.setVisible(not on)
+        self.save.setVisible(there and self._saved is None)
+        self.open.setVisible(not on and self._saved is not None)
+        self.busy.emit(on)
+
+    # Saving
+
+    def _ask_where(self) -> None:
+        folder = QFileDialog.getExistingDirectory(self, tr("Save to which folder?"), str(self._memory.folder))
+        if folder:
+            self.save_in(Path(folder))
+
+    def save_in(self, folder: Path) -> None:
+        """Save the results as a new folder in ``folder``, in the background."""
+        results, target = self._results, _free(folder, self._name)
+
+        def work() -> Path:
+            from apd_viewer.files.storage.atomic_folder import filling
+
+            with filling(target) as scratch:
+                shutil.copytree(results, scratch, dirs_exist_ok=True)
+            return target
+
+        self._errand = Errand(tr("Saving"), work, self._saved_as, self._delivered.emit)
+        self.save.setEnabled(False)
+
+    def _saved_as(self, folder: Path) -> None:
+        self._saved = folder
+        self.save.setEnabled(True)
+        self.words.setText(tr("Saved as {folder}.").format(folder=folder))
+        self._show_busy(False)
+
+    def _open(self) -> None:
+        if self._saved is not None:
+            QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._saved)))
+
+
+def _free(folder: Path, name: str) -> Path:
+    """A folder of that name, or with a number behind it, that is not there yet."""
+    number, path = 1, folder / name
+    while path.exists():
+        number += 1
+        path = folder / f"{name}-{number}"
+    return path

@@ -1,0 +1,1 @@
+"""Tools of the mouse: brushes, selections and the gizmo."""

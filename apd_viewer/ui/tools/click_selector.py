@@ -1,0 +1,144 @@
+"""Choosing a whole part of the mesh with one click: up to the creases, a piece, a loop of the border."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt, Signal
+
+from apd_viewer.ui.tools.selector import Selector, act_of, begins
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
+
+    from apd_viewer.geometry.picking.surface_index import Skin
+    from apd_viewer.ui.scene.surface import Hit, Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_CREASE_PER_NOTCH = 5.0
+_SHARPEST, _FLATTEST = 180.0, 1.0
+_NONE = np.empty(0, dtype=np.int64)
+
+
+class Reach(Enum):
+    """How far a click goes."""
+
+    CREASE = "crease"
+    PIECE = "piece"
+    LOOP = "loop"
+
+
+class ClickSelector(Selector):
+    """Tool that chooses what belongs to the place under the cursor; it is previewed before the click.
+
+    Attributes
+    ----------
+    crease : float
+        Where a fill stops, in degrees between the normals of two neighbours; the wheel changes it.
+    crease_changed : Signal(float)
+    missed : Signal()
+        There is nothing of the kind that was clicked for.
+    """
+
+    crease_changed = Signal(float)
+    missed = Signal()
+
+    def __init__(self, viewport: Viewport, surface: Surface, reach: Reach) -> None:
+        super().__init__(viewport, surface)
+        self._reach = reach
+        self.crease = 30.0
+        self._cursor: QPointF | None = None
+        self._hit: Hit | None = None
+        self._seen: tuple[object, ...] = ()  # what the hit depends on
+        self._pressed = False
+        self._known: tuple[object, np.ndarray] = (None, _NONE)
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Choose what is previewed."""
+        if not self._enabled or not begins(event):
+            return False
+        self._look(event)
+        self._pressed = self._hit is not None
+        return self._pressed
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Show what a press would choose."""
+        if not self._enabled:
+            return False
+        self._look(event)
+        if self._hit is not None:
+            self._viewport.setCursor(Qt.CursorShape.CrossCursor)
+        return self._hit is not None
+
+    def release(self, event: QMouseEvent) -> bool:
+        """Take it, if the cursor is still on the mesh."""
+        if not self._pressed:
+            return False  # given up meanwhile
+        self._pressed = False
+        self._look(event)
+        vertices = self._under()
+        if len(vertices):
+            self._apply(self.act, vertices)
+        elif self._hit is not None:
+            self.missed.emit()
+        return True
+
+    def cancel(self) -> bool:
+        """Give a press up; True if there was one."""
+        if not self._pressed:
+            return False
+        self._pressed = False
+        self.leave()
+        self.stroke_cancelled.emit()
+        return True
+
+    def wheel(self, event: QWheelEvent) -> bool:
+        """Change the crease."""
+        other = self._reach is not Reach.CREASE or not self._enabled
+        if other or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return False
+        notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
+        self.crease = float(np.clip(self.crease + _CREASE_PER_NOTCH * notches, _FLATTEST, _SHARPEST))
+        self.crease_changed.emit(self.crease)
+        self._show()
+        return True
+
+    def leave(self) -> None:
+        """Show nothing any more."""
+        if self._cursor is not None:
+            self._cursor = self._hit = None
+            self.previewed.emit(None)
+
+    def paint(self, _painter: QPainter) -> None:
+        """Look again if the mesh or the camera has moved under a resting cursor; it draws nothing."""
+        if self._cursor is not None and self._seen != self._sight:
+            self._pick()
+
+    def _look(self, event: QMouseEvent) -> None:
+        self._cursor, self.act = event.position(), act_of(event)
+        self._pick()
+
+    def _pick(self) -> None:
+        self._hit = None if self._cursor is None else self._surface.hit(self._cursor)
+        self._seen = self._sight
+        self._show()
+
+    def _show(self) -> None:
+        self.previewed.emit(self._under() if self._hit is not None else None)
+
+    def _under(self) -> np.ndarray:
+        """What belongs to the place under the cursor."""
+        skin = self._surface.touchable
+        if skin is None or self._hit is None:
+            return _NONE
+        key = self._hit.face, self.crease, self._surface.revision
+        if self._known[0] != key:
+            self._known = key, self._found(skin, self._hit.face)
+        return self._known[1]
+
+    def _found(self, skin: Skin, face: int) -> np.ndarray:
+        if self._reach is Reach.CREASE:
+            return skin.up_to_creases(self._surface.U, face, np.deg2rad(self.crease))
+        return skin.piece(face) if self._reach is Reach.PIECE else skin.border_loop(face)

@@ -1,0 +1,211 @@
+"""The gizmo: arrows, squares and rings that move and turn a handle."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QObject, Qt, Signal
+
+from apd_viewer.ui.scene.navigation import DEAD_ZONE
+from apd_viewer.ui.tools.gizmo_drag import Drag, begin
+from apd_viewer.ui.tools.gizmo_drawing import Look, draw, draw_hint
+from apd_viewer.ui.tools.gizmo_geometry import Frame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import QPointF
+    from PySide6.QtGui import QMouseEvent, QPainter
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+
+class Along(Enum):
+    """What the axes of the gizmo are: the world's, the handle's, or those of the picture."""
+
+    WORLD = "world"
+    HANDLE = "handle"
+    VIEW = "view"
+
+
+class Gizmo(QObject):
+    """Tool that edits a rigid pose.
+
+    Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
+    plane of the picture, as does what :attr:`grabs` says; the square out at the corner scales. Ctrl snaps to
+    15 degrees, to round lengths or to tenths, Esc goes back.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    began, ended, cancelled : Signal()
+        A click that moves nothing emits none of them.
+    moved : Signal(object)
+        The new (4, 4) pose, while the drag goes on; once more the old one when it is cancelled.
+    along : Along
+        What its axes are.
+    grabs : callable or None
+        Whether a press at a position beside the gizmo takes the handle too.
+    hint : Signal(str)
+        What the drag does, such as "+32.5°"; empty when it is over.
+    """
+
+    began = Signal()
+    moved = Signal(object)
+    ended = Signal()
+    cancelled = Signal()
+    hint = Signal(str)
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._pose: np.ndarray = np.eye(4)
+        self._pivot: np.ndarray = np.zeros(3)
+        self._visible = False
+        self._along = Along.WORLD
+        self.grabs: Callable[[QPointF], bool] | None = None
+        self._hot: str | None = None
+        self._drag: Drag | None = None
+        self._moving = False  # the drag has left the dead zone
+
+    @property
+    def pose(self) -> np.ndarray:
+        """The (4, 4) pose, a copy."""
+        return self._pose.copy()
+
+    @property
+    def visible(self) -> bool:
+        """Whether the gizmo is there; hiding it cancels a drag."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, on: bool) -> None:
+        if not on:
+            self.cancel()
+            self._hot = None
+        self._visible = on
+        self._viewport.overlay.update()
+
+    @property
+    def along(self) -> Along:
+        """What the axes are."""
+        return self._along
+
+    @along.setter
+    def along(self, along: Along) -> None:
+        self._along = along
+        self._viewport.overlay.update()
+
+    def place(self, pose: np.ndarray, pivot: np.ndarray) -> None:
+        """Stand at ``pose`` applied to ``pivot``. During a drag the pose is the drag's, and this waits.
+
+        Parameters
+        ----------
+        pose : (4, 4) float array
+        pivot : (3,) float array
+            Centre of the handle before the pose is applied.
+        """
+        if self._drag is None:
+            self._pose, self._pivot = np.array(pose, dtype=float), np.array(pivot, dtype=float)
+            self._viewport.overlay.update()
+
+    @property
+    def frame(self) -> Frame:
+        """The gizmo as the camera sees it now."""
+        eye, A = self._viewport.eye, self._pose[:3, :3]
+        centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
+        if self._along is Along.HANDLE:
+            axes = (A / np.linalg.norm(A, axis=0)).T.copy()
+        elif self._along is Along.VIEW:
+            axes = eye.axes * [[1.0], [1.0], [-1.0]]
+        return Frame(eye, centre, axes)
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Take the handle under the cursor."""
+        handle = self._handle_at(event)
+        if handle is None or event.button() != Qt.MouseButton.LeftButton:
+            return False
+        p = event.position()
+        self._drag, self._moving = begin(handle, self.frame, self._pose, p.x(), p.y()), False
+        self._show(handle, Qt.CursorShape.ClosedHandCursor)
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Follow the cursor with the handle, or show what a press would take."""
+        if self._drag is None:
+            handle = self._handle_at(event)
+            self._show(handle, Qt.CursorShape.OpenHandCursor)
+            return handle is not None
+        p = event.position()
+        if not self._moving:
+            if abs(p.x() - self._drag.start[0]) + abs(p.y() - self._drag.start[1]) <= DEAD_ZONE:
+                return True
+            self._moving = True
+            self.began.emit()
+        snap = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        self._drag = self._drag.to(self._viewport.eye, p.x(), p.y(), snap)
+        self._emit(self._drag.pose, self._drag.text)
+        return True
+
+    def release(self, _event: QMouseEvent) -> bool:
+        """Let go."""
+        if self._drag is None:
+            return False
+        self._finish()
+        if self._moving:
+            self.ended.emit()
+        return True
+
+    def leave(self) -> None:
+        """The cursor is somewhere else."""
+        self._show(None)
+
+    def cancel(self) -> bool:
+        """Go back to the pose before the drag; True if there was a drag."""
+        if self._drag is None:
+            return False
+        pose = self._drag.pose0
+        self._finish()
+        if self._moving:
+            self._emit(pose, "")
+            self.cancelled.emit()
+        return True
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw on the overlay."""
+        if not self._visible:
+            return
+        draw(painter, self.frame, Look(self._viewport.dark, self._hot, self._drag))
+        if self._drag is not None and self._drag.text:
+            draw_hint(painter, self._drag, (self._viewport.width(), self._viewport.height()))
+
+    def _handle_at(self, event: QMouseEvent) -> str | None:
+        p = event.position()
+        if not self._visible:
+            return None
+        taken = self.frame.handle_at(p.x(), p.y())
+        return taken or ("centre" if self.grabs is not None and self.grabs(p) else None)
+
+    def _show(self, handle: str | None, cursor: Qt.CursorShape | None = None) -> None:
+        if handle is not None and cursor is not None:
+            self._viewport.setCursor(cursor)
+        if handle != self._hot:
+            self._hot = handle
+            self._viewport.overlay.update()
+
+    def _finish(self) -> None:
+        self._drag = None
+        self._viewport.unsetCursor()
+        self._viewport.overlay.update()
+        self.hint.emit("")
+
+    def _emit(self, pose: np.ndarray, text: str) -> None:
+        self._pose = pose
+        self._viewport.overlay.update()
+        self.hint.emit(text)
+        self.moved.emit(pose.copy())

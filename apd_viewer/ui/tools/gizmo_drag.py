@@ -1,0 +1,199 @@
+"""What a drag of a handle of the gizmo does to a pose: pure functions, angles in radians."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.ui.scene.camera import unit
+from apd_viewer.ui.tools.gizmo_geometry import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.scene.camera import Camera
+
+SNAP_ANGLE = np.deg2rad(15.0)
+SNAP_PIXELS = 20.0
+SNAP_SCALE = 0.1  # and no handle is made smaller than that
+
+
+@dataclass(frozen=True, eq=False)
+class Drag:
+    """A drag under way. All of it is measured from where it began, so nothing drifts.
+
+    Parameters
+    ----------
+    handle : str
+    frame : Frame
+        The gizmo when the drag began.
+    pose0 : (4, 4) float array
+        The pose when the drag began.
+    start, last : (float, float)
+        Pixel positions of the cursor.
+    pose : (4, 4) float array
+        The pose now.
+    angle : float
+        Rotation by the cursor, before snapping; more than a turn if the cursor went round.
+    shown : float
+        Rotation after snapping.
+    text : str
+        What the drag does, in words and numbers.
+    """
+
+    handle: str
+    frame: Frame
+    pose0: np.ndarray
+    start: tuple[float, float]
+    last: tuple[float, float]
+    pose: np.ndarray
+    angle: float = 0.0
+    shown: float = 0.0
+    text: str = ""
+
+    @property
+    def axis(self) -> np.ndarray:
+        """Unit axis of the arrow or ring, or normal of the square or of the picture."""
+        if self.handle == "centre":
+            return self.frame.camera.axes[2]
+        return self.frame.axes[axis_index(self.handle)]
+
+    def to(self, camera: Camera, x: float, y: float, snap: bool) -> Drag:
+        """Return the drag after the cursor went to a pixel position."""
+        frame = replace(self.frame, camera=camera)
+        if self.handle in RINGS:
+            return self._turned(frame, x, y, snap)
+        if self.handle == "scale":
+            return self._scaled(frame, x, y, snap)
+        return self._shifted(frame, x, y, snap)
+
+    def _turned(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+        i = axis_index(self.handle)
+        angle = self.angle + turn(frame, i, self.last, (x, y))
+        shown = snapped(angle, SNAP_ANGLE) if snap else angle
+        pose = rotated(self.pose0, frame.centre, frame.axes[i], shown)
+        text = f"{signed(np.rad2deg(shown), 1)}°"
+        return replace(self, last=(x, y), pose=pose, angle=angle, shown=shown, text=text)
+
+    def _scaled(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+        far, before = (float(np.linalg.norm(np.array(p) - frame.middle)) for p in ((x, y), self.start))
+        factor = far / before
+        factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
+        pose = scaled_about(frame.centre, factor) @ self.pose0
+        return replace(self, last=(x, y), pose=pose, text=f"× {factor:.2f}")
+
+    def _shifted(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+        directions, names = self._directions(frame)
+        here, there = (self._offset(frame, *p) for p in ((x, y), self.start))
+        if here is None or there is None:
+            return self
+        amounts = directions @ (here - there)
+        if snap:
+            step = nice_step(SNAP_PIXELS * frame.pixel)
+            amounts = np.array([snapped(a, step) for a in amounts])
+        offset = amounts @ directions
+        values = offset if self.handle == "centre" else amounts
+        digits = max(0, int(np.ceil(-np.log10(frame.pixel))))
+        text = "  ".join(f"Δ{n} {signed(v, digits)}" for n, v in zip(names, values, strict=True))
+        return replace(self, last=(x, y), pose=translated(self.pose0, offset), text=text)
+
+    def _directions(self, frame: Frame) -> tuple[np.ndarray, str]:
+        """Unit directions of free motion, as rows, and the names of the amounts to show."""
+        if self.handle in ARROWS:
+            return frame.axes[[axis_index(self.handle)]], self.handle
+        if self.handle in SQUARES:
+            free = [i for i in range(3) if i != axis_index(self.handle)]
+            return frame.axes[free], "".join("xyz"[i] for i in free)
+        return frame.camera.axes[:2], "xyz"
+
+    def _offset(self, frame: Frame, x: float, y: float) -> np.ndarray | None:
+        if self.handle in ARROWS:
+            i = axis_index(self.handle)
+            s = along_axis(frame, i, x, y)
+            return None if s is None else s * frame.axes[i]
+        normal = frame.camera.axes[2] if self.handle == "centre" else frame.axes[axis_index(self.handle)]
+        return in_plane(frame, normal, x, y)
+
+
+def begin(handle: str, frame: Frame, pose: np.ndarray, x: float, y: float) -> Drag:
+    """Take a handle at a pixel position."""
+    return Drag(handle, frame, pose.copy(), (x, y), (x, y), pose.copy())
+
+
+def along_axis(frame: Frame, i: int, x: float, y: float) -> float | None:
+    """Position along axis ``i``, in mesh units from the centre, that the cursor points at.
+
+    The cursor's ray is cut with the plane through the axis that faces the camera most. None when
+    the ray passes that plane by.
+    """
+    axis = frame.axes[i]
+    sight = unit(frame.centre - frame.camera.position)
+    point = _on_plane(frame, sight - (sight @ axis) * axis, x, y)
+    return None if point is None else float((point - frame.centre) @ axis)
+
+
+def in_plane(frame: Frame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+    """Offset (3,) from the centre to where the cursor's ray cuts the plane through the centre."""
+    point = _on_plane(frame, normal, x, y)
+    return None if point is None else point - frame.centre
+
+
+def _on_plane(frame: Frame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+    origin, direction = frame.camera.ray(x, y)
+    slope = float(direction @ normal)
+    if abs(slope) < 1e-3 * float(np.linalg.norm(normal)):
+        return None
+    t = float((frame.centre - origin) @ normal) / slope
+    # Behind the camera, or so far that a pixel would be a leap.
+    return origin + t * direction if 0 < t < 50 * frame.camera.distance else None
+
+
+def turn(frame: Frame, i: int, before: tuple[float, float], after: tuple[float, float]) -> float:
+    """Angle, radians, by which a cursor that moved turned the ring about axis ``i``.
+
+    Seen from the side a ring is a line: there the way along the line counts.
+    """
+    axis = frame.axes[i]
+    if abs(frame.facing[i]) < EDGE_ON:
+        along = _tangent(frame, axis)
+        return float((np.array(after) - before) @ along / (along @ along))
+    p, q = in_plane(frame, axis, *before), in_plane(frame, axis, *after)
+    if p is None or q is None:
+        return 0.0
+    return float(np.arctan2(np.cross(p, q) @ axis, p @ q))
+
+
+def _tangent(frame: Frame, axis: np.ndarray) -> np.ndarray:
+    """Way in pixels, (2,), of the point of a ring nearest to the viewer for a turn by one radian."""
+    towards = frame.camera.position - frame.centre
+    radial = RING * frame.pixel * unit(towards - (towards @ axis) * axis)
+    near, ahead = frame.camera.project(frame.centre + np.array([radial, radial + np.cross(axis, radial)]))
+    return ahead - near
+
+
+def snapped(value: float, step: float) -> float:
+    """Multiple of ``step`` nearest to ``value``."""
+    return round(value / step) * step
+
+
+def nice_step(length: float) -> float:
+    """1, 2 or 5 times a power of ten, nearest to ``length`` on a logarithmic scale."""
+    power = 10.0 ** np.floor(np.log10(length))
+    steps = power * np.array([1.0, 2.0, 5.0, 10.0])
+    return float(steps[np.argmin(np.abs(np.log(steps / length)))])
+
+
+def translated(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """The (4, 4) pose followed by a translation."""
+    return shifted(offset) @ pose
+
+
+def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
+    """The (4, 4) pose followed by a rotation about the unit axis through ``centre``."""
+    return turned_about(centre, axis, angle) @ pose
+
+
+def signed(value: float, digits: int) -> str:
+    """Number with its sign, and a true minus; zero has a plus."""
+    return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")

@@ -1,0 +1,164 @@
+"""Where the handles of the gizmo are on the screen, and which one the cursor is on.
+
+Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (rings), ``centre`` and ``scale``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from apd_viewer.ui.scene.camera import Camera, unit
+
+# Logical pixels.
+SHAFT = (15.0, 92.0)
+TIP = 110.0
+TIP_RADIUS = 6.5
+LABEL = 124.0
+SIZE = 136.0  # all of it, letters included, lies within this distance of the centre
+RING = 76.0
+SQUARE = (27.0, 43.0)
+DOT = 5.0
+SCALE = (86.0, -86.0)  # from the centre, across and down the picture
+REACH = 8.0
+
+ARROWS, SQUARES, RINGS = ("x", "y", "z"), ("yz", "zx", "xy"), ("rx", "ry", "rz")
+ALONG_VIEW = 0.98  # |cosine| beyond which an arrow points at the viewer and cannot be dragged
+EDGE_ON = 0.16  # |cosine| below which a square or a ring is a line
+_TURN = np.linspace(0.0, 2 * np.pi, 73)
+
+
+def axis_index(handle: str) -> int:
+    """0, 1 or 2: the axis of an arrow or a ring, the normal of a square."""
+    return {**{h: i for hs in (ARROWS, SQUARES, RINGS) for i, h in enumerate(hs)}}[handle]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The gizmo as a camera sees it.
+
+    Parameters
+    ----------
+    camera : Camera
+    centre : (3,) float array
+    axes : (3, 3) float array
+        Unit axes, as rows.
+    """
+
+    camera: Camera
+    centre: np.ndarray
+    axes: np.ndarray
+
+    @cached_property
+    def pixel(self) -> float:
+        """Length of a pixel at the centre, in mesh units."""
+        return self.camera.world_per_pixel(self.centre)
+
+    @cached_property
+    def facing(self) -> np.ndarray:
+        """Cosine between each axis and the direction to the camera."""
+        return self.axes @ unit(self.camera.position - self.centre)
+
+    @cached_property
+    def middle(self) -> np.ndarray:
+        """Pixel position of the centre, (2,)."""
+        place: np.ndarray = self.on_screen(np.zeros((1, 3)))[0]
+        return place
+
+    @property
+    def corner(self) -> np.ndarray:
+        """Pixel position of the handle that scales, (2,)."""
+        return self.middle + SCALE
+
+    @property
+    def visible(self) -> bool:
+        """Whether the centre is in front of the camera."""
+        return float(self.camera.depth(self.centre)) > 1e-6 * self.camera.distance
+
+    def usable(self, handle: str) -> bool:
+        """Whether a drag of the handle has a meaning from this side."""
+        if handle in ARROWS:
+            return bool(abs(self.facing[axis_index(handle)]) < ALONG_VIEW)
+        if handle in SQUARES:
+            return bool(abs(self.facing[axis_index(handle)]) > EDGE_ON)
+        return True
+
+    def on_screen(self, offsets: npt.ArrayLike) -> np.ndarray:
+        """Pixel positions, (k, 2), of points given in pixels along the axes, (k, 3)."""
+        return self.camera.project(self.centre + self.pixel * (np.asarray(offsets) @ self.axes))
+
+    def arrow(self, i: int) -> np.ndarray:
+        """Both ends of the shaft, the tip and the place of the letter, (4, 2) pixels."""
+        return self.on_screen(np.outer([*SHAFT, TIP, LABEL], np.eye(3)[i]))
+
+    def tip(self, i: int) -> np.ndarray:
+        """Outline of the cone at the end of an arrow, (k, 2) pixels, in no order: its hull counts."""
+        circle = _circle(i, _TURN[::6]) * TIP_RADIUS + SHAFT[1] * np.eye(3)[i]
+        return np.vstack([self.on_screen(circle), self.arrow(i)[2]])
+
+    def square(self, i: int) -> np.ndarray:
+        """Corners of the square whose normal is axis ``i``, (4, 2) pixels."""
+        a, b = np.delete(np.eye(3), i, axis=0)
+        near, far = SQUARE
+        return self.on_screen(
+            np.array([near * (a + b), far * a + near * b, far * (a + b), near * a + far * b])
+        )
+
+    def ring(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Points of a ring, (73, 2) pixels, and which of them are on the near side."""
+        circle = _circle(i, _TURN)
+        towards = circle @ self.facing
+        return self.on_screen(RING * circle), towards > -0.12
+
+    def handle_at(self, x: float, y: float) -> str | None:
+        """Handle that a press at a pixel position takes, or None."""
+        if not self.visible:
+            return None
+        cursor = np.array([x, y])
+        if np.linalg.norm(self.middle - cursor) <= DOT + 4:
+            return "centre"
+        if np.abs(self.corner - cursor).max() <= REACH:
+            return "scale"
+        for i, name in enumerate(SQUARES):
+            if self.usable(name) and inside(self.square(i), cursor):
+                return name
+        # A ring is thin and an arrow ends in open space: the arrow wins where both are in reach.
+        reach = [
+            (self._arrow_distance(i, cursor) - 2.0, ARROWS[i]) for i in range(3) if self.usable(ARROWS[i])
+        ]
+        reach += [(self._ring_distance(i, cursor), RINGS[i]) for i in range(3)]
+        distance, name = min(reach)
+        return name if distance <= REACH else None
+
+    def _arrow_distance(self, i: int, cursor: np.ndarray) -> float:
+        start, end, tip, _ = self.arrow(i)
+        shaft = distance_to_polyline(np.array([start, tip]), cursor)
+        return min(shaft, distance_to_polyline(np.array([end, tip]), cursor) - TIP_RADIUS + 3.0)
+
+    def _ring_distance(self, i: int, cursor: np.ndarray) -> float:
+        points, near = self.ring(i)
+        return distance_to_polyline(points, cursor, near[1:] & near[:-1])
+
+
+def _circle(i: int, turn: np.ndarray) -> np.ndarray:
+    """Unit circle around axis ``i``, counter-clockwise seen from its tip, (k, 3)."""
+    a, b = np.eye(3)[(i + 1) % 3], np.eye(3)[(i + 2) % 3]
+    return np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b)
+
+
+def inside(polygon: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a point lies in a convex polygon, (k, 2), of either orientation."""
+    edge, to = np.roll(polygon, -1, axis=0) - polygon, point - polygon
+    turn = edge[:, 0] * to[:, 1] - edge[:, 1] * to[:, 0]
+    return bool((turn >= 0).all() or (turn <= 0).all())
+
+
+def distance_to_polyline(points: np.ndarray, cursor: np.ndarray, parts: np.ndarray | None = None) -> float:
+    """Distance from a point to a polyline, (k, 2), of which only some ``parts``, (k - 1,) bool, count."""
+    start, edge = points[:-1], np.diff(points, axis=0)
+    t = np.einsum("ij,ij->i", cursor - start, edge) / np.maximum(np.einsum("ij,ij->i", edge, edge), 1e-12)
+    distance = np.linalg.norm(start + np.clip(t, 0, 1)[:, None] * edge - cursor, axis=1)
+    return float(np.min(distance, initial=np.inf, where=True if parts is None else parts))

@@ -1,0 +1,155 @@
+"""The handles that are not active: a quiet dot at each pivot, which a press makes active."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QPainter, QPen
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+DOT = 6.0
+REACH = 11.0
+
+
+class Pivot(NamedTuple):
+    """Where a handle is taken: its number, name and colour, its pose (4, 4), and what that turns about.
+
+    ``gripped`` (3,) is the centre of the handle before the pose is applied.
+    """
+
+    number: int
+    name: str
+    color: tuple[int, int, int]
+    pose: np.ndarray
+    gripped: np.ndarray
+
+    @property
+    def centre(self) -> np.ndarray:
+        """The centre of the handle now, (3,)."""
+        moved: np.ndarray = self.pose[:3, :3] @ self.gripped + self.pose[:3, 3]
+        return moved
+
+
+class Pivots(QObject):
+    """Tool that lets another handle be taken: by its dot, or by a click on what is painted with it.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    handle_at : callable
+        From a position in the viewport to the number of the handle that is painted there, or None.
+
+    Attributes
+    ----------
+    chosen : Signal(int)
+        Number of the handle that was pressed.
+    """
+
+    chosen = Signal(int)
+
+    def __init__(self, viewport: Viewport, handle_at: Callable[[QPointF], int | None]) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._handle_at = handle_at
+        self._pivots: tuple[Pivot, ...] = ()
+        self._hot: int | None = None
+        viewport.clicked.connect(self._click)
+
+    def place(self, pivots: Sequence[Pivot]) -> None:
+        """Stand at these; nowhere when there are none."""
+        if pivots or self._pivots:
+            self._pivots = tuple(pivots)
+            self._viewport.overlay.update()
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Make the handle under the cursor active, if it is one of the dots."""
+        number = self._dot_at(event.position())
+        if number is None or event.button() != Qt.MouseButton.LeftButton:
+            return False
+        self.chosen.emit(number)
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Show the name of the handle that a press or a click would take."""
+        number = self._dot_at(event.position())
+        if number is None and self._pivots:
+            number = self._painted_at(event.position())
+        self._show(number)
+        if number is not None:
+            self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
+        return number is not None
+
+    def release(self, _event: QMouseEvent) -> bool:
+        """Nothing was held."""
+        return True
+
+    def leave(self) -> None:
+        """The cursor is somewhere else."""
+        self._show(None)
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the dots, and the name of the one that is pointed at."""
+        for pivot in self._pivots:
+            at = self._on_screen(pivot)
+            if at is not None:
+                self._draw(painter, pivot, QPointF(*at))
+
+    def _draw(self, painter: QPainter, pivot: Pivot, at: QPointF) -> None:
+        hot = pivot.number == self._hot
+        painter.setOpacity(1.0 if hot else 0.85)
+        painter.setPen(QPen(QColor(255, 255, 255, 235), 2.0))
+        painter.setBrush(QColor(*pivot.color))
+        radius = DOT + 1.5 if hot else DOT
+        painter.drawEllipse(at, radius, radius)
+        painter.setPen(QPen(QColor(20, 22, 26, 150), 1.0))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(at, radius + 1.5, radius + 1.5)
+        if hot:
+            font = QFont(painter.font())
+            font.setPixelSize(13)
+            font.setWeight(QFont.Weight.DemiBold)
+            painter.setFont(font)
+            width = painter.fontMetrics().horizontalAdvance(pivot.name) + 20.0
+            box = QRectF(at.x() + 14, at.y() - 13, width, 26)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(24, 26, 30, 225))
+            painter.drawRoundedRect(box, 7, 7)
+            painter.setPen(QColor("#ffffff"))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pivot.name)
+        painter.setOpacity(1.0)
+
+    def _on_screen(self, pivot: Pivot) -> np.ndarray | None:
+        eye = self._viewport.eye
+        if float(eye.depth(pivot.centre)) <= 1e-6 * eye.distance:
+            return None
+        at: np.ndarray = eye.project(pivot.centre[None])[0]
+        return at
+
+    def _dot_at(self, position: QPointF) -> int | None:
+        cursor = np.array([position.x(), position.y()])
+        for pivot in self._pivots:
+            at = self._on_screen(pivot)
+            if at is not None and np.linalg.norm(at - cursor) <= REACH:
+                return pivot.number
+        return None
+
+    def _painted_at(self, position: QPointF) -> int | None:
+        number = self._handle_at(position)
+        return number if number in {pivot.number for pivot in self._pivots} else None
+
+    def _click(self, position: QPointF) -> None:
+        number = self._painted_at(position) if self._pivots else None
+        if number is not None:
+            self.chosen.emit(number)
+
+    def _show(self, number: int | None) -> None:
+        if number != self._hot:
+            self._hot = number
+            self._viewport.overlay.update()

@@ -1,0 +1,124 @@
+"""What all tools have in common that choose vertices: a stroke, what it does with them, and a preview."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtGui import QColor
+
+if TYPE_CHECKING:
+    import numpy as np
+    from PySide6.QtGui import QInputEvent, QMouseEvent
+
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+
+class Act(Enum):
+    """What is done with the vertices that are chosen."""
+
+    ADD = "add"
+    REMOVE = "remove"
+    REPLACE = "replace"
+
+
+def act_of(event: QInputEvent) -> Act:
+    """Alt removes, Ctrl puts in the place of what was there."""
+    modifiers = event.modifiers()
+    if modifiers & Qt.KeyboardModifier.AltModifier:
+        return Act.REMOVE
+    return Act.REPLACE if modifiers & Qt.KeyboardModifier.ControlModifier else Act.ADD
+
+
+def begins(event: QMouseEvent) -> bool:
+    """Whether a press may begin a stroke: Shift is the camera's."""
+    left = event.button() == Qt.MouseButton.LeftButton
+    return left and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+
+
+class Selector(QObject):
+    """A tool of the viewport that chooses vertices by strokes; what for is up to who listens.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    act : Act
+        Of the stroke, or of one that would begin now.
+    stroke_began : Signal(object)
+        The Act.
+    painted : Signal(object)
+        Int array of vertices; of those at a seam one of each place.
+    stroke_ended, stroke_cancelled : Signal()
+    previewed : Signal(object)
+        Int array of the vertices that a press or a release would choose; None where there are none.
+    """
+
+    stroke_began = Signal(object)
+    painted = Signal(object)
+    stroke_ended = Signal()
+    stroke_cancelled = Signal()
+    previewed = Signal(object)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport)
+        self._viewport = viewport
+        self._surface = surface
+        self._enabled = False
+        self._color = QColor("#ffffff")
+        self.act = Act.ADD
+
+    @property
+    def enabled(self) -> bool:
+        """Whether it is in use; to put it away, or to take it for something else, cancels a stroke."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, on: bool) -> None:
+        self.cancel()
+        self._enabled = on
+        self.leave()
+
+    @property
+    def color(self) -> QColor:
+        """Colour of what it draws: of what is painted."""
+        return self._color
+
+    @color.setter
+    def color(self, color: QColor | str) -> None:
+        self._color = QColor(color)
+        self._viewport.overlay.update()
+
+    def leave(self) -> None:
+        """The cursor is somewhere else."""
+
+    def cancel(self) -> bool:
+        """Give the stroke up; True if there was one."""
+        return False
+
+    @property
+    def _halo(self) -> QColor:
+        """What sets lines of the colour off from the mesh."""
+        return QColor(0, 0, 0, 150) if self._color.lightnessF() > 0.5 else QColor(255, 255, 255, 200)
+
+    @property
+    def _pen_style(self) -> Qt.PenStyle:
+        return Qt.PenStyle.DashLine if self.act is Act.REMOVE else Qt.PenStyle.SolidLine
+
+    @property
+    def _sight(self) -> tuple[object, ...]:
+        """What all that is found under the cursor depends on: the shape, and from where it is seen."""
+        return self._surface.revision, self._viewport.eye.key
+
+    def _apply(self, act: Act, vertices: np.ndarray) -> None:
+        """A whole stroke at once."""
+        self.previewed.emit(None)
+        self.stroke_began.emit(act)
+        if len(vertices):
+            self.painted.emit(vertices)
+        self.stroke_ended.emit()

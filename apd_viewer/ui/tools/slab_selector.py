@@ -1,0 +1,175 @@
+"""Choosing all that lies between two parallel planes, which are dragged across the mesh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QPen, QPolygonF
+
+from apd_viewer.ui.tools.gizmo_drag import along_axis
+from apd_viewer.ui.tools.gizmo_geometry import Frame
+from apd_viewer.ui.tools.selector import Selector, act_of, begins
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
+
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_PAUSE = 30  # ms between previews
+_SMALLEST = 3.0  # pixels; a shorter way of the cursor is a click
+_MARGIN = 0.06  # of the planes around the mesh, in its extent
+
+
+class SlabSelector(Selector):
+    """Tool that chooses the vertices between the plane where a drag begins and that where it ends.
+
+    The planes are perpendicular to an axis, which the wheel changes. A drag begins on the mesh and may end
+    beyond it.
+
+    Attributes
+    ----------
+    axis : int
+        0, 1 or 2.
+    axis_changed : Signal(int)
+    measured : Signal(float, float)
+        Where the two planes are along the axis.
+    """
+
+    axis_changed = Signal(int)
+    measured = Signal(float, float)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport, surface)
+        self.axis = 1
+        self._here: np.ndarray | None = None  # where a press would begin
+        self._start: np.ndarray | None = None
+        self._end = 0.0
+        self._pressed = QPointF()
+        self._dragged = False
+        self._preview = QTimer(self, singleShot=True, interval=_PAUSE)
+        self._preview.timeout.connect(lambda: self.previewed.emit(self._between()))
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Set the first plane."""
+        if not self._enabled or not begins(event):
+            return False
+        self._look(event)
+        if self._here is None:
+            return False
+        self.act, self._start = act_of(event), self._here
+        self._end = float(self._start[self.axis])
+        self._pressed, self._dragged = event.position(), False
+        self._show()
+        return True
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Drag the second plane, or show where the first would be."""
+        if not self._enabled:
+            return False
+        if self._start is None:
+            self._look(event)
+            self._viewport.overlay.update()
+            return self._here is not None
+        frame = Frame(self._viewport.eye, self._start, np.eye(3))
+        way = along_axis(frame, self.axis, event.position().x(), event.position().y())
+        if way is not None:
+            self._end = float(self._start[self.axis]) + way
+        self._dragged |= (event.position() - self._pressed).manhattanLength() >= _SMALLEST
+        self._show()
+        return True
+
+    def release(self, _event: QMouseEvent) -> bool:
+        """Choose what lies between the planes."""
+        if self._start is not None:
+            act, vertices = self.act, self._between()
+            self._finish()
+            if self._dragged:
+                self._apply(act, vertices)
+        return True
+
+    def wheel(self, event: QWheelEvent) -> bool:
+        """Take another axis."""
+        if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return False
+        if self._start is None and (event.angleDelta().y() or event.angleDelta().x()):
+            self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
+            self._viewport.overlay.update()
+            self.axis_changed.emit(self.axis)
+        return True
+
+    def leave(self) -> None:
+        """Show no plane any more."""
+        if self._start is None and self._here is not None:
+            self._here = None
+            self._viewport.overlay.update()
+
+    def cancel(self) -> bool:
+        """Give the drag up; True if there was one."""
+        if self._start is None:
+            return False
+        self._finish()
+        self.stroke_cancelled.emit()
+        return True
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the planes."""
+        if self._start is not None:
+            ends = {float(self._start[self.axis]), self._end}
+        elif self._here is not None:
+            ends = {float(self._here[self.axis])}
+        else:
+            return
+        fill = QColor(self._color)
+        fill.setAlpha(40)
+        for height in sorted(ends):
+            corners = self._plane(height)
+            if (self._viewport.eye.depth(corners) <= 0.0).any():
+                continue
+            shape = QPolygonF([QPointF(x, y) for x, y in self._viewport.project(corners)])
+            painter.setBrush(fill)
+            painter.setPen(QPen(self._halo, 3.0))
+            painter.drawPolygon(shape)
+            painter.setPen(QPen(self._color, 1.6, self._pen_style))
+            painter.drawPolygon(shape)
+
+    def _plane(self, height: float) -> np.ndarray:
+        """Corners of the part of a plane that is drawn, (4, 3)."""
+        low, high = self._surface.U.min(axis=0), self._surface.U.max(axis=0)
+        pad = _MARGIN * float((high - low).max())
+        low, high = low - pad, high + pad
+        j, k = (i for i in range(3) if i != self.axis)
+        corners = np.full((4, 3), height)
+        corners[:, j] = low[j], high[j], high[j], low[j]
+        corners[:, k] = low[k], low[k], high[k], high[k]
+        return corners
+
+    def _look(self, event: QMouseEvent) -> None:
+        hit = self._surface.hit(event.position())
+        self._here = None if hit is None else hit.point
+        if hit is not None:
+            self.act = act_of(event)
+            self._viewport.setCursor(Qt.CursorShape.CrossCursor)
+
+    def _show(self) -> None:
+        self._viewport.overlay.update()
+        if self._start is not None:
+            self.measured.emit(*sorted((float(self._start[self.axis]), self._end)))
+        if not self._preview.isActive():
+            self._preview.start()
+
+    def _finish(self) -> None:
+        self._preview.stop()
+        self._start = self._here = None
+        self._viewport.overlay.update()
+        self.previewed.emit(None)
+
+    def _between(self) -> np.ndarray:
+        skin = self._surface.touchable
+        if self._start is None or skin is None:
+            return np.empty(0, dtype=np.int64)
+        low, high = sorted((float(self._start[self.axis]), self._end))
+        along = self._surface.U[skin.named, self.axis]
+        return skin.named[(low <= along) & (along <= high)]

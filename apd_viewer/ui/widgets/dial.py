@@ -1,0 +1,280 @@
+"""One value with a slider for the hand and a field for the keyboard."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QSlider, QStyle, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.fields import Number, small_button
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import Theme
+
+_KNOB = 14
+_MAGNET = 3  # pixels around the neutral value within which the knob falls into it
+
+
+class SliderScale(NamedTuple):
+    """How the steps of a slider stand for values.
+
+    Attributes
+    ----------
+    steps : int
+    value_at : callable
+        From a step to its value.
+    step_of : callable
+        From a value to its step, not rounded.
+    neutral : int
+        The step that the knob falls into, and from which the bar is drawn.
+    """
+
+    steps: int
+    value_at: Callable[[int], float]
+    step_of: Callable[[float], float]
+    neutral: int
+
+
+# Half a percent a step, from nothing or around 100 %; and three decades above nothing at all.
+SHARE = SliderScale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
+PERCENT = SliderScale(200, lambda step: 50.0 + step / 2.0, lambda percent: 2.0 * (percent - 50.0), 100)
+DECADES = SliderScale(
+    91,
+    lambda step: float(f"{1e-4 * 10.0 ** ((step - 1) / 30.0):.2g}") if step else 0.0,
+    lambda value: 1.0 + 30.0 * math.log10(value / 1e-4) if value > 0.0 else 0.0,
+    0,
+)
+
+
+class Slider(QSlider):
+    """A slider whose knob goes to the cursor, and whose neutral value is marked.
+
+    Attributes
+    ----------
+    neutral_asked : Signal()
+        A double click.
+    given_up : Signal()
+        Esc while the knob was held.
+    """
+
+    neutral_asked = Signal()
+    given_up = Signal()
+
+    def __init__(self, scale: SliderScale, **properties: Any) -> None:
+        super().__init__(Qt.Orientation.Horizontal, **properties)
+        self._neutral = scale.neutral
+        self._grip = 0.0
+        self.setRange(0, scale.steps)
+        self.setPageStep(10)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:
+        """As high as its knob with the ring of the focus."""
+        return QSize(120, _KNOB + 6)
+
+    def minimumSizeHint(self) -> QSize:
+        """The same."""
+        return self.sizeHint()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the groove, the bar from the neutral value, its mark and the knob."""
+        palette, on = self.palette(), self.isEnabled()
+        line, ink = palette.mid().color(), palette.placeholderText().color()
+        accent = palette.highlight().color() if on else line
+        middle, knob, neutral = self.height() / 2, self._x_of(self.value()), self._x_of(self._neutral)
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(line)
+        painter.drawRoundedRect(QRectF(_KNOB / 2, middle - 1.5, self.width() - _KNOB, 3), 1.5, 1.5)
+        painter.fillRect(QRectF(neutral - 0.75, middle - 5, 1.5, 10), ink if on else line)
+        painter.setBrush(accent)
+        painter.drawRoundedRect(
+            QRectF(min(knob, neutral), middle - 1.5, abs(knob - neutral), 3).normalized(), 1.5, 1.5
+        )
+        painter.setPen(QPen(accent, 1.5))
+        painter.setBrush(accent if self.isSliderDown() else palette.base())
+        painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 - 1, _KNOB / 2 - 1)
+        if self.hasFocus():
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.75, _KNOB / 2 + 1.75)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the knob, which comes to the cursor unless the cursor is on it."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        x, knob = event.position().x(), self._x_of(self.value())
+        self._grip = x - knob if abs(x - knob) <= _KNOB / 2 else 0.0
+        self.setSliderDown(True)
+        if not self._grip:
+            self.setValue(self._step_at(x))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Follow the cursor with the knob."""
+        if self.isSliderDown():
+            self.setValue(self._step_at(event.position().x() - self._grip))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let the knob go."""
+        if event.button() == Qt.MouseButton.LeftButton and self.isSliderDown():
+            self.setSliderDown(False)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Ask for the neutral value."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.neutral_asked.emit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc gives the sweep up."""
+        if event.key() == Qt.Key.Key_Escape and self.give_up():
+            return
+        super().keyPressEvent(event)
+
+    def give_up(self) -> bool:
+        """Let the knob go and say that the sweep does not count; True if there was one."""
+        if not self.isSliderDown():
+            return False
+        self.blockSignals(True)
+        self.setSliderDown(False)
+        self.blockSignals(False)
+        self.given_up.emit()
+        return True
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Leave the wheel to the panel."""
+        event.ignore()
+
+    def _x_of(self, step: int) -> float:
+        return _KNOB / 2 + (self.width() - _KNOB) * step / self.maximum()
+
+    def _step_at(self, x: float) -> int:
+        if abs(x - self._x_of(self._neutral)) <= _MAGNET:
+            return self._neutral
+        return QStyle.sliderValueFromPosition(
+            0, self.maximum(), round(x - _KNOB / 2), max(1, self.width() - _KNOB)
+        )
+
+
+class Dial(QWidget):
+    """One value with a slider for the hand and a field for the keyboard.
+
+    Parameters
+    ----------
+    title : QLabel or QCheckBox
+        Before the field; a check box also says whether the value counts at all.
+    scale : SliderScale
+    field : Number
+    name : str
+        For those who cannot see the title.
+    ends : (str, str), optional
+        Words under both ends of the slider.
+
+    Attributes
+    ----------
+    chosen : Signal(float)
+        By the field, by a step of the keyboard, or many times within a sweep of the knob.
+    sweep_began, sweep_ended, sweep_given_up : Signal()
+    """
+
+    chosen = Signal(float)
+    sweep_began = Signal()
+    sweep_ended = Signal()
+    sweep_given_up = Signal()
+
+    def __init__(
+        self,
+        title: QWidget,
+        scale: SliderScale,
+        field: Number,
+        name: str,
+        ends: tuple[str, str] | None = None,
+    ) -> None:
+        super().__init__()
+        self._scale = scale
+        self.field = field
+        self.field.setAccessibleName(name)
+        self.slider = Slider(
+            scale, accessibleName=tr("{name}, slider").format(name=name), toolTip=field.toolTip()
+        )
+        neutral = f"{field.textFromValue(self._neutral)}{field.suffix()}"
+        self.back = small_button(
+            tr("{name}: back to {neutral}").format(name=name, neutral=neutral),
+            tr("Back to {neutral}").format(neutral=neutral),
+        )
+        kept = self.back.sizePolicy()
+        kept.setRetainSizeWhenHidden(True)
+        self.back.setSizePolicy(kept)
+        if isinstance(title, QLabel):
+            title.setBuddy(field)
+        row = QHBoxLayout(spacing=0)
+        row.addWidget(title)
+        row.addStretch(1)
+        row.addWidget(self.back)
+        row.addSpacing(4)
+        row.addWidget(self.field)
+        column = QVBoxLayout(self, spacing=4)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addLayout(row)
+        column.addWidget(self.slider)
+        if ends is not None:
+            column.addLayout(_between(*ends))
+        self.show_value(self._neutral)
+        self._connect()
+
+    def _connect(self) -> None:
+        self.field.valueChanged.connect(self._choose)
+        self.slider.valueChanged.connect(lambda step: self._choose(self._scale.value_at(step)))
+        self.slider.sliderPressed.connect(self.sweep_began)
+        self.slider.sliderReleased.connect(self.sweep_ended)
+        self.slider.given_up.connect(self.sweep_given_up)
+        self.slider.neutral_asked.connect(self._go_back)
+        self.back.clicked.connect(self._go_back)
+
+    @property
+    def _neutral(self) -> float:
+        return self._scale.value_at(self._scale.neutral)
+
+    @property
+    def value(self) -> float:
+        """What the field shows."""
+        return self.field.value()
+
+    def show_value(self, value: float) -> None:
+        """Show a value that was chosen elsewhere, or here."""
+        self.field.show_value(value)
+        # The knob in the hand stays under the cursor, between steps or not.
+        step = min(max(round(self._scale.step_of(value)), 0), self._scale.steps)
+        if not self.slider.isSliderDown() and step != self.slider.value():
+            self.slider.blockSignals(True)
+            self.slider.setValue(step)
+            self.slider.blockSignals(False)
+        self.back.setVisible(value != self._neutral)
+
+    def set_active(self, on: bool) -> None:
+        """Let the value be chosen or not; what stands before it is left alone."""
+        for part in (self.field, self.slider, self.back):
+            part.setEnabled(on)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self.back.setIcon(icon("reset", theme))
+
+    def _choose(self, value: float) -> None:
+        self.show_value(value)
+        self.chosen.emit(value)
+
+    def _go_back(self) -> None:
+        if self.value != self._neutral:
+            self._choose(self._neutral)
+
+
+def _between(left: str, right: str) -> QHBoxLayout:
+    row = QHBoxLayout()
+    row.addWidget(QLabel(left, objectName="quiet"))
+    row.addStretch(1)
+    row.addWidget(QLabel(right, objectName="quiet"))
+    return row

@@ -1,0 +1,54 @@
+"""The line icons, drawn in the colours of the theme at any size."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
+from PySide6.QtGui import QIcon, QIconEngine, QPainter, QPixmap
+from PySide6.QtSvg import QSvgRenderer
+
+from apd_viewer.files.samples import resource
+from apd_viewer.ui.widgets.theme import Theme
+
+SIZE = QSize(20, 20)
+
+
+class _LineIcon(QIconEngine):
+    """Paints the SVG afresh, so that it is sharp at every scale factor."""
+
+    def __init__(self, svg: str, theme: Theme) -> None:
+        super().__init__()
+        self._svg = svg
+        self._theme = theme
+
+    def paint(self, painter: QPainter, rect: object, mode: QIcon.Mode, state: QIcon.State) -> None:
+        color = self._theme.ink
+        if mode == QIcon.Mode.Disabled:
+            color = self._theme.faint
+        elif state == QIcon.State.On:
+            color = self._theme.on_accent
+        renderer = QSvgRenderer(QByteArray(self._svg.replace("currentColor", color).encode()))
+        renderer.render(painter, QRectF(rect))
+
+    def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
+        pixmap = QPixmap(size)
+        if pixmap.isNull():  # a button that has no room yet
+            return pixmap
+        pixmap.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(pixmap)
+        self.paint(painter, pixmap.rect(), mode, state)
+        painter.end()
+        return pixmap
+
+    def clone(self) -> _LineIcon:
+        return _LineIcon(self._svg, self._theme)
+
+
+def icon(name: str, theme: Theme) -> QIcon:
+    """The icon ``name`` of ``resources/icons`` in the colours of ``theme``."""
+    svg = resource(f"icons/{name}.svg").read_text(encoding="utf-8")
+    return QIcon(_LineIcon(svg, theme))
+
+
+def application_icon() -> QIcon:
+    """The icon of the program, in its own colours."""
+    return QIcon(str(resource("icons/apd-viewer.svg")))

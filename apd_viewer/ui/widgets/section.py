@@ -1,0 +1,119 @@
+"""A part of the panel under a heading, which can be folded away."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRect, QSize, Qt
+from PySide6.QtGui import QFont, QPainter, QPaintEvent
+from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QVBoxLayout, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import LIGHT, Theme
+
+_CHEVRON = 16
+
+
+class Heading(QAbstractButton):
+    """The line over a section: its title, a reading that stays when it is folded, a chevron."""
+
+    def __init__(self, title: str) -> None:
+        super().__init__(checkable=True, checked=True, text=title, accessibleName=title)
+        self.setToolTip(tr("Fold or unfold “{title}”").format(title=title))
+        self.reading = ""
+        self._only_folded = False
+        self._theme = LIGHT
+        font = QFont(self.font())
+        font.setWeight(QFont.Weight.DemiBold)
+        self.setFont(font)
+
+    def sizeHint(self) -> QSize:
+        """One line."""
+        metrics = self.fontMetrics()
+        width = metrics.horizontalAdvance(f"{self.text()}  {self.reading}") + _CHEVRON + 8
+        return QSize(width, max(24, metrics.height() + 8))
+
+    def say(self, reading: str, only_folded: bool = False) -> None:
+        """Show a reading at the right, always or only while the section is folded."""
+        self._only_folded = only_folded
+        if reading != self.reading:
+            self.reading = reading
+            self.setAccessibleDescription(reading)
+            self.update()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        """Draw the line."""
+        theme, room = self._theme, self.rect()
+        painter = QPainter(self)
+        painter.setPen(theme.ink if self.underMouse() or self.hasFocus() else theme.quiet)
+        painter.drawText(room, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, self.text())
+        chevron = QRect(room.right() + 1 - _CHEVRON, (room.height() - _CHEVRON) // 2, _CHEVRON, _CHEVRON)
+        icon("unfolded" if self.isChecked() else "folded", theme).paint(painter, chevron)
+        if not (self._only_folded and self.isChecked()):
+            font = QFont(self.font())
+            font.setWeight(QFont.Weight.Normal)
+            painter.setFont(font)
+            painter.setPen(theme.ink if self.isEnabled() else theme.faint)
+            painter.drawText(
+                room.adjusted(0, 0, -_CHEVRON - 8, 0),
+                Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter,
+                self.reading,
+            )
+        if self.hasFocus():
+            painter.setPen(theme.accent)
+            painter.drawLine(room.bottomLeft(), room.bottomRight())
+
+
+class Section(QWidget):
+    """A rule, a heading, and a column that can be folded.
+
+    Parameters
+    ----------
+    title : str
+
+    Attributes
+    ----------
+    heading : Heading
+    column : QVBoxLayout
+        What the section consists of.
+    """
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        self.title = title
+        self.heading = Heading(title)
+        self._body = QWidget()
+        self.column = QVBoxLayout(self._body, spacing=4)
+        self.column.setContentsMargins(0, 4, 0, 4)
+        whole = QVBoxLayout(self, spacing=0)
+        whole.setContentsMargins(0, 0, 0, 0)
+        rule = QFrame(objectName="rule")
+        rule.setFixedHeight(1)
+        whole.addWidget(rule)
+        whole.addSpacing(8)
+        whole.addWidget(self.heading)
+        whole.addWidget(self._body)
+        whole.addSpacing(4)
+        self.heading.toggled.connect(self._body.setVisible)
+
+    @property
+    def folded(self) -> bool:
+        """Whether only the heading is shown."""
+        return not self.heading.isChecked()
+
+    @folded.setter
+    def folded(self, on: bool) -> None:
+        self.heading.setChecked(not on)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Recolour what the style sheet does not reach."""
+        self.heading.set_theme(theme)
+
+
+def quiet(name: str) -> QLabel:
+    """A quiet line that is as high as its words need."""
+    return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)
