@@ -39,8 +39,8 @@ from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.ui.garbage import GuiThreadGC
-from apd_viewer.ui.loading import Loading
+from apd_viewer.ui.background_imports import Loading
+from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 if TYPE_CHECKING:
     from apd_viewer.ui.window import Window

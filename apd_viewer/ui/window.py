@@ -13,33 +13,33 @@ from PySide6.QtWidgets import QMainWindow, QPushButton
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.actions import Actions
-from apd_viewer.ui.compare.comparing import Comparing
+from apd_viewer.ui.compare.compare_controller import Comparing
+from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
 from apd_viewer.ui.docks import Docks
-from apd_viewer.ui.editing import Editing
-from apd_viewer.ui.filing.filing import Filing, dialogs
+from apd_viewer.ui.edit_commands import Editing
+from apd_viewer.ui.filing.file_commands import Filing, dialogs
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help import Help
-from apd_viewer.ui.overlays.health import Health
-from apd_viewer.ui.overlays.looks import Looks
+from apd_viewer.ui.overlays.display_options import Looks
+from apd_viewer.ui.overlays.findings_controller import Health
 from apd_viewer.ui.overlays.next_step import NextStep
 from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
-from apd_viewer.ui.overlays.way_bar import WayBar
+from apd_viewer.ui.overlays.selection_mode_bar import WayBar
 from apd_viewer.ui.panel.history_list import HistoryList
-from apd_viewer.ui.panel.measuring import Measuring
+from apd_viewer.ui.panel.measurements_controller import Measuring
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar
 from apd_viewer.ui.plots.plots import Plots
-from apd_viewer.ui.preferences.memory import Memory
-from apd_viewer.ui.preferences.units import Units
-from apd_viewer.ui.sharing.reporting import Reporting
+from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.unit_button import Units
+from apd_viewer.ui.sharing.report_controller import Reporting
 from apd_viewer.ui.studies.studies import Studies
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.widgets import theme
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.on_screen import resize_on_screen
-from apd_viewer.ui.wiring import connect_hand, connect_parts, connect_settings
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -24,7 +24,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.session import Listener, Session
 from apd_viewer.ui.application import SWITCH_INTERVAL
-from apd_viewer.ui.garbage import GuiThreadGC
+from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 SLEEPER = """
 import select, sys, time

@@ -18,7 +18,7 @@ from apd_viewer.presentation.palette import (
     REGION_COLORS,
     label_colors,
 )
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.window import Window
 

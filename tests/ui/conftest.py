@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMainWindow, QMessageBox
 
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.application import HARMLESS, make_application
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.window import Window

@@ -33,7 +33,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Activity
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.tools.toolbox import Tool, Way

@@ -5,7 +5,7 @@ import weakref
 from PySide6.QtCore import QCoreApplication, QMessageLogContext, QObject, Qt, QtMsgType
 
 from apd_viewer.ui.application import HARMLESS, _report, make_application
-from apd_viewer.ui.garbage import GuiThreadGC
+from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 
 def test_there_is_one_application(qapp):
@@ -22,7 +22,7 @@ def test_messages_are_passed_on_but_for_the_harmless_one(qapp, capsys):
 
 
 def test_cyclic_garbage_goes_from_the_event_loop_only(qtbot, monkeypatch):
-    monkeypatch.setattr("apd_viewer.ui.garbage.INTERVAL", 10)
+    monkeypatch.setattr("apd_viewer.ui.gui_thread_gc.INTERVAL", 10)
     enabled = gc.isenabled()
     collector = GuiThreadGC()
     assert not gc.isenabled()

@@ -14,9 +14,9 @@ from PySide6.QtGui import QImage
 import apd_viewer
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.outcomes import _error, columns
+from apd_viewer.presentation.method_readings import _error, columns
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000

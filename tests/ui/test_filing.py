@@ -9,7 +9,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.window import Window
 
 

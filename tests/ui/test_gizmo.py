@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from apd_viewer.ui.scene.camera import UP, Camera, rotation
 from apd_viewer.ui.tools.gizmo import Along, Gizmo
 from apd_viewer.ui.tools.gizmo_drag import begin, nice_step, rotated, signed, snapped
-from apd_viewer.ui.tools.gizmo_geometry import ARROWS, RING, RINGS, SQUARES, Frame
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, Frame
 
 CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)

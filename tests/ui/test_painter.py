@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.ui.tools.painter import Painter
+from apd_viewer.ui.tools.brush import Painter
 
 ALT = Qt.KeyboardModifier.AltModifier
 CONTROL = Qt.KeyboardModifier.ControlModifier

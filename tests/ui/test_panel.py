@@ -8,9 +8,9 @@ from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
-from apd_viewer.presentation.readout import verdict
+from apd_viewer.presentation.readings import verdict
 from apd_viewer.session.session import Activity
-from apd_viewer.ui.widgets.dial import DECADES, PERCENT
+from apd_viewer.ui.widgets.slider_field import DECADES, PERCENT
 
 
 def choose(window, method):

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import COLUMNS
-from apd_viewer.ui.filing.filing import plot_files
+from apd_viewer.ui.filing.file_commands import plot_files
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 

@@ -21,7 +21,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.application import recovery_folder
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """

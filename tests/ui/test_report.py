@@ -22,7 +22,7 @@ from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.processes.child_process import examiner
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 
 
 def write(qtbot, window, path):

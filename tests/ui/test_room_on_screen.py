@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QDialog, QToolButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.tools.toolbox import Tool, Way
-from apd_viewer.ui.widgets.on_screen import resize_on_screen
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from apd_viewer.files.meshes import save_mesh
 from apd_viewer.files.samples import resource
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences import memory
-from apd_viewer.ui.preferences.memory import Memory
-from apd_viewer.ui.preferences.units import Units
+from apd_viewer.ui.preferences import preferences
+from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.unit_button import Units
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
 
@@ -175,11 +175,11 @@ def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, s
 
 def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_path):
     remembered = Memory(settings)
-    for k in range(memory._MOST_UNITS + 5):
+    for k in range(preferences._MOST_UNITS + 5):
         remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
     units = remembered.units
-    assert len(units) == memory._MOST_UNITS
-    last = memory._MOST_UNITS + 4
+    assert len(units) == preferences._MOST_UNITS
+    last = preferences._MOST_UNITS + 4
     assert next(iter(units)) == (tmp_path / f"part, {last} mm.obj").resolve()
     assert units[(tmp_path / "part, 6 mm.obj").resolve()] is CM
     settings.setValue("units", ["furlong /a.obj", "mm", "", "cm /b c.obj"])

@@ -13,8 +13,8 @@ from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.scene.camera import MARGIN
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.tools.brush import Painter
 from apd_viewer.ui.tools.gizmo import Gizmo
-from apd_viewer.ui.tools.painter import Painter
 
 
 def paint(view):

@@ -16,7 +16,7 @@ from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes.child_process import examiner
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
-from apd_viewer.ui.preferences.memory import Memory
+from apd_viewer.ui.preferences.preferences import Memory
 
 CM = Unit.CENTIMETRE
 

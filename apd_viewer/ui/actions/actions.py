@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.actions.action_maker import ActionMaker, plain
-from apd_viewer.ui.actions.look_actions import LookActions
+from apd_viewer.ui.actions.action_factory import ActionMaker, plain
+from apd_viewer.ui.actions.display_actions import LookActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.preferences.shortcuts import Entry

@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.actions.action_maker import ActionMaker
+    from apd_viewer.ui.actions.action_factory import ActionMaker
 
 # Title, icon, tip, keys, and the name in apd_viewer.session.part_operations.Change, which is loaded later.
 _CHANGES = (

@@ -13,19 +13,19 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation.outcomes import columns, readings, write_outcomes
-from apd_viewer.presentation.readout import METHOD_NAMES, METHOD_WORDS
+from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
+from apd_viewer.presentation.readings import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.session.studies.comparison import COMPARED, Comparison, Outcome
 from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.compare.linked_views import LinkedViews
-from apd_viewer.ui.compare.outcome_table import OutcomeTable
+from apd_viewer.ui.compare.method_table import OutcomeTable
 from apd_viewer.ui.compare.shared_scale import SharedScale
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.panel.statusbar import Hint
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.fields import Check
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
-from apd_viewer.ui.widgets.on_screen import resize_on_screen
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.scene.camera import Camera
 
 _FEWEST = 2

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.document import State
     from apd_viewer.ui.scene.camera import Camera
-    from apd_viewer.ui.scene.pointer import Place
+    from apd_viewer.ui.scene.surface_probe import Place
     from apd_viewer.ui.widgets.theme import Theme
 
 _READ = 250  # ms between two readings while shapes move

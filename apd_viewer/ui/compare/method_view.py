@@ -13,8 +13,8 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.ui.overlays.notice import Invitation
 from apd_viewer.ui.scene.coloring import colors_of
-from apd_viewer.ui.scene.pointer import Place, Pointer
 from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.surface_probe import Place, Pointer
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:

@@ -10,17 +10,17 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolBut
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
-from apd_viewer.ui.widgets.rows import arrange
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
+from apd_viewer.ui.widgets.wrapping_row import arrange
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from apd_viewer.session.session import Session
     from apd_viewer.session.storage.recovery import Leftover
-    from apd_viewer.ui.filing.filing import Filing
+    from apd_viewer.ui.filing.file_commands import Filing
 
 _MARGIN = 12
 _ABOVE = 68  # px from the bottom of the canvas: there is room for the invitation below

@@ -12,12 +12,12 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
 
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.action_maker import plain
-from apd_viewer.ui.help.mouse_words import gestures
+from apd_viewer.ui.actions.action_factory import plain
+from apd_viewer.ui.help.mouse_help import gestures
 from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, Group, Row
 from apd_viewer.ui.help.shortcut_sheet import ShortcutSheet
 from apd_viewer.ui.help.tour import Tour
-from apd_viewer.ui.help.tour_places import Places
+from apd_viewer.ui.help.tour_targets import Places
 from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.actions.actions import Actions
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme
 

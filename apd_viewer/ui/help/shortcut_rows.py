@@ -6,8 +6,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.help.mouse_words import Gesture
-from apd_viewer.ui.preferences.key_field import KeyField
+from apd_viewer.ui.help.mouse_help import Gesture
+from apd_viewer.ui.preferences.shortcut_editor import KeyField
 from apd_viewer.ui.preferences.shortcuts import Entry, native
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import SIZE, icon

@@ -22,11 +22,11 @@ from apd_viewer.language import tr
 from apd_viewer.ui.help.shortcut_rows import ActionRow, Group
 from apd_viewer.ui.preferences.shortcuts import Shortcuts, native, split
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.rows import arrange
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+from apd_viewer.ui.widgets.wrapping_row import arrange
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
 _HINT = tr("Click keys to change them.")

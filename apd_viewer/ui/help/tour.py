@@ -13,7 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.help.tour_card import TourCard
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.help.tour_places import Places
+    from apd_viewer.ui.help.tour_targets import Places
     from apd_viewer.ui.tools.canvas import Canvas
 
 _LOOK = 33  # ms between looks at where things are

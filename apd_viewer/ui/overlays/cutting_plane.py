@@ -11,10 +11,10 @@ from PySide6.QtWidgets import QButtonGroup, QFrame, QGridLayout, QHBoxLayout, QL
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import place
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.widgets.dial import Slider, SliderScale
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:

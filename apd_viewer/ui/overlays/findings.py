@@ -11,10 +11,10 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolBut
 
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation.palette import MARK_COLOR
-from apd_viewer.ui.preferences.named_keys import with_keys
+from apd_viewer.ui.preferences.shortcut_hints import with_keys
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:

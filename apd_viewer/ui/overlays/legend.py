@@ -9,9 +9,9 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Kind, Measure, Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.scale_bar import ScaleBar
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import Choice, Number, small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 # Lengths and curvatures are in the unit of the mesh, whatever that is.

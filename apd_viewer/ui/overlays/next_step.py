@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.ui.overlays.notice import Invitation
-from apd_viewer.ui.preferences.named_keys import with_keys
+from apd_viewer.ui.preferences.shortcut_hints import with_keys
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolBut
 
 from apd_viewer.language import tr
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
-from apd_viewer.ui.widgets.rows import arrange
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+from apd_viewer.ui.widgets.wrapping_row import arrange
 
 _MARGIN = 12
 _WIDEST = 480

@@ -9,12 +9,12 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPaintEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.presentation import readout
+from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences.units import UnitButton
-from apd_viewer.ui.widgets.dial import PERCENT, Dial
+from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.fields import Check, percent_field
-from apd_viewer.ui.widgets.section import quiet
+from apd_viewer.ui.widgets.folding_section import quiet
+from apd_viewer.ui.widgets.slider_field import PERCENT, Dial
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
@@ -146,10 +146,10 @@ class AreaSection(QWidget):
     def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
         """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
         frame, missed = state.frame, state.lacks
-        self.percent.setText(readout.area_percent(state))
-        self.verdict.setText(readout.verdict(state))
-        self.area.setText(readout.area(state, unit))
-        self.local_change.setText(readout.local_change(state))
+        self.percent.setText(readings.area_percent(state))
+        self.verdict.setText(readings.verdict(state))
+        self.area.setText(readings.area(state, unit))
+        self.local_change.setText(readings.local_change(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip(
             tr("Something asked for is not met") if missed else tr("All that is asked for is met")

@@ -8,10 +8,10 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.readout import METHOD_NAMES, METHOD_WORDS
-from apd_viewer.ui.widgets.dial import DECADES, Dial
+from apd_viewer.presentation.readings import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.widgets.fields import Choice, Number
-from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.slider_field import DECADES, Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

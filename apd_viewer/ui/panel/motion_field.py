@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QVBoxLayout, 
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import Choice
-from apd_viewer.ui.widgets.section import quiet
+from apd_viewer.ui.widgets.folding_section import quiet
 
 # The names of apd_viewer.session.typed_motion.Motion, which is loaded later, in the order that they are offered.
 _MOTIONS = {

@@ -17,9 +17,9 @@ from apd_viewer.ui.panel.part_list import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
-from apd_viewer.ui.preferences.named_keys import name_keys
-from apd_viewer.ui.widgets.dial import Dial
-from apd_viewer.ui.widgets.section import Section
+from apd_viewer.ui.preferences.shortcut_hints import name_keys
+from apd_viewer.ui.widgets.folding_section import Section
+from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

@@ -10,14 +10,14 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWi
 
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation import readout
+from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.part_list import PartList, PartRow
-from apd_viewer.ui.widgets.dial import SHARE, Dial
 from apd_viewer.ui.widgets.fields import Check, Number, percent_field
+from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.slider_field import SHARE, Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -100,12 +100,12 @@ class HandleSection(Section):
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
         details = self.list.rows[active].details
         if isinstance(details, QLabel):
-            details.setText(readout.motion(document, active, unit, max(state.inspection.size)))
+            details.setText(readings.motion(document, active, unit, max(state.inspection.size)))
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show how far the handles are from where they were put."""
-        self.drift.setText(readout.drift(state, unit))
+        self.drift.setText(readings.drift(state, unit))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -165,7 +165,7 @@ class RegionSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the area of each region."""
-        for row, (area, sizes) in zip(self.list.rows, readout.regions(state, unit), strict=False):
+        for row, (area, sizes) in zip(self.list.rows, readings.regions(state, unit), strict=False):
             row.reading.setText(area)
             row.reading.setToolTip(tr("Area in percent of its area at rest: {sizes}").format(sizes=sizes))
 

@@ -10,11 +10,11 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.presentation import readout
+from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
-from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
@@ -70,7 +70,7 @@ class SizeSection(Section):
     def _row(self, title: str, tip: str, wide: bool = False) -> QLabel:
         row = self._grid.rowCount()
         reading = QLabel(
-            readout.NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
+            readings.NOTHING, accessibleName=title, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight
         )
         self._grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
         self._grid.addWidget(reading, row, 1, 1, 2 if wide else 1)
@@ -128,7 +128,7 @@ class SizeSection(Section):
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show what every frame has: the compactness and the mass."""
         self._area = state.frame.area
-        for label, text in zip((self.compact, self._compact_change), readout.compact(state), strict=True):
+        for label, text in zip((self.compact, self._compact_change), readings.compact(state), strict=True):
             label.setText(text)
         if unit is not self._unit:
             self._unit = unit
@@ -144,10 +144,10 @@ class SizeSection(Section):
         found, rest = self._found, self._at_rest
         rows = (self.box, self._box_change, "box"), (self.packed, self._packed_change, "packed")
         for reading, changed, what in rows:
-            said = readout.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
+            said = readings.room(getattr(found, what, None), getattr(rest, what, None), self._unit)
             reading.setText(said[0])
             changed.setText(said[1])
-        self.extent.setText(readout.extent(found, self._unit))
+        self.extent.setText(readings.extent(found, self._unit))
         change = self._packed_change.text()
         self.heading.say(tr("packed {change}").format(change=change) if change else "", only_folded=True)
 
@@ -156,7 +156,7 @@ class SizeSection(Section):
             grams, problem = mass(self._typed, self._area, self._unit), ""
         except InputError as error:
             grams, problem = None, str(error)
-        self.mass.setText(readout.weight(grams))
+        self.mass.setText(readings.weight(grams))
         if problem != self._problem.text():
             self._problem.setText(problem)
             self._problem.setVisible(bool(problem))

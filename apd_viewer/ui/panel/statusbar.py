@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.tools.painter import Painter
+    from apd_viewer.ui.tools.brush import Painter
 
 
 class Hint(QLabel):

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Signal
 
 from apd_viewer.language import tr
-from apd_viewer.presentation import readout
+from apd_viewer.presentation import readings
 from apd_viewer.ui.panel.crossings_button import CrossingsButton
-from apd_viewer.ui.widgets.dial import PERCENT, Dial
 from apd_viewer.ui.widgets.fields import Check, percent_field
-from apd_viewer.ui.widgets.section import Section, quiet
+from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.slider_field import PERCENT, Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class VolumeSection(Section):
 
     def show_readings(self, state: State, unit: Unit) -> None:
         """Show the shape's volume; that of an open surface with its openings capped, and saying so."""
-        said = readout.volume(state, unit)
+        said = readings.volume(state, unit)
         self.heading.say(said.change)
         self.volume.setText(said.sizes)
         self.litres.setText("\n".join(said.more))

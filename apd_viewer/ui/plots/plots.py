@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.plots.chart import Chart
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one
@@ -279,7 +279,7 @@ class Plots(QWidget):
     # Saving
 
     def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
-        from apd_viewer.ui.filing.plot_files import ask_where
+        from apd_viewer.ui.filing.plot_export import ask_where
 
         state = self._state
         stem = state.document.mesh.stem if state else "mesh"
@@ -295,7 +295,7 @@ class Plots(QWidget):
 
     def write_picture(self, path: Path) -> None:
         """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
-        from apd_viewer.ui.filing.plot_files import write_picture
+        from apd_viewer.ui.filing.plot_export import write_picture
         from apd_viewer.ui.plots.chart import draw_chart
 
         views = [view for view in self.views.values() if not view.isHidden()]

@@ -12,7 +12,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from apd_viewer.language import tr, trc
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 _PORTABLE, _NATIVE = QKeySequence.SequenceFormat.PortableText, QKeySequence.SequenceFormat.NativeText
 _SEVERAL = "; "  # between the keys of an action that has several

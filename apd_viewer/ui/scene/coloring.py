@@ -10,8 +10,8 @@ from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.ui.scene.marks import Marks
     from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.vertex_marks import Marks
 
 
 class Coloring:

@@ -17,7 +17,7 @@ from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.tools.canvas import Canvas
 
@@ -145,7 +145,7 @@ class Pictures:
 
     def _draw_legend(self, painter: QPainter) -> None:
         """Draw a card above the lower left corner, where the painter stands."""
-        from apd_viewer.presentation.legend_drawing import HEIGHT, WIDTH, legend_svg
+        from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
 
         heat, theme = self._looks.heat, DARK if self._canvas.viewport.dark else LIGHT
         card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)

@@ -19,11 +19,11 @@ from PySide6.QtWidgets import (
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import signed
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.widgets.figure_view import FigureView
-from apd_viewer.ui.widgets.on_screen import resize_on_screen
+from apd_viewer.ui.widgets.figure_list import FigureView
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 
 def _about() -> str:

@@ -25,7 +25,7 @@ from apd_viewer.session.jobs.background_job import Errand, Outcome
 from apd_viewer.ui.studies.command_process import CommandProcess
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 _SCALE = 1000
 

@@ -24,13 +24,13 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
-from apd_viewer.ui.widgets.figure_view import FigureView
-from apd_viewer.ui.widgets.on_screen import resize_on_screen
+from apd_viewer.ui.widgets.figure_list import FigureView
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 _POSED, _TWIST = "posed", "twist"
 

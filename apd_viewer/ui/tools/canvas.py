@@ -18,21 +18,21 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, REGION_COLORS, handle_color, label_colors
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.view import Standpoint, View
-from apd_viewer.ui.scene.best_view import aside, facing, in_view, surroundings
 from apd_viewer.ui.scene.coloring import Coloring
-from apd_viewer.ui.scene.marks import Marks
+from apd_viewer.ui.scene.framing import aside, facing, in_view, surroundings
 from apd_viewer.ui.scene.surface import Surface
+from apd_viewer.ui.scene.vertex_marks import Marks
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.click_selector import ClickSelector, Reach
+from apd_viewer.ui.tools.brush import Painter
+from apd_viewer.ui.tools.click_tool import ClickSelector, Reach
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
-from apd_viewer.ui.tools.gizmo_geometry import SIZE
-from apd_viewer.ui.tools.outline_selector import Kind, OutlineSelector
-from apd_viewer.ui.tools.painter import Painter
-from apd_viewer.ui.tools.pivots import Pivot, Pivots
+from apd_viewer.ui.tools.gizmo_layout import SIZE
+from apd_viewer.ui.tools.inactive_handles import Pivot, Pivots
+from apd_viewer.ui.tools.outline_tool import Kind, OutlineSelector
 from apd_viewer.ui.tools.point_picker import PointPicker
-from apd_viewer.ui.tools.selector import Act, Selector
-from apd_viewer.ui.tools.slab_selector import SlabSelector
+from apd_viewer.ui.tools.selection_tool import Act, Selector
+from apd_viewer.ui.tools.slab_tool import SlabSelector
 from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.widgets.theme import Theme
 

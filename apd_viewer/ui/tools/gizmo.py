@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drag import Drag, begin
 from apd_viewer.ui.tools.gizmo_drawing import Look, draw, draw_hint
-from apd_viewer.ui.tools.gizmo_geometry import Frame
+from apd_viewer.ui.tools.gizmo_layout import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.ui.scene.camera import unit
-from apd_viewer.ui.tools.gizmo_geometry import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
 
 if TYPE_CHECKING:
     from apd_viewer.ui.scene.camera import Camera

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
 from apd_viewer.ui.scene.camera import rotation, unit
 from apd_viewer.ui.tools.gizmo_drag import in_plane
-from apd_viewer.ui.tools.gizmo_geometry import (
+from apd_viewer.ui.tools.gizmo_layout import (
     ALONG_VIEW,
     ARROWS,
     DOT,

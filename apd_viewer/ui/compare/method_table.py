@@ -19,7 +19,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.plots.chart import tabular
 
 if TYPE_CHECKING:
-    from apd_viewer.presentation.outcomes import Column, Readings
+    from apd_viewer.presentation.method_readings import Column, Readings
 
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _ROW = 28  # px

@@ -9,13 +9,13 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr, trn
-from apd_viewer.ui.overlays.typed_card import TypedCard
+from apd_viewer.ui.overlays.text_entry_card import TypedCard
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas
-    from apd_viewer.ui.tools.selector import Act
+    from apd_viewer.ui.tools.selection_tool import Act
 
 _PIXELS = "px"
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.scene.place_mark import PlaceMark
+from apd_viewer.ui.scene.vertex_callout import PlaceMark
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_geometry import Frame
+    from apd_viewer.ui.tools.gizmo_layout import Frame
 
 _MOST_POINTS = 500  # of a mesh that are looked at
 

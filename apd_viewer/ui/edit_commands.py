@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.ui.overlays.typed import Typed
+from apd_viewer.ui.overlays.text_entry import Typed
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QPen, QPolygonF
 
-from apd_viewer.ui.tools.selector import Selector, act_of, begins
+from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

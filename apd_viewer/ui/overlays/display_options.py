@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.ui.overlays.before_after import BeforeAfter
-from apd_viewer.ui.overlays.cards import Cards
+from apd_viewer.ui.overlays.card_stack import Cards
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
-from apd_viewer.ui.overlays.heat_map import HeatMap
+from apd_viewer.ui.overlays.deviation_overlay import HeatMap
 from apd_viewer.ui.overlays.legend import Legend
-from apd_viewer.ui.preferences.named_keys import name_keys
+from apd_viewer.ui.preferences.shortcut_hints import name_keys
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
 from apd_viewer.ui.scene.turntable import Turntable
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.actions.look_actions import LookActions
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.actions.display_actions import LookActions
+    from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.scene.rest_actor import RestActor
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import length, raised, signed, significant
-from apd_viewer.presentation.readout import volumes
+from apd_viewer.presentation.readings import volumes
 
 if TYPE_CHECKING:
     from pathlib import Path

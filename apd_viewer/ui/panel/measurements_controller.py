@@ -10,16 +10,16 @@ from PySide6.QtCore import QObject
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
-from apd_viewer.ui.preferences.memory import own_file
+from apd_viewer.ui.preferences.preferences import own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.health import Health
-    from apd_viewer.ui.overlays.heat_map import HeatMap
+    from apd_viewer.ui.overlays.deviation_overlay import HeatMap
+    from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 
 class Measuring(QObject):

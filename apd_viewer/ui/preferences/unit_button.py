@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu, QToolButton
 
 from apd_viewer.language import tr
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.preferences.memory import own_file
+from apd_viewer.ui.preferences.preferences import own_file
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
 
 _NAMES = {
     Unit.NONE: tr("No unit"),

@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.actions.action_maker import ActionMaker
+    from apd_viewer.ui.actions.action_factory import ActionMaker
 
 
 class LookActions:

@@ -7,8 +7,8 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout
 
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.tools.selector import act_of
-from apd_viewer.ui.widgets.shield import shield
+from apd_viewer.ui.tools.selection_tool import act_of
+from apd_viewer.ui.widgets.event_barrier import shield
 
 _WIDTH = 420
 _MARGIN = 12

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 
 _SCALE = 3  # pixels of a picture for each on the screen
 _PAPER = "#ffffff"

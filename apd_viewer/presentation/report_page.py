@@ -17,7 +17,7 @@ from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Par
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import readout
+from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import short, significant
 from apd_viewer.session.model.status_text import of_crossings
 from apd_viewer.session.quantities.units import Unit
@@ -110,7 +110,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram:
     return Page(
         title=name,
         subtitle=tr("Report of a deformation, {date}").format(date=date),
-        hero=(readout.area_percent(state), tr("area: {verdict}").format(verdict=readout.verdict(state))),
+        hero=(readings.area_percent(state), tr("area: {verdict}").format(verdict=readings.verdict(state))),
         parts=tuple(parts),
         foot=tr("Made by APD Viewer {version}.").format(version=_version("apd-viewer")),
     )
@@ -124,13 +124,13 @@ def _warnings(state: State) -> Iterator[Block]:
 
 
 def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
-    yield tr("Area"), readout.area_percent(state), readout.area(state, unit)
-    yield tr("Change"), readout.verdict(state), ""
-    yield tr("Largest local change"), readout.local_change(state), ""
+    yield tr("Area"), readings.area_percent(state), readings.area(state, unit)
+    yield tr("Change"), readings.verdict(state), ""
+    yield tr("Largest local change"), readings.local_change(state), ""
 
 
 def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
-    said = readout.volume(subject.state, subject.unit)
+    said = readings.volume(subject.state, subject.unit)
     yield tr("Volume"), said.change, said.sizes
     for line in said.more:
         yield "", line, ""
@@ -148,9 +148,9 @@ def _crossing(found: Examination | None) -> str:
 
 def _size(subject: Subject) -> Iterator[Block]:
     state, unit, found, rest = subject.state, subject.unit, subject.found, subject.at_rest
-    extent = readout.extent(found, unit), ""
-    box = readout.room(getattr(found, "box", None), getattr(rest, "box", None), unit)
-    packed = readout.room(getattr(found, "packed", None), getattr(rest, "packed", None), unit)
+    extent = readings.extent(found, unit), ""
+    box = readings.room(getattr(found, "box", None), getattr(rest, "box", None), unit)
+    packed = readings.room(getattr(found, "packed", None), getattr(rest, "packed", None), unit)
     if found is None:  # on paper there is nothing to come
         extent = box = packed = tr("not measured yet"), ""
     try:
@@ -163,9 +163,9 @@ def _size(subject: Subject) -> Iterator[Block]:
             (tr("Box"), *extent),
             (tr("Box volume"), *box),
             (tr("Packed volume"), *packed),
-            (tr("Compactness"), *readout.compact(state)),
-            (tr("Wall"), wall or readout.NOTHING, ""),
-            (tr("Mass"), readout.weight(grams), problem),
+            (tr("Compactness"), *readings.compact(state)),
+            (tr("Wall"), wall or readings.NOTHING, ""),
+            (tr("Mass"), readings.weight(grams), problem),
         )
     )
 
@@ -173,8 +173,8 @@ def _size(subject: Subject) -> Iterator[Block]:
 def _asked(state: State) -> Iterator[Block]:
     document = state.document
     method = document.method
-    words = " ".join(readout.METHOD_WORDS.get(method, ()))
-    rows = [(tr("Method"), readout.METHOD_NAMES.get(method, method), words)]
+    words = " ".join(readings.METHOD_WORDS.get(method, ()))
+    rows = [(tr("Method"), readings.METHOD_NAMES.get(method, method), words)]
     area, volume, *_ = document.kept
     rows.append((tr("Target of the area"), tr("free") if area is None else f"{area:g} %", ""))
     rows.append((tr("Target of the volume"), tr("free") if volume is None else f"{volume:g} %", ""))
@@ -201,8 +201,8 @@ def _handles(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
             said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
         if handle.falloff:
             said.append(tr("falloff {length}").format(length=unit.length(significant(handle.falloff, 4))))
-        yield handle.name, readout.motion(document, k, unit, size), "; ".join(said)
-    yield tr("Drift"), readout.drift(state, unit), ""
+        yield handle.name, readings.motion(document, k, unit, size), "; ".join(said)
+    yield tr("Drift"), readings.drift(state, unit), ""
     counts = document.counts
     painted = {tr("Base"): counts[BASE], tr("Free"): counts[FREE]}
     for name, n in painted.items():
@@ -239,7 +239,7 @@ def _regions(state: State, unit: Unit) -> Iterator[Block]:
         yield Note(tr("There are no regions."))
         return
     rows = []
-    for region, (area, sizes) in zip(regions, readout.regions(state, unit), strict=False):
+    for region, (area, sizes) in zip(regions, readings.regions(state, unit), strict=False):
         more = sizes
         if region.area is not None and state.document.method != "paper":
             more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=f"{region.area:g}")
@@ -299,7 +299,7 @@ def _version(name: str) -> str:
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
-        return readout.NOTHING
+        return readings.NOTHING
 
 
 def _again(state: State, evidence: Evidence) -> Iterator[Block]:

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, QTimer
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
-from apd_viewer.ui.tools.selector import Selector, act_of, begins
+from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter

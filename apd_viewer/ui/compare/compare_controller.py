@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.actions.actions import Actions
     from apd_viewer.ui.compare.comparison_window import ComparisonWindow
-    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.tools.canvas import Canvas
 
 _AT_REST = tr("All methods agree on a mesh at rest: move a handle first, then compare.")

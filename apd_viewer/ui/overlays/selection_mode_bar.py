@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QToolBar, QToolButton
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.scene.viewport import Viewport
+from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
-from apd_viewer.ui.widgets.shield import shield
 from apd_viewer.ui.widgets.theme import Theme
 
 _MARGIN = 12

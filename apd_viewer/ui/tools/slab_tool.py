@@ -9,8 +9,8 @@ from PySide6.QtCore import QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
 from apd_viewer.ui.tools.gizmo_drag import along_axis
-from apd_viewer.ui.tools.gizmo_geometry import Frame
-from apd_viewer.ui.tools.selector import Selector, act_of, begins
+from apd_viewer.ui.tools.gizmo_layout import Frame
+from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent

@@ -17,21 +17,21 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, usual
-from apd_viewer.ui.filing.filing import dialogs
+from apd_viewer.ui.filing.file_commands import dialogs
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
     from apd_viewer.files import html_page
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.presentation.report import Evidence, Subject
+    from apd_viewer.presentation.report_page import Evidence, Subject
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.overlays.looks import Looks
+    from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.panel.measuring import Measuring
-    from apd_viewer.ui.preferences.memory import Memory
+    from apd_viewer.ui.panel.measurements_controller import Measuring
+    from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.tools.canvas import Canvas
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px
@@ -121,7 +121,7 @@ class Reporting:
         """Write a report of the shape on screen, in the background."""
         if self._session is None or self._session.state is None:
             return
-        from apd_viewer.presentation.report import Subject
+        from apd_viewer.presentation.report_page import Subject
 
         session, state = self._session, self._session.state
         view = self._measuring.in_view(self._canvas.view(session.unit.value))
@@ -162,7 +162,7 @@ class Reporting:
 
         def work() -> str:
             from apd_viewer.files.html_page import write_page
-            from apd_viewer.presentation.report import page_of
+            from apd_viewer.presentation.report_page import page_of
 
             write_page(path, page_of(subject, measured.evidence, _encoded(images, legend), histogram))
             return tr("Wrote {name}.").format(name=path.name)
@@ -171,7 +171,7 @@ class Reporting:
         session.send(title, work, self._notice.tell, can_be_cancelled=False)
 
     def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
-        from apd_viewer.ui.scene.studio import Studio
+        from apd_viewer.ui.scene.offscreen_scene import Studio
 
         surface = self._canvas.surface
         studio = Studio(self._canvas.viewport, state, surface.edges, surface.smooth)
@@ -179,7 +179,7 @@ class Reporting:
         return [studio.painted(V), studio.painted(U), studio.measured(U, measured.shades, scale)]
 
     def _legend(self, subject: Subject, measured: _Measured, scale: Scale) -> str:
-        from apd_viewer.presentation.legend_drawing import legend_svg
+        from apd_viewer.presentation.legend_svg import legend_svg
 
         values = measured.values[np.isfinite(measured.values)]
         span = (float(values.min()), float(values.max())) if len(values) else None
@@ -196,7 +196,7 @@ class Reporting:
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:
-            from apd_viewer.ui.filing.plot_files import svg_of
+            from apd_viewer.ui.filing.plot_export import svg_of
             from apd_viewer.ui.plots.chart import draw_chart
 
             def draw(painter: QPainter) -> None:
@@ -213,7 +213,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
     from apd_viewer.files.fingerprint import fingerprint
     from apd_viewer.geometry.analysis.area_change import local_change
     from apd_viewer.geometry.analysis.deviation import Change, write_shades
-    from apd_viewer.presentation.report import Evidence
+    from apd_viewer.presentation.report_page import Evidence
     from apd_viewer.session.model.memo import triangle_areas
 
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.ui.tools.click_selector import ClickSelector
+from apd_viewer.ui.tools.click_tool import ClickSelector
 from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:

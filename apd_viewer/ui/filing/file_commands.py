@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.ui.filing.filing import dialogs
-from apd_viewer.ui.preferences.memory import Memory, own_file
+from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.preferences.preferences import Memory, own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
