@@ -7,9 +7,9 @@ import sys
 from typing import TYPE_CHECKING
 
 import apd_viewer
+from apd_viewer.commands.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
-from apd_viewer.parser import Parser
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,7 +75,7 @@ def _view_parser() -> Parser:
 
 def _command_parser(command: str) -> Parser:
     # Here, because a window is on the screen before all that has been imported.
-    from apd_viewer import headless
+    from apd_viewer.commands import headless
 
     return headless.PARSERS[command]()
 

@@ -14,8 +14,8 @@ import trimesh
 from meshes import box, ends, grid, rotation, sphere
 
 import apd_viewer
-from apd_viewer import headless
 from apd_viewer.__main__ import main
+from apd_viewer.commands import headless
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
@@ -498,7 +498,7 @@ def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
 
 
 def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, monkeypatch):
-    from apd_viewer import headless
+    from apd_viewer.commands import headless
 
     monkeypatch.setattr(headless, "_picture", lambda *_: PNG)  # the real one takes its time
     refused(

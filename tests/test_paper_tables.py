@@ -9,8 +9,8 @@ import trimesh
 from meshes import box, ends
 from PIL import Image
 
-from apd_viewer import paper_command, paper_tables
 from apd_viewer.__main__ import main
+from apd_viewer.commands import paper_command, paper_tables
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 

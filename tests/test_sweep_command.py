@@ -12,8 +12,8 @@ import trimesh
 from meshes import box, ends, tube
 from PIL import Image
 
-from apd_viewer import sweep_command
 from apd_viewer.__main__ import main
+from apd_viewer.commands import sweep_command
 from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh

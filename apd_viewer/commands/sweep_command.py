@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
@@ -17,8 +19,6 @@ from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import SHORT_NAMES
 from apd_viewer.language import tr
-from apd_viewer.parser import Parser
-from apd_viewer.progress import Progress
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session

@@ -10,6 +10,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.paper_command import paper_parser
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.sweep_command import sweep_parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
@@ -33,12 +36,9 @@ from apd_viewer.geometry.solver.methods import (
     SHORT_NAMES,
 )
 from apd_viewer.language import tr
-from apd_viewer.paper_command import paper_parser
-from apd_viewer.parser import Parser
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 from apd_viewer.session.studies.replay import replay
-from apd_viewer.sweep_command import sweep_parser
 
 if TYPE_CHECKING:
     import argparse

@@ -6,15 +6,15 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer import paper_tables
+from apd_viewer.commands import paper_tables
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.samples import open_sample
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
-from apd_viewer.parser import Parser
 from apd_viewer.presentation.palette import label_colors
-from apd_viewer.progress import Progress
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.studies.paper_curves import Held, Loss, holds, losses
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
+    from apd_viewer.commands.paper_tables import Row
     from apd_viewer.geometry.solver.deform import Result
-    from apd_viewer.paper_tables import Row
 
 # Pixels, and from where to look.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
