@@ -10,7 +10,7 @@ from meshes import box, ends
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import paper_command, paper_tables
+from apd_viewer.commands import paper, paper_tables
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 
@@ -101,7 +101,7 @@ def coarse(monkeypatch):
     base, handle = ends(V, axis=1)
     labels[base], labels[handle] = 0, 2
     name = "bottle-twist-60"
-    for module in (paper_tables, paper_command):
+    for module in (paper_tables, paper):
         monkeypatch.setattr(module, "open_sample", lambda _: (Mesh(V, F), labels))
     monkeypatch.setattr(paper_tables, "CASES", {name: paper_tables.CASES[name]})
 
@@ -160,6 +160,6 @@ def test_what_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(paper_command, "holds", stop)
+    monkeypatch.setattr(paper, "holds", stop)
     assert main(["paper", "-o", str(tmp_path / "out")]) == 130
     assert list(tmp_path.iterdir()) == []

@@ -10,9 +10,9 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from apd_viewer.commands.paper_command import paper_parser
+from apd_viewer.commands.paper import paper_parser
 from apd_viewer.commands.parser import Parser
-from apd_viewer.commands.sweep_command import sweep_parser
+from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh

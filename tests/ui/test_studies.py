@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QProcess, Qt
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
 
-from apd_viewer.commands.sweep_command import sweep_parser
+from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.widgets.figure_list import FigureView
