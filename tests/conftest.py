@@ -9,9 +9,9 @@ from hypothesis import settings
 from in_thread import InThread
 
 from apd_viewer.geometry.warmup import warm_up
-from apd_viewer.session.processes.child_process import child, examiner
+from apd_viewer.session.processes import process_client, shape_checker
 
-START = child.start_process
+START = process_client.start_process
 
 # The kernels compile on first use, which no deadline can foresee; the same examples on every machine.
 settings.register_profile("suite", deadline=None, derandomize=True, max_examples=60)
@@ -21,13 +21,13 @@ settings.load_profile("suite")
 @pytest.fixture(autouse=True)
 def solver_in_a_thread(monkeypatch):
     """The solver is a thread, where a test can change it, unless the test is about the process."""
-    monkeypatch.setattr(child, "start_process", InThread)
+    monkeypatch.setattr(process_client, "start_process", InThread)
 
 
 @pytest.fixture(autouse=True)
 def nothing_is_examined(monkeypatch):
     """No process is started to examine shapes, unless the test is about that."""
-    monkeypatch.setattr(examiner, "_AT_FIRST", 1e6)
+    monkeypatch.setattr(shape_checker, "_AT_FIRST", 1e6)
 
 
 @pytest.fixture(scope="session")
@@ -39,4 +39,4 @@ def compiled():
 @pytest.fixture
 def process(compiled, solver_in_a_thread, monkeypatch):
     """The solver is a process, as it is for the user."""
-    monkeypatch.setattr(child, "start_process", START)
+    monkeypatch.setattr(process_client, "start_process", START)

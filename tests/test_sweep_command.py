@@ -13,7 +13,7 @@ from meshes import box, ends, tube
 from PIL import Image
 
 from apd_viewer.__main__ import main
-from apd_viewer.commands import sweep
+from apd_viewer.commands import sweep as sweep_command
 from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
@@ -190,7 +190,7 @@ def test_what_is_interrupted_leaves_nothing(session, sweep, tmp_path, monkeypatc
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweep.Progress, "show", stop)
+    monkeypatch.setattr(sweep_command.Progress, "show", stop)
     assert sweep(session, "--steps", 2)[0] == 130
     assert sorted(tmp_path.rglob("*")) == before
 

@@ -28,7 +28,7 @@ class Kind(Enum):
 
 
 class Words(NamedTuple):
-    """What is said of a measure; ``method`` is its name in :class:`apd_viewer.geometry.analysis.deviation.Change`."""
+    """What is said of a measure; ``method`` is its name in :class:`Change`."""
 
     title: str
     tip: str

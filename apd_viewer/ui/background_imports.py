@@ -39,9 +39,9 @@ class Loading(QObject):
         # All that takes long to import is imported here; a library that is there may still be broken.
         try:
             import apd_viewer.session.session  # noqa: F401
-            from apd_viewer.geometry.picking.picking import skin
+            from apd_viewer.geometry.picking import surface_index
 
-            skin.warm_up()
+            surface_index.warm_up()
         except (ImportError, OSError) as error:
             self.error = error
         finally:

@@ -17,7 +17,8 @@ from apd_viewer.ui.compare.compare_controller import Comparing
 from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
 from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.edit_commands import Editing
-from apd_viewer.ui.filing.file_commands import Filing, dialogs
+from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing.file_commands import Filing
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help import Help
 from apd_viewer.ui.overlays.display_options import Looks
@@ -194,7 +195,7 @@ class Window(QMainWindow):
             "scheme": self._set_scheme,
             "shortcuts": lambda: self.help.open_sheet(),
             "tour": lambda: self.help.begin_tour(),
-            "about": partial(dialogs.about, self),
+            "about": partial(file_dialogs.about, self),
         }
 
     def _connect_canvas(self) -> None:

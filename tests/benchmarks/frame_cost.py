@@ -24,7 +24,7 @@ from driving import Mouse, document
 from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.geometry.picking.picking import skin
+from apd_viewer.geometry.picking import surface_index
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes.worker import Reply
@@ -85,7 +85,7 @@ class Bench:
         self.window.show()
         self.until(lambda: self.view.draws > 0)
         self.view._still.setInterval(10**8)
-        skin.warm_up()  # as behind the first picture
+        surface_index.warm_up()  # as behind the first picture
         pace = Pace()
         started = time.perf_counter()
         mesh = Mesh(V, F)

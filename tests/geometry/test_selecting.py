@@ -13,7 +13,7 @@ from scipy.spatial import Delaunay
 from apd_viewer.geometry.mesh.adjacency import ALONE, CROWDED, filled, opposite_corners
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking.picking import selecting
+from apd_viewer.geometry.picking import vertex_sets
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.picking.vertex_sets import (
     RINGS,
@@ -344,4 +344,4 @@ def test_read_only_arrays_are_welcome():
     assert smoothed(*graph, U, member).any()
     assert mirrored(*graph, U, member, 2, np.zeros(3)).any()
     assert filled(skin.joined, opposite, U, 0, 4.0).all()
-    assert selecting.piece_of(*graph, 5).all()
+    assert vertex_sets.piece_of(*graph, 5).all()

@@ -460,9 +460,9 @@ def play(folder: Path) -> None:
     """Do random things without an end, in a session that keeps them; log the number and the time of each."""
     import in_thread
 
-    from apd_viewer.session.processes.child_process import child
+    from apd_viewer.session.processes import process_client
 
-    child.start_process = in_thread.InThread
+    process_client.start_process = in_thread.InThread
     chance = random.Random()
     session = Driven()
     session.autosave.keep_in(folder / "recovery", lambda: VIEW)

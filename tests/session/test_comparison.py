@@ -11,7 +11,7 @@ from test_worker import document
 
 import apd_viewer
 from apd_viewer.geometry.energy import elastic
-from apd_viewer.session.processes.child_process import child
+from apd_viewer.session.processes import process_client
 from apd_viewer.session.studies.comparison import COMPARED, Comparison
 
 
@@ -109,13 +109,13 @@ def test_what_is_not_wanted_any_more_gives_way(begun, cold, monkeypatch):
 
 def test_stopped_in_the_middle_keeps_what_has_come_and_leaves_no_process(begun, process, monkeypatch):
     started = []
-    start = child.start_process
+    start = process_client.start_process
 
     def starting():
         started.append(start())
         return started[-1]
 
-    monkeypatch.setattr(child, "start_process", starting)
+    monkeypatch.setattr(process_client, "start_process", starting)
     threads = threading.active_count()
     comparison = begun(document(at=BENT), ("arap", "paper", "exact"))
     until(comparison, lambda: comparison.outcomes["arap"].frame is not None)

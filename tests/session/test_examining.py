@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.child_process import examiner
+from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.processes.shape_checker import Examiner, Shape
 from apd_viewer.session.session import Listener, Session
 
@@ -25,8 +25,8 @@ SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(examiner, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ def test_where_there_can_be_no_process_nothing_is_known(examiner_, woken, monkey
     def refused(_):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(examiner, "started", refused)
+    monkeypatch.setattr(shape_checker, "started", refused)
     examiner_.ask(two_spheres(1.0))
     assert taken(examiner_, woken)[1].crossing is None
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse import csr_array, diags_array
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.session.processes.child_process import factoring
+from apd_viewer.session.processes import remote_factor
 from apd_viewer.session.processes.remote_factor import FarFactor
 
 N = 500
@@ -83,7 +83,7 @@ def test_one_that_dies_while_it_factors_is_replaced(factor):
 
 
 def test_one_that_always_dies_is_given_up(monkeypatch):
-    monkeypatch.setattr(factoring, "_START", "raise SystemExit(3)")
+    monkeypatch.setattr(remote_factor, "_START", "raise SystemExit(3)")
     factor = far()
     wait_for(factor)
     with pytest.raises(MemoryError, match="3 times"):
@@ -100,7 +100,7 @@ def test_what_cannot_be_started_is_said(monkeypatch):
 def test_closing_does_not_wait_for_the_factor(monkeypatch):
     slow = "import time; from apd_viewer.geometry.linalg.linear_solver import LinearSolver\n"
     slow += "LinearSolver.from_rows = lambda *_: time.sleep(60)\nmain(replies)"
-    monkeypatch.setattr(factoring, "_START", factoring._START.replace("main(replies)", slow))
+    monkeypatch.setattr(remote_factor, "_START", remote_factor._START.replace("main(replies)", slow))
     factor = far()
     factor.begin()
     time.sleep(0.3)

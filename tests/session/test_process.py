@@ -20,7 +20,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.child_process import child
+from apd_viewer.session.processes import process_client
 from apd_viewer.session.processes.requests import Request
 from apd_viewer.session.session import Activity
 
@@ -61,8 +61,10 @@ def altered(monkeypatch):
 
     def alter(code: str) -> None:
         main = "from apd_viewer.session.processes.solver_main import main\n"
-        assert main in child._START
-        monkeypatch.setattr(child, "_START", child._START.replace(main, main + textwrap.dedent(code)))
+        assert main in process_client._START
+        monkeypatch.setattr(
+            process_client, "_START", process_client._START.replace(main, main + textwrap.dedent(code))
+        )
 
     return alter
 
@@ -140,7 +142,7 @@ def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session):
 
 def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, altered, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(child, "_START", child._START)
+        patch.setattr(process_client, "_START", process_client._START)
         altered(
             """
             import os
@@ -170,7 +172,7 @@ def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, alt
 
 def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(child, "_START", "raise SystemExit(3)")
+        patch.setattr(process_client, "_START", "raise SystemExit(3)")
         empty.show_now(bar())
         empty.until(lambda: empty.failed)
         assert "3 times" in empty.failed[0]
@@ -203,8 +205,8 @@ def endless(altered):
     """Large meshes take a minute to factor, all the time with the interpreter held."""
     altered(
         """
-        from apd_viewer.session.processes.child_process import factoring
-        from apd_viewer.session.processes.child_process import solver
+        from apd_viewer.session.processes import remote_factor
+        from apd_viewer.session.processes import solver
         solver._LARGE = 2500
         slow = "from apd_viewer.geometry.linalg.linear_solver import LinearSolver; import ctypes\\n"
         slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
@@ -226,57 +228,57 @@ def children_of(session: Driven) -> list[int]:
     """The processes that the session's process has started."""
     pid = pid_of(session)
     found = Path(f"/proc/{pid}/task/{pid}/children").read_text() if pid else ""
-    return [int(child) for child in found.split()]
+    return [int(process_client) for process_client in found.split()]
 
 
 @linux
 def test_a_factorization_that_has_become_useless_is_ended(factoring):
-    before, (useless,) = pid_of(factoring), children_of(factoring)
-    factoring.show_now(bar())
-    factoring.paint_ends()
-    factoring.drag(BENT)
-    factoring.settle()
-    assert factoring.activity is Activity.SETTLED
-    assert pid_of(factoring) == before, "what else it knows is not lost with it"
+    before, (useless,) = pid_of(remote_factor), children_of(remote_factor)
+    remote_factor.show_now(bar())
+    remote_factor.paint_ends()
+    remote_factor.drag(BENT)
+    remote_factor.settle()
+    assert remote_factor.activity is Activity.SETTLED
+    assert pid_of(remote_factor) == before, "what else it knows is not lost with it"
     assert gone(useless)
-    assert children_of(factoring) == []
-    assert factoring.failed == factoring.told == [], "that is nobody's business"
+    assert children_of(remote_factor) == []
+    assert remote_factor.failed == remote_factor.told == [], "that is nobody's business"
 
 
 @linux
 def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
-    before = children_of(factoring)
-    factoring.drag(pose(0.1), pose(0.2))
-    factoring.listen(0.3)
-    assert children_of(factoring) == before
+    before = children_of(remote_factor)
+    remote_factor.drag(pose(0.1), pose(0.2))
+    remote_factor.listen(0.3)
+    assert children_of(remote_factor) == before
 
 
 @linux
 @pytest.mark.parametrize("method", ["exact", "arap", "local"])
 def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
-    factoring.settings.set_method(method)
-    factoring.begin_gesture()
+    remote_factor.settings.set_method(method)
+    remote_factor.begin_gesture()
     held = None
     for k in range(10):
-        factoring.move_handle(pose(0.05 * k + 0.05))
-        held = factoring.state.document.constraints()
-        next_frame(factoring, 20.0)
-        frame = factoring.state.frame
+        remote_factor.move_handle(pose(0.05 * k + 0.05))
+        held = remote_factor.state.document.constraints()
+        next_frame(remote_factor, 20.0)
+        frame = remote_factor.state.frame
         assert not frame.settled
         if method == "exact":
             assert abs(frame.area_error) <= 1e-9
-    factoring.end_gesture("Move handle")
-    factoring.listen(1.0)
-    assert np.array_equal(factoring.U[held.fixed], held.targets)
-    assert factoring.activity is Activity.REFINING, "the shape of the fine surface is still to come"
-    assert factoring.failed == []
+    remote_factor.end_gesture("Move handle")
+    remote_factor.listen(1.0)
+    assert np.array_equal(remote_factor.U[held.fixed], held.targets)
+    assert remote_factor.activity is Activity.REFINING, "the shape of the fine surface is still to come"
+    assert remote_factor.failed == []
 
 
 @linux
 def test_closing_ends_a_factorization_at_once(factoring):
-    before = [pid_of(factoring), *children_of(factoring)]
+    before = [pid_of(remote_factor), *children_of(remote_factor)]
     started = time.monotonic()
-    factoring.close()
+    remote_factor.close()
     assert time.monotonic() - started < 1.0
     end = time.monotonic() + 1.0
     while not all(gone(pid) for pid in before):
@@ -286,28 +288,28 @@ def test_closing_ends_a_factorization_at_once(factoring):
 
 @linux
 def test_a_killed_process_takes_its_factorization_along(factoring):
-    (before,) = children_of(factoring)
-    kill(factoring)
-    factoring.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
-    factoring.until(lambda: children_of(factoring))
+    (before,) = children_of(remote_factor)
+    kill(remote_factor)
+    remote_factor.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
+    remote_factor.until(lambda: children_of(remote_factor))
 
 
 @linux
 def test_a_factorization_that_dies_is_begun_again(factoring):
-    factoring.drag(pose(0.1))
-    (before,) = children_of(factoring)
+    remote_factor.drag(pose(0.1))
+    (before,) = children_of(remote_factor)
     os.kill(before, SIGKILL)
-    factoring.until(lambda: children_of(factoring) not in ([], [before]))
-    assert factoring.failed == factoring.told == []
+    remote_factor.until(lambda: children_of(remote_factor) not in ([], [before]))
+    assert remote_factor.failed == remote_factor.told == []
 
 
 def test_to_ask_never_waits(factoring):
-    document = factoring.state.document
+    document = remote_factor.state.document
     slowest = 0.0
     for k in range(200):
-        request = Request(document.moved(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
+        request = Request(document.moved(0, pose(0.01 * k)), 99, remote_factor.U, iterate=True)
         started = time.perf_counter()
-        factoring._worker.ask(request)
+        remote_factor._worker.ask(request)
         slowest = max(slowest, time.perf_counter() - started)
         time.sleep(0.0005)
     assert slowest < 0.05
@@ -400,7 +402,7 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
         """
         import sys
         from apd_viewer.geometry.energy import solve_mesh
-        from apd_viewer.session.processes.child_process import solver
+        from apd_viewer.session.processes import solver
         solver._LARGE = 2500
         real = rest_shape.thinned
         def thinned(V, F, count):

@@ -12,14 +12,14 @@ from meshes import box, sphere
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.child_process import shared_memory, wire
+from apd_viewer.session.processes import array_pipe, shared_memory
 
 
 class Line:
     """A packer and an unpacker."""
 
     def __init__(self) -> None:
-        self.packer, self.unpacker = wire.Packer(), wire.Unpacker()
+        self.packer, self.unpacker = array_pipe.Packer(), array_pipe.Unpacker()
         self.bytes = 0
 
     def sent(self, value):
@@ -107,13 +107,13 @@ def test_an_array_in_the_place_of_one_that_is_gone_is_not_taken_for_it(line):
 def test_messages_follow_each_other_and_end():
     file = io.BytesIO()
     for message in (b"one", b"", b"three" * 10_000):
-        wire.write(file, message)
+        array_pipe.write(file, message)
     whole = file.getvalue()
     file.seek(0)
-    assert [wire.read(file) for _ in range(4)] == [b"one", b"", b"three" * 10_000, None]
+    assert [array_pipe.read(file) for _ in range(4)] == [b"one", b"", b"three" * 10_000, None]
     for cut in (0, 3, 9, len(whole) - 1):
         file = io.BytesIO(whole[:cut])
-        while wire.read(file) is not None:
+        while array_pipe.read(file) is not None:
             pass
 
 

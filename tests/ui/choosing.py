@@ -18,7 +18,7 @@ from apd_viewer.presentation.palette import (
     REGION_COLORS,
     label_colors,
 )
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.window import Window
 
@@ -440,7 +440,7 @@ class Theatre:
     def opened(cls, folder):
         """Itself, for a fixture, and its end."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+            patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
             theatre = cls(folder)
             yield theatre
             theatre.window.close()

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMainWindow, QMessageBox
 
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.application import HARMLESS, make_application
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.window import Window
@@ -80,7 +80,7 @@ def settings(tmp_path):
 @pytest.fixture
 def window(qtbot, settings, monkeypatch):
     """A window without a mesh, that does not ask before it is closed."""
-    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    monkeypatch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
     window = Window(settings)
     window.start()
     show(qtbot, window, window.canvas.viewport)
@@ -108,7 +108,7 @@ def folder(tmp_path):
 @pytest.fixture
 def started(qtbot, folder, settings, monkeypatch):
     """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
-    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    monkeypatch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
     windows = []
 
     def start():

@@ -33,7 +33,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.session import Activity
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.tools.toolbox import Tool, Way
@@ -331,17 +331,17 @@ def help_(driver):
 
 def files(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
-    dialogs.about(window)
-    dialogs.ask_before_losing(window)
-    dialogs.ask_for_mesh(window, folder)
-    dialogs.ask_for_session(window, folder, session.state.document.mesh)
-    dialogs.ask_for_selection(window, folder)
-    dialogs.ask_where_to_put_selection(window, folder, session.state.document.mesh)
-    dialogs.ask_for_target(window, folder, session.state.document.mesh)
-    dialogs.ask_where_to_report(window, folder, session.state.document.mesh)
-    dialogs.ask_where_to_put_picture(window, folder, session.state.document.mesh)
+    file_dialogs.about(window)
+    file_dialogs.ask_before_losing(window)
+    file_dialogs.ask_for_mesh(window, folder)
+    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_selection(window, folder)
+    file_dialogs.ask_where_to_put_selection(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_target(window, folder, session.state.document.mesh)
+    file_dialogs.ask_where_to_report(window, folder, session.state.document.mesh)
+    file_dialogs.ask_where_to_put_picture(window, folder, session.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
-    dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
     for write in (
         lambda: session.export(folder / "out.obj"),
         lambda: session.save(folder / "out.apd", window.canvas.view(""), True),

@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.method_readings import _error, columns
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 
 CTRL_SHIFT = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
 SETTLED = 30_000
@@ -202,7 +202,7 @@ def test_two_are_compared_at_least_and_the_choice_is_remembered(qtbot, bar, side
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(dialogs.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
+    monkeypatch.setattr(file_dialogs.QFileDialog, "getSaveFileName", lambda *_: (str(path or ""), ""))
 
 
 def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):

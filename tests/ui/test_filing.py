@@ -9,7 +9,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.window import Window
 
 
@@ -18,7 +18,7 @@ def chosen(monkeypatch):
     """What the next file dialogs answer."""
     answers = {}
     for name in ("ask_for_session", "ask_for_selection", "ask_where_to_put_selection", "ask_for_mesh"):
-        monkeypatch.setattr(dialogs, name, lambda *_, name=name: answers[name])
+        monkeypatch.setattr(file_dialogs, name, lambda *_, name=name: answers[name])
     return answers
 
 

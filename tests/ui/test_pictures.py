@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.scene_picture import grown, scene_picture
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
@@ -264,7 +264,7 @@ def test_the_dialog_says_what_size_cannot_be_had(qtbot, dialog):
 
 def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
     path, seen = tmp_path / "picture.png", []
-    monkeypatch.setattr(dialogs, "ask_where_to_put_picture", lambda *_: path)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_put_picture", lambda *_: path)
 
     def answer():
         dialog = QApplication.activeModalWidget()

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import COLUMNS
-from apd_viewer.ui.filing.file_commands import plot_files
+from apd_viewer.ui.filing import plot_export
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
@@ -221,7 +221,7 @@ def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(plot_files, "ask_where", lambda *_: path)
+    monkeypatch.setattr(plot_export, "ask_where", lambda *_: path)
 
 
 def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):

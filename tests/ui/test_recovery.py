@@ -21,7 +21,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.application import recovery_folder
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """
@@ -100,7 +100,7 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     save_session(tmp_path / "earlier.apd", duck, View())
     earlier = (tmp_path / "earlier.apd").read_bytes()
     asked, answers = [], []
-    monkeypatch.setattr(dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
+    monkeypatch.setattr(file_dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
     window = started()
     assert window.recovery.text == "Unsaved when the program ended: my duck.obj, 3 minutes ago"
     window.filing.open_path(tmp_path / "earlier.apd")
@@ -196,7 +196,7 @@ def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
     restore(qtbot, window)
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     with monkeypatch.context() as patch:
-        patch.setattr(dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Cancel)
+        patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Cancel)
         assert not window.close()
     assert len(files(folder)) == 1
     assert window.close()

@@ -19,10 +19,10 @@ from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.processes.child_process import examiner
+from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 
 
 def write(qtbot, window, path):
@@ -33,8 +33,8 @@ def write(qtbot, window, path):
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(examiner, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def test_what_is_on_screen_stays_as_it_is(qtbot, bottle, tmp_path):
 def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path, monkeypatch):
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
-    monkeypatch.setattr(dialogs, "ask_where_to_report", lambda *_: path)
+    monkeypatch.setattr(file_dialogs, "ask_where_to_report", lambda *_: path)
     bottle.actions_.report.trigger()
     qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
     assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]

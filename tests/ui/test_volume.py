@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.processes.child_process import examiner
+from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 from apd_viewer.ui.preferences.preferences import Memory
@@ -23,8 +23,8 @@ CM = Unit.CENTIMETRE
 
 @pytest.fixture(autouse=True)
 def at_once(monkeypatch):
-    monkeypatch.setattr(examiner, "_AT_FIRST", 0.0)
-    monkeypatch.setattr(examiner, "_CALM", 0.0)
+    monkeypatch.setattr(shape_checker, "_AT_FIRST", 0.0)
+    monkeypatch.setattr(shape_checker, "_CALM", 0.0)
 
 
 def known(qtbot, window):

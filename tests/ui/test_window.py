@@ -28,7 +28,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.session import Activity
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
 
@@ -382,7 +382,9 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     idle(qtbot, window)
     asked = []
     answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
-    monkeypatch.setattr(dialogs, "ask_before_losing", lambda _: asked.append(1) or answers[len(asked) - 1])
+    monkeypatch.setattr(
+        file_dialogs, "ask_before_losing", lambda _: asked.append(1) or answers[len(asked) - 1]
+    )
     assert not window.filing.worth_asking, "nothing is lost yet"
     session = window.session
     session.begin_gesture()

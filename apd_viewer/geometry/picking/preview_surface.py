@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """Stands in for a :class:`apd_viewer.geometry.picking.surface_index.Skin` until there is one: to be seen, not touched.
+    """Stands in for a :class:`Skin` until there is one: to be seen, not touched.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """Sets of vertices, found by how a mesh hangs together and by its shape.
 
 A set is an (n,) bool array. At a seam one vertex of each place is named, as in the triangles and one-rings
-of :class:`apd_viewer.geometry.picking.surface_index.Skin`. What a set says of the other vertices means nothing.
+of :class:`Skin`. What a set says of the other vertices means nothing.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Which vertices an eye sees: no triangle is in the way.
 
-One ray is answered faster by a look at every triangle: see :mod:`apd_viewer.geometry.picking.picking`. For a ray to
+One ray is answered faster by a look at every triangle: see :mod:`picking`. For a ray to
 each of many vertices it is worth sorting the triangles first; then their order in a file does not matter.
 """
 

@@ -16,7 +16,7 @@ MOST_HANDLES = 8
 
 
 class Soft(NamedTuple):
-    """Vertices that are drawn to where a handle would carry them: see :mod:`apd_viewer.geometry.pose.falloff`.
+    """Vertices that are drawn to where a handle would carry them: see :mod:`falloff`.
 
     Attributes
     ----------

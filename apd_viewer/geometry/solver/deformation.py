@@ -78,7 +78,7 @@ class Deformation:
     tolerance : float
         Relative error of the total area that "paper" accepts.
     stiffness : float
-        Weight of bending, 0 to about 0.1: see :class:`apd_viewer.geometry.energy.solve_mesh.Bending`. For "sr-arap"
+        Weight of bending, 0 to about 0.1: see :class:`Bending`. For "sr-arap"
         it is CGAL's alpha.
     area_stiffness, shear_stiffness : float
         How firmly "local" keeps every triangle's area (area modulus) and shape (shear modulus).

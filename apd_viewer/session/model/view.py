@@ -43,7 +43,7 @@ class View:
     wall : Wall
         What the surface is made of, as it was typed.
     overlay : str or None
-        What the colours show, by the value of a :class:`apd_viewer.presentation.scales.Measure`; empty where they show
+        What the colours show, by the value of a :class:`Measure`; empty where they show
         what is painted, None where nothing is said of them.
     """
 

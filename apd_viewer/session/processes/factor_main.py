@@ -15,7 +15,8 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
 
 _NICENESS = 10  # what is shown meanwhile comes first
 _DEATH_OF_THE_PARENT = 1  # of prctl(2)
@@ -37,7 +38,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     A matrix are three messages: where its rows start, columns, entries. The word on it is empty, or says what
     is wrong with it. After that every message is a right-hand side (n, 3), and its answer the solution.
     """
-    parts = [wire.read(source) for _ in range(3)]
+    parts = [array_pipe.read(source) for _ in range(3)]
     if None in parts:
         return
     start, column, entry = (
@@ -47,12 +48,12 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     try:
         factor = LinearSolver.from_rows(start, column, entry)
     except Exception as error:
-        wire.write(sink, (str(error) or type(error).__name__).encode())
+        array_pipe.write(sink, (str(error) or type(error).__name__).encode())
         return
     del parts, start, column, entry
-    wire.write(sink, b"")
-    while (message := wire.read(source)) is not None:
-        wire.write(sink, factor.solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
+    array_pipe.write(sink, b"")
+    while (message := array_pipe.read(source)) is not None:
+        array_pipe.write(sink, factor.solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
 
 
 def _end_with_the_owner() -> None:

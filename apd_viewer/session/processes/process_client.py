@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
-from apd_viewer.session.processes.child_process import START, Process, started, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import START, Process, started
 from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
@@ -72,7 +73,7 @@ class Child:
         self.dismissed = False
         self._publish, self._learned, self._ended = publish, learned, ended
         self._process = start_process()
-        self._packer = wire.Packer()
+        self._packer = array_pipe.Packer()
         self._numbers = itertools.count(1)
         self._orders: dict[int, tuple[Request, Tray | None]] = {}
         self._tray: tuple[int, Tray | None] | None = None
@@ -101,7 +102,7 @@ class Child:
         message = self._packer.packed(order)
         with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
             if self.alive:
-                wire.write(self._process.stdin, message)
+                array_pipe.write(self._process.stdin, message)
         if not self.alive:
             self._discard_envelope()
         return self.alive
@@ -144,7 +145,7 @@ class Child:
     def _listen(self) -> None:
         process = self._process
         try:
-            while (message := wire.read(process.stdout)) is not None:
+            while (message := array_pipe.read(process.stdout)) is not None:
                 self._hear(pickle.loads(message))
         finally:
             self.alive = False

@@ -10,7 +10,8 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import rows_of
 from apd_viewer.language import tr
-from apd_viewer.session.processes.child_process import START, Process, started, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import START, Process, started
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -121,8 +122,8 @@ class FarFactor:
         assert process is not None
         with contextlib.suppress(OSError, ValueError):
             for message in messages:
-                wire.write(process.stdin, message)
-            if (answer := wire.read(process.stdout)) is not None:
+                array_pipe.write(process.stdin, message)
+            if (answer := array_pipe.read(process.stdout)) is not None:
                 return answer
         self._missing = True
         return None

@@ -13,7 +13,8 @@ from typing import BinaryIO
 import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import examined
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
 
 _NICENESS = 10  # nobody waits for it
 NOBODY_LOOKED = b"-"
@@ -36,9 +37,11 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     as well: the triangles that pass through others, int64, and the three sizes of its box along the axes with
     the volume of its smallest box, float64.
     """
-    while (triangles := wire.read(source)) is not None and (positions := wire.read(source)) is not None:
+    while (triangles := array_pipe.read(source)) is not None and (
+        positions := array_pipe.read(source)
+    ) is not None:
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         found = examined(np.frombuffer(positions).reshape(-1, 3), F)
         crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
-        wire.write(sink, crossing)
-        wire.write(sink, np.array([*found.size, found.packed]).tobytes())
+        array_pipe.write(sink, crossing)
+        array_pipe.write(sink, np.array([*found.size, found.packed]).tobytes())

@@ -12,7 +12,8 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import Examination
 from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.processes.child_process import START, Process, started, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import START, Process, started
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="examining_process")
@@ -124,9 +125,9 @@ class Examiner:
 def _answer(process: Process, shape: Shape) -> Examination | None:
     """What a process says of a shape; None if it has died."""
     with contextlib.suppress(OSError, ValueError):
-        wire.write(process.stdin, np.ascontiguousarray(shape.F, dtype=np.int32))
-        wire.write(process.stdin, np.ascontiguousarray(shape.U))
-        crossing, boxes = wire.read(process.stdout), wire.read(process.stdout)
+        array_pipe.write(process.stdin, np.ascontiguousarray(shape.F, dtype=np.int32))
+        array_pipe.write(process.stdin, np.ascontiguousarray(shape.U))
+        crossing, boxes = array_pipe.read(process.stdout), array_pipe.read(process.stdout)
         if crossing is not None and boxes is not None:
             ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
             dx, dy, dz, packed = np.frombuffer(boxes).tolist()

@@ -16,7 +16,8 @@ from typing import BinaryIO
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner, wire
+from apd_viewer.session.processes import array_pipe
+from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
 from apd_viewer.session.processes.messages import Message, Order, Progress, Step
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
@@ -53,12 +54,12 @@ def serve(
     def tell(message: Message) -> None:
         # Who has stopped listening has gone: the source will end as well.
         with one_at_a_time, contextlib.suppress(OSError, ValueError):
-            wire.write(sink, pickle.dumps(message))
+            array_pipe.write(sink, pickle.dumps(message))
 
     def receive() -> None:
-        unpacker = wire.Unpacker()
+        unpacker = array_pipe.Unpacker()
         try:
-            while (message := wire.read(source)) is not None:
+            while (message := array_pipe.read(source)) is not None:
                 order: Order = unpacker.unpacked(message)
                 tell(Progress(order.number, Step.RECEIVED))
                 orders.put(order)

@@ -20,7 +20,7 @@ from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_com
 from apd_viewer.ui.compare.linked_views import LinkedViews
 from apd_viewer.ui.compare.method_table import OutcomeTable
 from apd_viewer.ui.compare.shared_scale import SharedScale
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.panel.statusbar import Hint
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 from apd_viewer.ui.widgets.fields import Check
@@ -270,7 +270,7 @@ class ComparisonWindow(QWidget):
     def _ask(self, suffix: str) -> None:
         assert self._state is not None
         proposed = self._memory.folder / f"{self._state.document.mesh.stem}-methods{suffix}"
-        path = dialogs.ask_where(self, tr("Save the comparison"), proposed)
+        path = file_dialogs.ask_where(self, tr("Save the comparison"), proposed)
         if path is None:
             return
         try:

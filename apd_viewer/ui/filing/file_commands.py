@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Memory, own_file
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Filing:
 
     def ask_for_file(self) -> None:
         """Let the user choose what to open."""
-        path = dialogs.ask_for_mesh(self._window, self._memory.folder)
+        path = file_dialogs.ask_for_mesh(self._window, self._memory.folder)
         if path is not None:
             self.open_path(path)
 
@@ -115,7 +115,7 @@ class Filing:
         """Let the user choose where to write the deformed mesh."""
         if self._session is None or (state := self._session.state) is None:
             return
-        path = dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
+        path = file_dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
             self._session.export(path)
 
@@ -131,7 +131,7 @@ class Filing:
         if self._session is None or (state := self._session.state) is None:
             return
         mesh = state.document.mesh
-        found = dialogs.ask_for_session(self._window, self._memory.folder, mesh)
+        found = file_dialogs.ask_for_session(self._window, self._memory.folder, mesh)
         if found is not None:
             self._path, self._embeds = found
             self._memory.remember(self._path)
@@ -153,7 +153,7 @@ class Filing:
         """Let the user choose a file that says what to paint."""
         if self._session is None or self._session.state is None:
             return
-        path = dialogs.ask_for_selection(self._window, self._memory.folder)
+        path = file_dialogs.ask_for_selection(self._window, self._memory.folder)
         if path is not None:
             self._session.load_selection(path)
 
@@ -161,7 +161,7 @@ class Filing:
         """Let the user choose where to write what is painted."""
         if self._session is None or (state := self._session.state) is None:
             return
-        path = dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
+        path = file_dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
             self._session.save_selection(path)
 
@@ -169,7 +169,7 @@ class Filing:
         """Whether no shape is lost with the window, or the user wants it so."""
         if not self.worth_asking:
             return True
-        answer = dialogs.ask_before_losing(self._window)
+        answer = file_dialogs.ask_before_losing(self._window)
         if answer == QMessageBox.StandardButton.Save:
             self.ask_for_target()  # and stay: whoever sees the file written can close
         return answer == QMessageBox.StandardButton.Discard

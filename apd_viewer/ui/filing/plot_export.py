@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QWidget
 
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 
 _SCALE = 3  # pixels of a picture for each on the screen
 _PAPER = "#ffffff"
@@ -20,7 +20,7 @@ _PAPER = "#ffffff"
 
 def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
     """Where to write a file of plots; None if the user thought better of it."""
-    return dialogs.ask_where(parent, tr("Save the plots"), folder / f"{name}{suffix}")
+    return file_dialogs.ask_where(parent, tr("Save the plots"), folder / f"{name}{suffix}")
 
 
 def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:

@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import Choice
 from apd_viewer.ui.widgets.folding_section import quiet
 
-# The names of apd_viewer.session.typed_motion.Motion, which is loaded later, in the order that they are offered.
+# The names of Motion, which is loaded later, in the order that they are offered.
 _MOTIONS = {
     "TWIST": tr("Twist"),
     "MOVE_X": tr("Move along x"),

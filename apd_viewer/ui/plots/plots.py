@@ -241,7 +241,7 @@ class Plots(QWidget):
 
     def _chart(self, name: str) -> Chart:
         """What a view shows, as things are now."""
-        from apd_viewer.ui.plots.plots import reading_charts
+        from apd_viewer.ui.plots import reading_charts
 
         session, state = self._session, self._state
         if name == "error":

@@ -143,7 +143,7 @@ class Memory:
 
     @property
     def looks(self) -> dict[str, str]:
-        """How the shape was looked at, by names that :class:`apd_viewer.ui.overlays.display_options.Looks` gives."""
+        """How the shape was looked at, by names that :class:`Looks` gives."""
         return self._named("looks")
 
     @looks.setter

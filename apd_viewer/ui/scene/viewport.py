@@ -35,7 +35,7 @@ FARTHEST = 50.0
 class Viewport(QtInteractor):
     """Widget that shows a scene and hands mouse events to tools.
 
-    What a tool may have is said in :mod:`apd_viewer.ui.scene.mouse_dispatcher`, and how the mouse moves the camera
+    What a tool may have is said in :mod:`mouse_dispatcher`, and how the mouse moves the camera
     in :mod:`apd_viewer.ui.scene.navigation`.
 
     Attributes

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, usual
-from apd_viewer.ui.filing.file_commands import dialogs
+from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -98,7 +98,7 @@ class Reporting:
         """Let the user choose where to write a report."""
         if self._session is None or (state := self._session.state) is None:
             return
-        path = dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
+        path = file_dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
             self.write(path)
 
@@ -112,7 +112,9 @@ class Reporting:
         dialog = PictureDialog(self._window, pictures, self._wish or Wish(pictures.view_size * 2))
         if dialog.exec():
             self._wish = wish = dialog.wish
-            path = dialogs.ask_where_to_put_picture(self._window, self._memory.folder, state.document.mesh)
+            path = file_dialogs.ask_where_to_put_picture(
+                self._window, self._memory.folder, state.document.mesh
+            )
             if path is not None:
                 pictures.save(path, wish)
         dialog.deleteLater()
