@@ -158,7 +158,7 @@ def test_the_readme_names_modules_that_there_are():
 
 
 GOOD = {
-    "__init__.py": "from apd_viewer.files.storage.reading import read\ndef view():\n  import apd_viewer.ui.window\n",
+    "__init__.py": "from apd_viewer.files.reading import read\ndef view():\n  import apd_viewer.ui.window\n",
     "__main__.py": "import apd_viewer, json\n",
     "errors.py": "",
     "geometry/__init__.py": "",
@@ -167,7 +167,7 @@ GOOD = {
     "files/__init__.py": "",
     "files/reading.py": "def read():\n    import trimesh\n    from apd_viewer.geometry import shape\n",
     "session/__init__.py": "",
-    "session/session.py": "import threading\nfrom apd_viewer.files.storage.reading import read\n",
+    "session/session.py": "import threading\nfrom apd_viewer.files.reading import read\n",
     "ui/__init__.py": "",
     "ui/window.py": "from PySide6.QtCore import Qt\nfrom apd_viewer.session import session\n",
     "ui/viewport.py": "import pyvista\n",

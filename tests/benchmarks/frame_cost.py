@@ -18,8 +18,7 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QSettings, QTimer
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-sys.path.insert(0, str(Path(__file__).parents[1] / "ui"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from driving import Mouse, document
 from meshes import rotation, sample_bottle
 

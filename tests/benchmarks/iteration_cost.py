@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh

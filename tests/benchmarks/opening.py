@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import sample_bottle
 
 from apd_viewer.files.meshes import open_mesh, save_mesh

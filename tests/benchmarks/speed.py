@@ -21,7 +21,7 @@ from pathlib import Path
 import igl
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh

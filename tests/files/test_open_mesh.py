@@ -1,104 +1,22 @@
 """Meshes come out of their files vertex for vertex and face for face, whatever way they are written."""
 
-import json
 import re
-import struct
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mesh_contents import CORNERS, POLYGONS, binary_stl, glb, obj, off, ply, rows, stl
 from meshes import box, grid, soup
 
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import resource
 
-# Six corners, of which the last coincides with the first and the fourth is used by no face.
-CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1.5, 0], [7, 7, 7], [0.1, 1, -2e-3], [0, 0, 0]])
-POLYGONS = [[0, 1, 2], [5, 1, 2, 4], [4, 2, 1], [0, 1, 2, 4, 5]]
-
 
 def fans(polygons, V=CORNERS):
     """Triangles of the polygons, in the order of the file."""
     return Polygons.of(polygons).triangles(np.array(V))
-
-
-def rows(V):
-    return [" ".join(map(repr, map(float, v))) for v in V]
-
-
-def obj(V, polygons, word="{0}", offset=1):
-    lines = [f"v {row}" for row in rows(V)]
-    lines += ["f " + " ".join(word.format(i + offset) for i in p) for p in polygons]
-    return "\n".join(lines) + "\n"
-
-
-def off(V, polygons, head="OFF\n", tail=""):
-    lines = rows(V) + [" ".join(map(str, [len(p), *p])) + tail for p in polygons]
-    return f"{head}{len(V)} {len(polygons)} 0\n" + "\n".join(lines) + "\n"
-
-
-def ply(V, polygons, kind="ascii", real="double", before="", after="", name="vertex_indices"):
-    """PLY with the properties ``before`` and ``after`` (uchar, all 200) around the coordinates."""
-    extra = [[f"property uchar {w}" for w in words.split()] for words in (before, after)]
-    head = ["ply", f"format {kind} 1.0", "comment made in a test", f"element vertex {len(V)}", *extra[0]]
-    head += [f"property {real} {axis}" for axis in "xyz"] + extra[1]
-    head += [f"element face {len(polygons)}", f"property list uchar int {name}", "end_header", ""]
-    pad = [["200"] * len(e) for e in extra]
-    if kind == "ascii":
-        lines = [" ".join([*pad[0], row, *pad[1]]) for row in rows(V)]
-        lines += [" ".join(map(str, [len(p), *p])) for p in polygons]
-        return "\n".join(head + lines).replace("\n\n", "\n").encode() + b"\n"
-    order = "<" if kind == "binary_little_endian" else ">"
-    one = order + f"{len(pad[0])}B3{'d' if real == 'double' else 'f'}{len(pad[1])}B"
-    body = [struct.pack(one, *map(int, pad[0]), *v, *map(int, pad[1])) for v in V]
-    body += [struct.pack(f"{order}B{len(p)}i", len(p), *p) for p in polygons]
-    return "\n".join(head).encode() + b"".join(body)
-
-
-def stl(V, F, name="part"):
-    facet = "facet normal 0 0 1\n outer loop\n  vertex {}\n  vertex {}\n  vertex {}\n endloop\nendfacet\n"
-    text = rows(V)
-    return f"solid {name}\n" + "".join(facet.format(*(text[i] for i in f)) for f in F) + f"endsolid {name}\n"
-
-
-def binary_stl(V, F, header=b"a test"):
-    facets = [struct.pack("<12fH", 0, 0, 1, *V[list(f)].ravel(), 0) for f in F]
-    return header.ljust(80, b"\0") + struct.pack("<I", len(F)) + b"".join(facets)
-
-
-def glb(parts, shifts=None):
-    """GLB with a mesh and a node for every (V, F) of ``parts``, the node shifted by its ``shifts``."""
-    blob, views, accessors = b"", [], []
-    for V, F in parts:
-        for array, code, kind in ((V.astype("<f4"), 5126, "VEC3"), (F.astype("<u4").ravel(), 5125, "SCALAR")):
-            views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": array.nbytes})
-            accessor = {
-                "bufferView": len(views) - 1,
-                "componentType": code,
-                "count": len(array),
-                "type": kind,
-            }
-            accessors.append(accessor | ({"min": [-9] * 3, "max": [9] * 3} if kind == "VEC3" else {}))
-            blob += array.tobytes()
-    which = range(len(parts))
-    document = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": list(which)}],
-        "nodes": [{"mesh": k, "translation": shifts[k] if shifts else [0, 0, 0]} for k in which],
-        "meshes": [
-            {"primitives": [{"attributes": {"POSITION": 2 * k}, "indices": 2 * k + 1}]} for k in which
-        ],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(blob)}],
-    }
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 @pytest.fixture

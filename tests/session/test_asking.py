@@ -4,12 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from driven_session import BENT, Driven, bar, pose, ready
 from meshes import ends, grid
-from test_session import BENT, Driven, bar, pose, ready
-from test_session import empty as empty
-from test_session import factored as factored
-from test_session import session as session
-from test_session import slow as slow
 
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.mesh.mesh import Mesh

@@ -19,10 +19,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from driven_session import BENT, VIEW, Driven, check_equal, pose
 from meshes import box
-from test_saved import VIEW, check_equal
-from test_session import BENT, Driven, pose
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.meshes import open_mesh, save_mesh
@@ -491,7 +490,7 @@ def killed_programs(kills: int, folder: Path, seed: int = 0) -> list[float]:
     chance, ages = random.Random(seed), []
     mesh = Mesh(*box(2, 2, 6))
     save_mesh(mesh, mesh.V, folder / "bar.obj")
-    paths = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "session")]
+    paths = [str(ROOT), str(ROOT / "tests" / "support"), str(ROOT / "tests" / "session")]
     with subprocess.Popen(
         [sys.executable, "-c", NURSERY, str(folder), *paths],
         env={**os.environ, "PYTHONWARNINGS": "ignore::UserWarning"},  # of shared memory that nobody returned

@@ -1,182 +1,20 @@
 """The user's verbs, answered by the real worker; the owner's thread is the test's."""
 
-import threading
 import time
 from collections.abc import Callable
 
-import in_thread
 import numpy as np
 import pytest
-from meshes import box, ends, rotation
+from driven_session import BENT, Driven, bar, pose, ready, solver_threads
+from meshes import box, ends
 
 from apd_viewer.geometry.energy import elastic
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.document import State
 from apd_viewer.session.model.history import History
-from apd_viewer.session.session import Activity, Listener, Session
-
-LONG = 20.0  # seconds; nothing here should come near it
-
-
-class Driven(Session):
-    """A session that remembers all it tells its listener, with gestures in one call.
-
-    Attributes
-    ----------
-    changes : list of (State or None, State)
-    told, failed : list of str
-    woken : list of str
-        Names of the threads that called wake.
-    """
-
-    def __init__(self) -> None:
-        self.changes: list[tuple[State | None, State]] = []
-        self.told: list[str] = []
-        self.failed: list[str] = []
-        self.woken: list[str] = []
-        self.on_changed: Callable[[], object] = lambda: None
-        self.on_failed: Callable[[], object] = lambda: None
-        listener = Listener(
-            wake=lambda: self.woken.append(threading.current_thread().name),
-            changed=self._note_change,
-            status_changed=lambda: None,
-            told=self.told.append,
-            failed=self._note_failure,
-        )
-        super().__init__(listener)
-
-    def _note_change(self, old: State | None, new: State) -> None:
-        self.changes.append((old, new))
-        self.on_changed()
-
-    def _note_failure(self, sentence: str) -> None:
-        self.failed.append(sentence)
-        self.on_failed()
-
-    def settle(self) -> None:
-        assert self.wait_idle(LONG), "the session did not come to rest"
-
-    def until(self, happened: Callable[[], object], seconds: float = LONG) -> None:
-        """Receive until something has happened."""
-        end = time.monotonic() + seconds
-        while not happened():
-            assert time.monotonic() < end, "it did not happen"
-            self.receive()
-            time.sleep(0.001)
-
-    def listen(self, seconds: float) -> None:
-        """Receive for so long."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.receive()
-            time.sleep(0.001)
-
-    def show_now(self, mesh: Mesh) -> None:
-        self.show(mesh)
-        self.until(lambda: self.errand is None)
-
-    def stroke(self, ids: np.ndarray, label: int) -> None:
-        self.begin_gesture()
-        self.paint(ids, label)
-        self.end_stroke("Paint")
-
-    def paint_ends(self) -> None:
-        base, handle = ends(self.state.document.mesh.V)
-        self.stroke(base, BASE)
-        self.stroke(handle, HANDLE)
-
-    def drag(self, *poses: np.ndarray) -> None:
-        self.begin_gesture()
-        for pose in poses:
-            self.move_handle(pose)
-        self.end_gesture("Move handle")
-
-    @property
-    def U(self) -> np.ndarray:
-        return self.state.frame.U
-
-    @property
-    def handle_at(self) -> np.ndarray:
-        """Centroid of the handle on screen."""
-        return self.U[self.state.document.labels == HANDLE].mean(axis=0)
-
-
-def pose(angle: float = 0.0, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-    """Turn about y through (1, 1, 6), the middle of the bar's upper end, then shift."""
-    P, centre = np.eye(4), np.array([1.0, 1.0, 6.0])
-    P[:3, :3] = rotation((0, 1, 0), angle)
-    P[:3, 3] = centre - P[:3, :3] @ centre + shift
-    return P
-
-
-BENT = pose(0.6, (0.5, 0.0, 0.2))
-
-
-def bar() -> Mesh:
-    return Mesh(*box(2, 2, 6))
-
-
-def solver_threads() -> list[threading.Thread]:
-    return [thread for thread in threading.enumerate() if thread.name == in_thread.NAME and thread.ident]
-
-
-@pytest.fixture
-def empty():
-    """A session in which nothing is open, closed afterwards, and its thread with it."""
-    others = set(threading.enumerate())
-    session = Driven()
-    yield session
-    session.close()
-    assert set(threading.enumerate()) <= others
-
-
-@pytest.fixture
-def session(empty):
-    """A session with a bar, its lower end base and its upper end handle."""
-    empty.show_now(bar())
-    empty.paint_ends()
-    return empty
-
-
-@pytest.fixture
-def slow(monkeypatch):
-    """Every iteration takes 10 ms longer, so that whatever is done meets one under way."""
-    real = Deformation.iterate
-
-    def iterate(self):
-        time.sleep(0.01)
-        real(self)
-
-    monkeypatch.setattr(Deformation, "iterate", iterate)
-
-
-class Counter:
-    def __init__(self) -> None:
-        self.count = 0
-
-
-@pytest.fixture
-def factored(monkeypatch):
-    """Counts factorizations."""
-    counter = Counter()
-
-    class Counting(linear_solver.LinearSolver):
-        def __init__(self, A) -> None:
-            counter.count += 1
-            super().__init__(A)
-
-    monkeypatch.setattr(elastic, "LinearSolver", Counting)
-    return counter
-
-
-def ready(session: Driven) -> None:
-    """Wait until the worker has factored for what is painted now: its first frame says so."""
-    session.drag(pose(0.01))
-    session.settle()
-
+from apd_viewer.session.session import Activity
 
 # Undo and redo
 

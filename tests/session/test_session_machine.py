@@ -5,11 +5,11 @@ import threading
 import time
 
 import numpy as np
+from driven_session import Driven, solver_threads
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 from meshes import box, rotation
-from test_session import Driven, solver_threads
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh

@@ -34,7 +34,7 @@ def said(tmp_path_factory):
     (folder / "work").mkdir()
     spoken = {"APD_VIEWER_LANGUAGE": LANGUAGE, "APD_VIEWER_LANGUAGES": str(folder / "languages")}
     done = subprocess.run(
-        [sys.executable, str(Path(__file__).parent / "reading.py"), str(folder / "work")],
+        [sys.executable, str(Path(__file__).parents[1] / "support" / "reading.py"), str(folder / "work")],
         cwd=ROOT,
         env=os.environ | spoken | {"PYTHONIOENCODING": "utf-8", "SIZE": "800x640"},
         capture_output=True,

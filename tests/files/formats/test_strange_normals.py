@@ -1,0 +1,23 @@
+"""Normals of a file that are none: they are first looked at when they have to turn."""
+
+import pytest
+from mesh_contents import TWO_MATERIALS, bent
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.meshes import open_mesh, save_mesh
+
+
+@pytest.mark.parametrize("normal", ["vn 0 nan 1", "vn 1e300 0 0"])
+def test_a_normal_that_is_none_stays_as_it_is(normal, tmp_path):
+    (tmp_path / "a.obj").write_bytes(TWO_MATERIALS.replace(b"vn 0 0 -1.000", normal.encode()))
+    mesh = open_mesh(tmp_path / "a.obj")
+    save_mesh(mesh, bent(mesh.V), tmp_path / "b.obj")
+    assert normal in (tmp_path / "b.obj").read_text()
+    assert "vn 0 0.9487 0.3162" not in (tmp_path / "b.obj").read_text()
+
+
+def test_a_normal_that_is_no_number_is_noticed_when_it_has_to_turn(tmp_path):
+    (tmp_path / "a.obj").write_bytes(TWO_MATERIALS.replace(b"vn 0 0 -1.000", b"vn 0 zero 0"))
+    mesh = open_mesh(tmp_path / "a.obj")
+    with pytest.raises(InputError, match=r"normals that are not understood \(“zero” is no number\)"):
+        save_mesh(mesh, bent(mesh.V), tmp_path / "b.obj")

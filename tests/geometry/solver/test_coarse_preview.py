@@ -1,0 +1,161 @@
+"""Shapes that a coarse surface carries a fine one along to, for as long as the fine one has no factor."""
+
+import numpy as np
+import pytest
+from meshes import rotation, tube
+from remote_factor_double import Elsewhere
+
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.goals import Region
+
+V, F = tube(80, 120, height=4.0)
+FIXED = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))
+HANDLE = V[FIXED, 2] > 2.0
+
+
+@pytest.fixture
+def factor(monkeypatch):
+    monkeypatch.setattr(Elsewhere, "there", False)
+    return Elsewhere
+
+
+def targets(angle, shift=(0.1, 0.0, 0.2)):
+    X = V[FIXED].copy()
+    X[HANDLE] = X[HANDLE] @ rotation([0, 0, 1], angle).T + shift
+    return X
+
+
+def until_the_coarse_one_is_done(solver, limit=500):
+    for _ in range(limit):
+        if not solver.ready:
+            return
+        solver.iterate()
+    raise AssertionError("the coarse surface did not come to rest")
+
+
+ASKED = {
+    "area": {"area": 100.0},
+    "volume": {"area": None, "volume": 98.0},
+    "all": {"area": 100.0, "volume": 96.0, "regions": [Region("half", np.flatnonzero(V[:, 0] > 0), 101.0)]},
+}
+
+
+@pytest.mark.parametrize("asked", ASKED)
+def test_what_is_asked_holds_in_every_preview(asked, factor):
+    caps = {"area": (V, F), "volume": closed(), "all": closed()}[asked]
+    solver = Deformation(*caps, FIXED, method="arap", factored=factor, **ASKED[asked])
+    for k in range(1, 30):
+        solver.aim(targets(0.04 * k, (0, 0, 0)))
+        solver.iterate()
+        method = solver._method
+        assert method.hides, "it is none of its own shapes"
+        assert method.met
+        assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
+        for goal in method.goals:
+            assert abs(goal.miss(goal.value(method.U))) <= (1e-9 if asked == "all" else 1e-10)
+        assert not solver.frame().settled
+
+
+def closed():
+    """The tube with its ends closed by fans around the first vertex of each ring."""
+    top = len(V) - 80
+    ring = np.arange(1, 79)
+    low = np.column_stack([np.zeros(78, dtype=int), ring + 1, ring])
+    return V, np.vstack([F, low, top + low[:, ::-1]])
+
+
+def test_a_motion_of_the_whole_is_shown_as_it_is(factor):
+    solver = Deformation(V, F, FIXED, factored=factor)
+    R, shift = rotation([1, 2, 3], 1.1), [3.0, -1.0, 0.5]
+    solver.aim(V[FIXED] @ R.T + shift)
+    until_the_coarse_one_is_done(solver)
+    assert np.abs(solver.frame().U - (V @ R.T + shift)).max() <= 1e-4 * solver.rest.diagonal
+
+
+def test_it_begins_at_the_shape_that_was_there(factor):
+    """Details that only the fine surface knows are not lost by touching the handle."""
+    bumpy = V + 0.002 * np.random.default_rng(0).normal(size=V.shape)
+    solver = Deformation(bumpy, F, FIXED, factored=factor)
+    held = bumpy[FIXED].copy()
+    held[HANDLE] += [1e-7, 0.0, 0.0]
+    solver.aim(held)
+    solver.iterate()
+    assert np.abs(solver.frame().U - bumpy).max() <= 1e-6
+    solver.aim(bumpy[FIXED])
+    until_the_coarse_one_is_done(solver)
+    assert np.abs(solver.frame().U - bumpy).max() <= 1e-6
+
+
+@pytest.mark.parametrize("method", ["arap", "exact", "local"])
+def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
+    asked = targets(0.5)
+    plain = Deformation(V, F, FIXED, method=method, stiffness=1e-3)
+    solver = Deformation(V, F, FIXED, method=method, stiffness=1e-3, factored=factor)
+    for deformation in (plain, solver):
+        deformation.aim(asked)
+    until_the_coarse_one_is_done(solver)
+    preview = solver.frame().U
+    factor.there = True
+    assert solver.ready
+    first = solver.step()
+    assert not solver._method.hides
+    diagonal = solver.rest.diagonal
+    assert np.abs(first.U - preview).max() <= 0.01 * diagonal
+    normals = [solver.rest.shape.whole.vertex_normals(U) for U in (preview, first.U)]
+    apart = np.degrees(np.arccos(np.clip((normals[0] * normals[1]).sum(axis=1), -1.0, 1.0)))
+    assert np.percentile(apart, 90) <= 3.0
+    while not (settled := solver.step()).settled:
+        pass
+    while not (alone := plain.step()).settled:
+        pass
+    assert np.abs(settled.U - preview).max() <= 0.02 * diagonal
+    energies = [solver.rest.energy(frame.U) for frame in (settled, alone)]
+    assert energies[0] == pytest.approx(energies[1], rel=1e-3)
+
+
+def test_a_hand_that_moves_on_is_followed_from_the_last_full_shape(factor):
+    factor.there = True
+    solver = Deformation(V, F, FIXED, factored=factor)
+    solver.aim(targets(0.3))
+    while not (rest := solver.step()).settled:
+        pass
+    for shift in (0.25, 0.3, 0.25, 0.2):
+        solver.aim(targets(0.3, (0.1, 0.0, shift)))
+        solver.iterate()
+        assert solver._method.hides
+    while not (frame := solver.step()).settled:
+        pass
+    assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal
+
+
+def test_other_goals_in_the_middle_of_a_preview(factor):
+    solver = Deformation(V, F, FIXED, factored=factor)
+    solver.aim(targets(0.3))
+    solver.iterate()
+    solver.keep(area=103.0)
+    frame = solver.step()
+    assert frame.area == pytest.approx(1.03 * solver.rest.area, rel=1e-10)
+    factor.there = True
+    while not (frame := solver.step()).settled:
+        assert frame.area == pytest.approx(1.03 * solver.rest.area, rel=1e-10)
+    assert frame.converged
+
+
+def test_another_start_in_the_middle_of_a_preview(factor):
+    solver = Deformation(V, F, FIXED, factored=factor)
+    solver.aim(targets(0.8))
+    for _ in range(5):
+        solver.iterate()
+    solver.aim(V[FIXED], U=V)
+    assert np.abs(solver.step().U - V).max() <= 1e-9 * solver.rest.diagonal
+
+
+@pytest.mark.parametrize("method", ["paper", "sr-arap"])
+def test_what_follows_no_coarse_surface_waits(method, factor):
+    handle = FIXED[HANDLE]
+    solver = Deformation(V, F, FIXED, method=method, handle=handle, factored=factor)
+    solver.aim(targets(0.3))
+    assert not solver.ready
+    factor.there = True
+    assert solver.ready
+    solver.step()

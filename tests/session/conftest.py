@@ -1,0 +1,59 @@
+"""Sessions that are closed when their test ends."""
+
+import threading
+import time
+
+import pytest
+
+from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.linalg import linear_solver
+from apd_viewer.geometry.solver.deformation import Deformation
+
+
+class Counter:
+    def __init__(self) -> None:
+        self.count = 0
+
+
+@pytest.fixture
+def empty():
+    """A session in which nothing is open, closed afterwards, and its thread with it."""
+    others = set(threading.enumerate())
+    session = Driven()
+    yield session
+    session.close()
+    assert set(threading.enumerate()) <= others
+
+
+@pytest.fixture
+def session(empty):
+    """A session with a bar, its lower end base and its upper end handle."""
+    empty.show_now(bar())
+    empty.paint_ends()
+    return empty
+
+
+@pytest.fixture
+def slow(monkeypatch):
+    """Every iteration takes 10 ms longer, so that whatever is done meets one under way."""
+    real = Deformation.iterate
+
+    def iterate(self):
+        time.sleep(0.01)
+        real(self)
+
+    monkeypatch.setattr(Deformation, "iterate", iterate)
+
+
+@pytest.fixture
+def factored(monkeypatch):
+    """Counts factorizations."""
+    counter = Counter()
+
+    class Counting(linear_solver.LinearSolver):
+        def __init__(self, A) -> None:
+            counter.count += 1
+            super().__init__(A)
+
+    monkeypatch.setattr(elastic, "LinearSolver", Counting)
+    return counter

@@ -1,0 +1,336 @@
+"""Opening and writing in the background, and closing while something is under way."""
+
+import gc
+import threading
+import time
+import weakref
+
+import numpy as np
+import pytest
+from driven_session import BENT, LONG, Driven, bar, pose, solver_threads
+from meshes import box
+
+from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session import file_jobs
+from apd_viewer.session.session import Activity
+
+
+@pytest.fixture
+def session():
+    others = set(threading.enumerate())
+    session = Driven()
+    session.show_now(bar())
+    session.paint_ends()
+    yield session
+    session.close()
+    assert set(threading.enumerate()) <= others
+
+
+@pytest.fixture
+def gate(monkeypatch):
+    """Opening and writing wait for this event."""
+    event = threading.Event()
+
+    def held(real):
+        def work(*args):
+            assert event.wait(LONG)
+            return real(*args)
+
+        return work
+
+    monkeypatch.setattr(file_jobs, "open_mesh", held(open_mesh))
+    monkeypatch.setattr(file_jobs, "save_mesh", held(save_mesh))
+    yield event
+    event.set()
+
+
+@pytest.fixture
+def cube_file(tmp_path):
+    path = tmp_path / "cube.obj"
+    mesh = Mesh(*box(1, 1, 1))
+    save_mesh(mesh, mesh.V, path)
+    return path
+
+
+def finish(session: Driven) -> None:
+    session.until(lambda: session.errand is None)
+
+
+# Opening
+
+
+def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file, gate):
+    session.settings.set_method("arap")
+    before = session.state
+    session.open(cube_file)
+    assert session.errand.title == "Opening cube.obj"
+    session.listen(0.02)
+    assert session.state is before
+    gate.set()
+    finish(session)
+    assert len(session.U) == 8
+    assert session.U is session.state.document.mesh.V
+    assert session.state.document.method == "arap"
+    assert session.activity is Activity.IDLE
+    session.undo()
+    assert session.state is before
+
+
+def test_a_file_that_cannot_be_opened_is_told_and_nothing_changes(session, tmp_path):
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nf 1 2 3\n")
+    for path in (bad, tmp_path / "none.obj", tmp_path):
+        before, count = session.state, len(session.failed)
+        undo, changes = session.history.next_undo, len(session.changes)
+        session.open(path)
+        finish(session)
+        assert len(session.failed) == count + 1
+        assert session.failed[-1].endswith(".")
+        assert session.state is before
+        assert (session.history.next_undo, len(session.changes)) == (undo, changes)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        RuntimeError("broken"),
+        MemoryError(),
+    ],
+)
+def test_a_defect_while_opening_is_told_and_nothing_changes(session, cube_file, monkeypatch, capfd, error):
+    def broken(_):
+        raise error
+
+    before = session.state
+    monkeypatch.setattr(file_jobs, "open_mesh", broken)
+    session.open(cube_file)
+    finish(session)
+    assert session.failed == [f"Opening cube.obj failed ({str(error) or 'MemoryError'})."]
+    assert session.state is before
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_an_opening_that_is_cancelled_never_arrives(session, cube_file, gate):
+    before = session.state
+    session.open(cube_file)
+    thread = next(thread for thread in threading.enumerate() if thread.name == "Opening cube.obj")
+    session.cancel_errand()
+    assert session.errand is None
+    gate.set()
+    thread.join(LONG)
+    session.listen(0.02)
+    assert session.state is before
+    session.cancel_errand()
+    session.open(cube_file)
+    finish(session)
+    assert len(session.U) == 8
+
+
+def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_file, gate, tmp_path):
+    slab = tmp_path / "slab.obj"
+    mesh = Mesh(*box(2, 2, 1))
+    save_mesh(mesh, mesh.V, slab)
+    session.open(cube_file)
+    session.cancel_errand()
+    session.open(slab)
+    gate.set()
+    finish(session)
+    session.listen(0.05)
+    assert len(session.U) == len(mesh.V)
+
+
+def test_a_second_errand_is_refused_and_the_first_arrives(session, cube_file, gate, tmp_path):
+    session.open(cube_file)
+    first = session.errand
+    session.show(bar())
+    session.export(tmp_path / "out.obj")
+    assert session.errand is first
+    assert len(session.failed) == 2
+    assert all("Opening cube.obj" in sentence for sentence in session.failed)
+    gate.set()
+    finish(session)
+    assert len(session.U) == 8
+    assert not (tmp_path / "out.obj").exists()
+
+
+def test_verbs_go_on_while_a_file_is_opened(session, cube_file, gate):
+    session.open(cube_file)
+    session.drag(BENT)
+    session.until(lambda: session.activity is Activity.SETTLED)
+    bent = session.state
+    gate.set()
+    finish(session)
+    session.undo()
+    assert session.state is bent
+
+
+def test_findings_of_the_opened_mesh_are_told(session):
+    V, F = box(1, 1, 1)
+    session.show_now(Mesh(np.vstack([V, [[5.0, 5.0, 5.0]]]), F))
+    assert any("belongs to no face" in sentence for sentence in session.told)
+
+
+# Writing
+
+
+def test_what_is_written_is_the_shape_that_was_on_screen(session, tmp_path, gate):
+    session.drag(BENT)
+    session.settle()
+    U, area = session.U, session.state.frame.area
+    session.export(tmp_path / "bent.obj")
+    session.drag(pose(-0.5))
+    session.until(lambda: session.activity is Activity.SETTLED)
+    gate.set()
+    finish(session)
+    written = open_mesh(tmp_path / "bent.obj")
+    assert np.allclose(written.V, U, rtol=0, atol=1e-12)
+    assert np.array_equal(written.F, session.state.document.mesh.F)
+    assert f"area {area:.6g}" in session.told[-1]
+    assert "bent.obj" in session.told[-1]
+    assert session.unsaved, "what is on screen is not what was written"
+
+
+@pytest.mark.parametrize("name", ["out.xyz", "no/such/folder/out.obj"])
+def test_what_cannot_be_written_is_told_and_stays_unsaved(session, tmp_path, name):
+    session.drag(BENT)
+    session.settle()
+    before = session.state
+    session.export(tmp_path / name)
+    finish(session)
+    assert len(session.failed) == 1
+    assert session.state is before
+    assert session.unsaved
+
+
+def test_unsaved_from_a_deformation_until_it_is_written_or_taken_back(session, tmp_path):
+    assert not session.unsaved
+    session.drag(BENT)
+    assert not session.unsaved, "there is no frame yet"
+    session.settle()
+    assert session.unsaved
+    session.export(tmp_path / "bent.ply")
+    finish(session)
+    assert not session.unsaved
+    session.stroke(np.arange(3), 0)
+    assert not session.unsaved, "paint is not written into a mesh"
+    session.undo()
+    assert not session.unsaved
+    session.drag(pose(0.2))
+    session.settle()
+    assert session.unsaved
+    session.undo()
+    assert not session.unsaved, "this shape was written"
+    session.redo()
+    session.reset_handle()
+    assert not session.unsaved
+    session.undo()
+    assert session.unsaved
+    session.show_now(bar())
+    assert len(session.unsaved) == 1, "the mesh before is an undo away, and would be lost with the session"
+    session.undo()
+    session.undo()
+    assert session.unsaved == []
+
+
+def test_nothing_is_unsaved_before_a_mesh_is_open():
+    session = Driven()
+    assert not session.unsaved
+    session.close()
+
+
+# Closing
+
+
+def closed_within(session: Driven, seconds: float) -> None:
+    started = time.monotonic()
+    session.close()
+    assert time.monotonic() - started < seconds
+    assert solver_threads() == []
+
+
+def test_closing_ends_a_run_at_the_next_iteration(session):
+    session.settings.set_tolerance(1e-12)  # not to be met
+    session.drag(BENT)
+    session.until(lambda: session.state.frame.iteration > 3)
+    closed_within(session, 2.0)
+
+
+def test_closing_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch):
+    def slowly(*args):
+        time.sleep(0.3)
+        save_mesh(*args)
+
+    monkeypatch.setattr(file_jobs, "save_mesh", slowly)
+    session.export(tmp_path / "out.obj")
+    closed_within(session, 2.0)
+    assert len(open_mesh(tmp_path / "out.obj").V) == len(session.U)
+
+
+def test_closing_waits_for_a_file_that_is_written_although_that_was_cancelled(session, tmp_path, monkeypatch):
+    def slowly(*args):
+        time.sleep(0.3)
+        save_mesh(*args)
+
+    monkeypatch.setattr(file_jobs, "save_mesh", slowly)
+    session.export(tmp_path / "out.obj")
+    session.cancel_errand()
+    session.close()
+    written = (tmp_path / "out.obj").exists()
+    time.sleep(0.6)
+    assert written
+
+
+def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, monkeypatch):
+    def slowly(path):
+        time.sleep(1.0)
+        return open_mesh(path)
+
+    monkeypatch.setattr(file_jobs, "open_mesh", slowly)
+    session.open(cube_file)
+    thread = session.errand._thread
+    started = time.monotonic()
+    session.close()
+    waited = time.monotonic() - started
+    thread.join(LONG)
+    assert waited < 0.7
+
+
+def test_nobody_is_woken_after_closing(session, cube_file, gate):
+    session.open(cube_file)
+    thread = session.errand._thread
+    session.cancel_errand()
+    session.close()
+    woken = len(session.woken)
+    gate.set()
+    thread.join(LONG)
+    assert len(session.woken) == woken
+
+
+def test_closing_twice_and_before_anything_is_open():
+    session = Driven()
+    closed_within(session, 2.0)
+    closed_within(session, 2.0)
+
+
+def test_sessions_leave_no_thread_and_no_worker():
+    others, workers = set(threading.enumerate()), []
+    for k in range(20):
+        session = Driven()
+        session.show_now(bar())
+        if k % 2:
+            session.paint_ends()
+            session.drag(BENT)
+            session.until(lambda s=session, least=k % 5: s.state.frame.iteration > least)
+        workers += [weakref.ref(session._worker), weakref.ref(session)]
+        session.close()
+    del session
+    gc.collect()
+    assert set(threading.enumerate()) <= others
+    assert [ref() for ref in workers if ref() is not None] == []
+
+
+def test_input_errors_of_errands_are_sentences_without_a_traceback(session, tmp_path, capfd):
+    session.open(tmp_path / "none.stl")
+    finish(session)
+    assert capfd.readouterr().err == ""

@@ -1,0 +1,221 @@
+"""The readings along a gesture: what begins them, what is in them, and that they stay small."""
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driven_session import Driven, pose
+from meshes import box
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.trace import COLUMNS, MOST, Trace
+
+REST = opened(Mesh(*box(1, 1, 2)))
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+def moved(k):
+    """The document as it is asked for at the ``k``-th place of a handle."""
+    P = np.eye(4)
+    P[0, 3] = 0.01 * k
+    return REST.document.moved(0, P)
+
+
+def frame(iteration=1, total=1, **what):
+    return replace(REST.frame, iteration=iteration, total=total, **what)
+
+
+def test_a_trace_leads_from_the_state_before_to_the_latest_frame(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    trace.expect(REST.document, REST)
+    clock.now += 1.0
+    trace.add(moved(1), frame(2, 2, area=7.5, area_error=-0.25, volume=None, energy=3.0, local_change=0.5))
+    assert [trace[name].tolist() for name in ("seconds", "iteration")] == [[0.0, 1.0], [0.0, 2.0]]
+    assert trace["area"].tolist() == [REST.frame.area, 7.5]
+    assert trace["area_error"].tolist() == [0.0, -0.25]
+    assert trace["energy"].tolist() == [0.0, 3.0]
+    assert trace["local_change"].tolist() == [0.0, 0.5]
+    assert trace["volume"][0] == REST.frame.volume
+    assert np.isnan(trace["volume"][1])
+    assert trace.rows.shape == (2, len(COLUMNS))
+    assert not trace.rows.flags.writeable
+
+
+def test_the_miss_is_against_what_is_asked_for(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    trace.add(replace(REST.document, area=80.0), frame(1, 1, area_error=-0.1))
+    trace.add(replace(REST.document, area=80.0, method="arap"), frame(2, 2, area_error=-0.1))
+    assert trace["area_miss"][1:].tolist() == pytest.approx([0.9 / 0.8 - 1.0, 0.1])
+
+
+def test_iterations_that_nobody_saw_are_counted_too(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    for k, (iteration, total) in enumerate([(3, 3), (2, 9), (40, 47), (1, 1)]):
+        trace.add(moved(k), frame(iteration, total))
+    # The last frame is of another solver.
+    assert trace["iteration"].tolist() == [0, 3, 9, 47, 48]
+
+
+def test_what_answers_the_old_question_belongs_to_the_old_trace(clock):
+    trace, first, second = Trace(clock), moved(1), moved(2)
+    trace.begin(REST)
+    trace.add(first, frame(1, 1))
+    clock.now += 1.0
+    trace.expect(first, REST.at(frame=frame(area=5.0)))
+    trace.add(first, frame(2, 2))
+    assert len(trace) == 3
+    trace.add(second, frame(1, 3))
+    assert len(trace) == 2
+    assert trace["area"][0] == 5.0
+
+
+def test_when_the_hand_let_go_is_told_from_the_beginning_of_its_own_gesture(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    trace.expect(REST.document, REST)
+    clock.now += 2.0
+    trace.let_go()  # before the first frame has come
+    assert trace.let_go_at is None
+    trace.add(moved(1), frame())
+    assert trace.let_go_at == 2.0
+    trace.expect(moved(1), REST)
+    trace.let_go()  # of a stroke, which nothing answers
+    assert trace.let_go_at == 2.0
+    trace.begin(REST)
+    assert trace.let_go_at is None
+
+
+def test_ten_thousand_frames_take_no_more_memory_than_a_thousand(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    documents = moved(1), moved(2)
+    tracemalloc.start()
+    try:
+        sizes = []
+        for k in range(11_000):
+            clock.now += 0.01
+            trace.add(documents[k % 2], frame(1, k + 1, area=float(k)))
+            if k in (1_000, 10_999):
+                sizes.append(tracemalloc.get_traced_memory()[0])
+    finally:
+        tracemalloc.stop()
+    assert sizes[1] - sizes[0] < 0.05 * trace.rows.nbytes
+    assert MOST / 2 <= len(trace) <= MOST
+    seconds = trace["seconds"]
+    assert (seconds[0], trace["area"][-1], trace["iteration"][-1]) == (0.0, 10_999.0, 11_000.0)
+    steps = np.diff(seconds[:-1])
+    assert steps.min() > 0.9 * steps.max(), "what is left out is left out evenly"
+
+
+def test_the_latest_frame_is_there_at_any_time(clock):
+    trace = Trace(clock)
+    trace.begin(REST)
+    for k in range(3 * MOST):
+        trace.add(moved(1), frame(k + 1, k + 1, area=float(k)))
+        assert trace["area"][-1] == k
+        assert trace["area"][0] == REST.frame.area
+
+
+# With the real worker
+
+
+@pytest.fixture
+def session():
+    session = Driven()
+    session.show_now(Mesh(*box(2, 2, 6)))
+    session.paint_ends()
+    session.settle()
+    yield session
+    session.close()
+
+
+def drag(session, *poses):
+    session.begin_gesture()
+    for each in poses:
+        session.move_handle(each)
+        session.listen(0.02)
+    session.end_gesture("Move handle")
+    session.settle()
+
+
+def check_leads_to_the_screen(trace, frame):
+    assert trace["area"][-1] == frame.area
+    assert trace["volume"][-1] == frame.volume
+    assert trace["energy"][-1] == frame.energy
+    assert trace["iteration"][-1] >= frame.iteration
+    assert (np.diff(trace["seconds"]) >= 0.0).all()
+    assert (np.diff(trace["iteration"]) > 0).all()
+
+
+def test_a_drag_is_one_trace_and_the_next_one_begins_where_it_ended(session):
+    trace, rest = session.trace, session.state.frame
+    assert len(trace) == 1
+    drag(session, *(pose(0.1 * k) for k in range(1, 8)))
+    check_leads_to_the_screen(trace, session.state.frame)
+    assert (len(trace) > 2, trace["area"][0], trace["energy"][0]) == (True, rest.area, 0.0)
+    assert trace.let_go_at >= 7 * 0.02
+    before = session.state.frame
+    drag(session, pose(0.9))
+    check_leads_to_the_screen(trace, session.state.frame)
+    assert trace["volume"][0] == before.volume
+    every = {frame.volume for _, state in session.changes for frame in (state.frame,)}
+    assert set(trace["volume"].tolist()) <= every, "a trace holds what was shown, and nothing else"
+
+
+def test_undo_another_method_and_another_mesh_begin_another_trace(session):
+    trace = session.trace
+    drag(session, pose(0.6))
+    before = session.state.frame
+    session.settings.set_method("arap")
+    session.settle()
+    assert trace["volume"][0] == before.volume
+    assert trace.let_go_at is None
+    check_leads_to_the_screen(trace, session.state.frame)
+    session.undo()
+    session.settle()
+    assert trace["volume"][0] == before.volume
+    assert trace["iteration"][0] == 0
+    session.undo()
+    session.settle()
+    assert trace["energy"].tolist() == [0.0], "it is at rest again"
+    session.show_now(Mesh(*box(1, 1, 3)))
+    session.settle()
+    assert trace["volume"].tolist() == [3.0]
+
+
+def test_paint_leaves_the_trace_alone(session):
+    drag(session, pose(0.6))
+    rows = session.trace.rows
+    session.stroke(np.array([len(session.U) // 2]), HANDLE)
+    session.settle()
+    np.testing.assert_array_equal(session.trace.rows, rows)
+
+
+def test_steps_that_are_one_for_undo_are_one_here(session):
+    before = session.state.frame
+    for k in range(1, 4):
+        session.pose_handle(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", repeats=True)
+        session.settle()
+    assert session.trace["volume"][0] == before.volume
+    check_leads_to_the_screen(session.trace, session.state.frame)
+    session.pose_handle(pose(shift=(0.3, 0.0, 0.0)), 0, "Move along X")
+    session.settle()
+    assert session.trace["volume"][0] != before.volume

@@ -1,0 +1,559 @@
+"""The solver's process: killed, useless, unable to start, left alone. The user's work survives all of it."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import interleavings
+import numpy as np
+import pytest
+from driven_session import BENT, Driven, bar, pose
+from meshes import box
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.processes import process_client
+from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.session import Activity
+
+pytestmark = pytest.mark.usefixtures("process")
+SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
+ROOT = Path(__file__).parents[3]
+
+
+def pid_of(session: Driven) -> int | None:
+    process = session._worker._child
+    return process and process._process.pid
+
+
+def kill(session: Driven) -> None:
+    """Kill the process, and wait until there is another."""
+    before = pid_of(session)
+    os.kill(before, SIGKILL)
+    session.until(lambda: pid_of(session) not in (before, None), 3.0)
+
+
+def gone(pid: int) -> bool:
+    """Whether a process has ended, be it that nobody has asked yet how."""
+    try:
+        return ") Z " in Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return True
+
+
+def next_frame(session: Driven, seconds: float) -> None:
+    before = session.U
+    session.until(lambda: session.U is not before, seconds)
+
+
+@pytest.fixture
+def altered(monkeypatch):
+    """Processes that are started from now on do something else first."""
+
+    def alter(code: str) -> None:
+        main = "from apd_viewer.session.processes.solver_main import main\n"
+        assert main in process_client._START
+        monkeypatch.setattr(
+            process_client, "_START", process_client._START.replace(main, main + textwrap.dedent(code))
+        )
+
+    return alter
+
+
+# Killed
+
+
+def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
+    session.settings.set_method("arap")
+    session.begin_gesture()
+    for k in range(10):
+        session.move_handle(pose(0.1 * k + 0.1))
+        next_frame(session, 5.0)
+        session.listen(0.02)
+        U, document, killed = session.U, session.state.document, time.monotonic()
+        kill(session)
+        assert session.state.document is document
+        session.move_handle(pose(0.1 * k + 0.15))
+        next_frame(session, 3.0)
+        assert time.monotonic() - killed < 3.0
+        assert np.abs(session.U - U).max() < 1.0, "it goes on from where it was"
+    document = session.state.document
+    session.end_gesture("Move handle")
+    session.settle()
+    assert session.state.document is document
+    assert session.activity is Activity.SETTLED
+    held = document.constraints()
+    assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
+    assert session.failed == []
+    assert len(session.told) == 1, "ten times the same news in ten seconds would be nine too many"
+    assert "nothing is lost" in session.told[0]
+
+
+def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, altered):
+    altered(
+        """
+        import time
+        from apd_viewer.geometry.solver.deformation import Deformation
+        real = Deformation.iterate
+        Deformation.iterate = lambda self: (time.sleep(0.01), real(self))
+        """
+    )
+    session = empty
+    session.show_now(bar())
+    session.paint_ends()
+    session.settings.set_tolerance(1e-12)  # not to be met
+    session.settings.set_method("paper")
+    session.drag(BENT)
+    session.until(lambda: session.state.frame.iteration > 30)
+    U = session.U
+    changes = len(session.changes)
+    kill(session)
+    session.until(lambda: session.told)
+    next_frame(session, 3.0)
+    session.listen(0.1)
+    rest = session.state.document.mesh.V
+    for _, state in session.changes[changes:]:
+        assert np.abs(state.frame.U - U).max() < 0.2 * np.abs(U - rest).max()
+
+
+def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session):
+    session.drag(BENT)
+    session.settle()
+    state = session.state
+    kill(session)
+    session.listen(1.0)
+    assert session.state is state
+    assert session.activity is Activity.SETTLED
+    assert session.failed == []
+    assert len(session.told) == 1
+    session.drag(pose(0.3))
+    session.settle()
+    assert session.activity is Activity.SETTLED
+
+
+def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, altered, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(process_client, "_START", process_client._START)
+        altered(
+            """
+            import os
+            from apd_viewer.geometry.solver.deformation import Deformation
+            Deformation.iterate = lambda self: os._exit(139)
+            """
+        )
+        empty.show_now(bar())
+        empty.paint_ends()
+        state = empty.state
+        empty.drag(BENT)
+        empty.until(lambda: empty.failed)
+    assert "3 times" in empty.failed[0]
+    assert empty.failed[0].endswith(".")
+    assert empty.activity is Activity.UNREACHED
+    assert empty.U is state.frame.U
+    empty.undo()
+    assert empty.state is state
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+    assert len(empty.failed) == 1
+
+
+# Not started
+
+
+def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(process_client, "_START", "raise SystemExit(3)")
+        empty.show_now(bar())
+        empty.until(lambda: empty.failed)
+        assert "3 times" in empty.failed[0]
+        empty.listen(0.2)
+        assert len(empty.failed) == 1
+    empty.paint_ends()
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+
+
+def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "executable", "/no/such/python")
+        empty.show_now(bar())
+        empty.until(lambda: empty.failed)
+    assert "cannot be started" in empty.failed[0]
+    assert empty.state is not None
+    empty.paint_ends()
+    empty.drag(BENT)
+    empty.settle()
+    assert empty.activity is Activity.SETTLED
+
+
+# Factored elsewhere
+
+
+@pytest.fixture
+def endless(altered):
+    """Large meshes take a minute to factor, all the time with the interpreter held."""
+    altered(
+        """
+        from apd_viewer.session.processes import remote_factor, solver
+        solver._LARGE = 2500
+        slow = "from apd_viewer.geometry.linalg.linear_solver import LinearSolver; import ctypes\\n"
+        slow += "LinearSolver.from_rows = lambda *_: ctypes.PyDLL(None).sleep(60)\\nmain(replies)"
+        remote_factor._START = remote_factor._START.replace("main(replies)", slow)
+        """
+    )
+
+
+@pytest.fixture
+def factoring(empty, endless):
+    """A session in the middle of an endless factorization."""
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.until(lambda: children_of(empty))
+    return empty
+
+
+def children_of(session: Driven) -> list[int]:
+    """The processes that the session's process has started."""
+    pid = pid_of(session)
+    found = Path(f"/proc/{pid}/task/{pid}/children").read_text() if pid else ""
+    return [int(process_client) for process_client in found.split()]
+
+
+@linux
+def test_a_factorization_that_has_become_useless_is_ended(factoring):
+    before, (useless,) = pid_of(factoring), children_of(factoring)
+    factoring.show_now(bar())
+    factoring.paint_ends()
+    factoring.drag(BENT)
+    factoring.settle()
+    assert factoring.activity is Activity.SETTLED
+    assert pid_of(factoring) == before, "what else it knows is not lost with it"
+    assert gone(useless)
+    assert children_of(factoring) == []
+    assert factoring.failed == factoring.told == [], "that is nobody's business"
+
+
+@linux
+def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
+    before = children_of(factoring)
+    factoring.drag(pose(0.1), pose(0.2))
+    factoring.listen(0.3)
+    assert children_of(factoring) == before
+
+
+@linux
+@pytest.mark.parametrize("method", ["exact", "arap", "local"])
+def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
+    factoring.settings.set_method(method)
+    factoring.begin_gesture()
+    held = None
+    for k in range(10):
+        factoring.move_handle(pose(0.05 * k + 0.05))
+        held = factoring.state.document.constraints()
+        next_frame(factoring, 20.0)
+        frame = factoring.state.frame
+        assert not frame.settled
+        if method == "exact":
+            assert abs(frame.area_error) <= 1e-9
+    factoring.end_gesture("Move handle")
+    factoring.listen(1.0)
+    assert np.array_equal(factoring.U[held.fixed], held.targets)
+    assert factoring.activity is Activity.REFINING, "the shape of the fine surface is still to come"
+    assert factoring.failed == []
+
+
+@linux
+def test_closing_ends_a_factorization_at_once(factoring):
+    before = [pid_of(factoring), *children_of(factoring)]
+    started = time.monotonic()
+    factoring.close()
+    assert time.monotonic() - started < 1.0
+    end = time.monotonic() + 1.0
+    while not all(gone(pid) for pid in before):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@linux
+def test_a_killed_process_takes_its_factorization_along(factoring):
+    (before,) = children_of(factoring)
+    kill(factoring)
+    factoring.until(lambda: gone(before), 5.0)  # it may not have loaded yet what lets it notice
+    factoring.until(lambda: children_of(factoring))
+
+
+@linux
+def test_a_factorization_that_dies_is_begun_again(factoring):
+    factoring.drag(pose(0.1))
+    (before,) = children_of(factoring)
+    os.kill(before, SIGKILL)
+    factoring.until(lambda: children_of(factoring) not in ([], [before]))
+    assert factoring.failed == factoring.told == []
+
+
+def test_to_ask_never_waits(factoring):
+    document = factoring.state.document
+    slowest = 0.0
+    for k in range(200):
+        request = Request(document.moved(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
+        started = time.perf_counter()
+        factoring._worker.ask(request)
+        slowest = max(slowest, time.perf_counter() - started)
+        time.sleep(0.0005)
+    assert slowest < 0.05
+
+
+@linux
+def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
+    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.2), pose(0.4))
+    empty.settle()
+    assert children_of(empty)
+    U, document = empty.U, empty.state.document
+    held = document.constraints()
+    near = Deformation(document.mesh.V, document.mesh.F, held.fixed, handle=held.handles, area=100.0)
+    near.aim(held.targets)
+    while not (frame := near.step()).settled:
+        pass
+    energies = [near.rest.energy(shape) for shape in (U, frame.U)]
+    assert energies[0] == pytest.approx(energies[1], rel=1e-3)
+    assert empty.state.frame.converged
+
+
+@pytest.fixture
+def large(empty, altered):
+    """A session with a mesh that counts as large, painted."""
+    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.1))
+    empty.until(lambda: empty._worker._spare)
+    return empty
+
+
+def pid_of_spare(session: Driven) -> int:
+    return session._worker._spare._process.pid
+
+
+@linux
+def test_a_spare_process_takes_over_and_is_replaced(large):
+    for k in range(3):
+        spare = pid_of_spare(large)
+        kill(large)
+        assert pid_of(large) == spare
+        large.drag(pose(0.1 * k + 0.2))
+        next_frame(large, 10.0)
+        large.drag(pose(0.1 * k + 0.25))
+        large.until(lambda: large._worker._spare)
+        assert pid_of_spare(large) != spare
+    assert large.failed == []
+
+
+@linux
+def test_a_spare_process_that_dies_is_nobodys_business(large):
+    spare = large._worker._spare
+    os.kill(pid_of_spare(large), SIGKILL)
+    large.until(lambda: not spare.alive)
+    large.drag(pose(0.3))
+    next_frame(large, 10.0)
+    assert large._worker._spare is spare, "or one for which there is no memory would be started for ever"
+    assert large.failed == large.told == []
+    kill(large)
+    large.drag(pose(0.4))
+    next_frame(large, 10.0)
+    assert len(large.told) == 1
+    assert large.failed == []
+
+
+@linux
+def test_a_small_mesh_needs_no_spare(large):
+    spare = pid_of_spare(large)
+    large.show_now(bar())
+    large.paint_ends()
+    large.drag(BENT)
+    large.settle()
+    large.until(lambda: gone(spare))
+    assert large._worker._spare is None
+
+
+@linux
+def test_closing_ends_a_spare_process(large):
+    spare = pid_of_spare(large)
+    large.close()
+    large.until(lambda: gone(spare), 1.0)
+
+
+def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
+    altered(
+        """
+        import sys
+        from apd_viewer.geometry.energy import solve_mesh
+        from apd_viewer.session.processes import solver
+        solver._LARGE = 2500
+        real = rest_shape.thinned
+        def thinned(V, F, count):
+            print(f"thinned {len(V)}", file=sys.stderr, flush=True)
+            return real(V, F, count)
+        rest_shape.thinned = thinned
+
+        import time
+        from apd_viewer.session.jobs.mailbox import Mailbox
+        take = Mailbox.wait
+        def late(self):
+            while not self.waiting:
+                time.sleep(0.001)
+            time.sleep(0.3)  # so the first order of the second process is never looked at
+            return take(self)
+        Mailbox.wait = late
+        """
+    )
+    empty.show_now(Mesh(*box(20, 20, 40)))
+    empty.paint_ends()
+    empty.drag(pose(0.1))
+    next_frame(empty, 20.0)
+    assert empty._worker._known[0] is empty.state.document.mesh
+    kill(empty)
+    empty.drag(pose(0.2))
+    next_frame(empty, 20.0)
+    assert capfd.readouterr().err.split("\n").count(f"thinned {len(empty.U)}") == 1
+
+
+# Left alone
+
+ORPHAN = """
+    import sys, time
+    sys.path[:0] = {paths!r}
+    from driven_session import Driven, BENT
+    from meshes import box
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    print("begun", flush=True)
+    session = Driven()
+    session.show_now(Mesh(*box(20, 20, 40)))
+    session.paint_ends()
+    session.settings.set_tolerance(1e-12)
+    session.settings.set_method("paper")
+    session.drag(BENT)
+    session.until(lambda: session.state.frame.iteration)
+    print(session._worker._child._process.pid, flush=True)
+    if {wait}:
+        time.sleep(60)
+    session.close()
+"""
+
+
+def script(tmp_path, wait: bool) -> list[str]:
+    """A user's script, without a guard, and a folder to start it in with a trap in it."""
+    paths = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "session")]
+    (tmp_path / "numpy.py").write_text("raise SystemExit('not this one')")
+    (tmp_path / "scripts").mkdir()
+    path = tmp_path / "scripts" / "script.py"
+    path.write_text(textwrap.dedent(ORPHAN.format(paths=paths, wait=wait)))
+    return [sys.executable, "-W", "error", str(path)]
+
+
+def test_a_script_without_a_guard_runs_once(tmp_path):
+    done = subprocess.run(
+        script(tmp_path, False), cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("begun") == 1
+    assert done.stderr == ""
+
+
+def blocks_of(pid: int) -> set[str]:
+    """The blocks of shared memory of a process."""
+    return {block.name for block in Path("/dev/shm").glob(f"apd-{pid}-*")}
+
+
+@linux
+def test_a_process_whose_owner_is_killed_goes_and_leaves_no_memory(tmp_path):
+    owner = subprocess.Popen(
+        script(tmp_path, True), cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    )
+    with owner:
+        assert owner.stdout.readline() == "begun\n"
+        pid = int(owner.stdout.readline())
+        assert blocks_of(owner.pid), "the test is blind"
+        owner.kill()
+    end = time.monotonic() + 10.0
+    while not gone(pid) or blocks_of(owner.pid):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@linux
+def test_sessions_leave_no_process_no_memory_and_no_open_file():
+    def left():
+        return len(os.listdir("/proc/self/fd")), blocks_of(os.getpid())  # noqa: PTH208
+
+    for k in range(3):
+        session = Driven()
+        session.show_now(Mesh(*box(20, 20, 40)))
+        session.paint_ends()
+        session.drag(BENT)
+        session.until(lambda s=session: s.state.frame.iteration)
+        session.close()
+        del session
+        if k == 0:
+            before = left()
+    assert left() == before
+
+
+# Any order, and for long
+
+
+def test_interleavings():
+    assert interleavings.play(40) > 400
+
+
+def resident(pid: int | str) -> int:
+    """Bytes of a process in memory."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@linux
+def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
+    """What the process loads at leisure is not what is meant."""
+    altered(
+        "import apd_viewer.session.processes.solver_main as process; process._compile = lambda called: None\n"
+    )
+    session = request.getfixturevalue("session")
+    session.settings.set_method("arap")
+    session.drag(pose(0.1))
+    session.settle()
+    assert session.activity is Activity.SETTLED
+    session.begin_gesture()
+    sizes = []
+    for k in range(3000):
+        session.move_handle(pose(0.5 * np.sin(0.01 * k)))
+        session.receive()
+        session.changes.clear()  # what the test itself keeps
+        time.sleep(0.0005)
+        if k in (999, 2999):
+            sizes.append((resident("self"), resident(pid_of(session))))
+    session.end_gesture("Move handle")
+    for before, after in zip(*sizes, strict=True):
+        assert after < 1.05 * before
+
+
+def test_the_last_painted_labels_are_the_ones_that_are_factored(session):
+    """Strokes follow each other faster than they are made ready."""
+    z = session.state.document.mesh.V[:, 2]
+    for k in range(1, 5):
+        session.stroke(np.flatnonzero(z == k), BASE if k < 3 else HANDLE)
+    session.drag(pose(0.2, (0.2, 0.0, 0.0)))
+    session.settle()
+    held = session.state.document.constraints()
+    assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-9)
+    assert opened(session.state.document.mesh).document.problem

@@ -1,0 +1,515 @@
+"""Sessions as files: what is opened is what was saved, wherever the mesh is now."""
+
+import json
+import os
+import shutil
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from driven_session import BENT, VIEW, Driven, check_equal, check_same_array, pose
+from meshes import box, ends, rotation, soup
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_location import whereabouts
+from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.samples import open_sample
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.session import Activity, Listener, Session
+from apd_viewer.session.storage import session_file as saved_module
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.replay import replay
+
+# Verbs of the session, and what they are given.
+SETTINGS: dict[str, dict[str, tuple]] = {
+    "exact": {},
+    "exact, all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
+    "local": {"set_method": ("local",), "set_material": (7.0, 0.3)},
+    "local, total area": {"set_method": ("local",), "hold_area": (True,), "set_volume": (100.0,)},
+    "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
+    "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
+    "a soft handle": {"set_falloff": (1, 1.7)},
+    "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
+}
+assert {settings.get("set_method", ("exact",))[0] for settings in SETTINGS.values()} == set(METHODS)
+
+
+@pytest.fixture
+def session():
+    session = Driven()
+    yield session
+    session.close()
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """The file of a bar."""
+    (tmp_path / "meshes").mkdir()
+    path = tmp_path / "meshes" / "bar.obj"
+    mesh = Mesh(*box(2, 2, 6))
+    save_mesh(mesh, mesh.V, path)
+    return path
+
+
+@pytest.fixture
+def saved(bar, tmp_path):
+    """A session beside the folder of its mesh; both in a folder that can be moved."""
+    state = opened(open_mesh(bar))
+    assert save_session(tmp_path / "a.apd", state, VIEW) is False
+    return tmp_path / "a.apd"
+
+
+def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
+    """Paint a base, two handles and two regions on a bar, one of which keeps an area; move both handles."""
+    session.show_now(mesh)
+    base, top = ends(mesh.V)
+    left = mesh.V[top, 0] <= 0.5
+    session.stroke(base, BASE)
+    session.stroke(top[left], HANDLE)
+    session.parts.add_handle()
+    session.stroke(top[~left], HANDLE + 1)
+    for number, inside in ((1, mesh.V[:, 2] <= 2), (2, mesh.V[:, 2] >= 4)):
+        session.begin_gesture()
+        session.paint_region(np.flatnonzero(inside), number)
+        session.end_stroke("Paint region")
+    session.parts.rename_region(0, "label «é»")
+    session.settings.set_region_area(1, 103.0)
+    for verb, given in settings.items():
+        getattr(session.settings, verb)(*given)
+    session.begin_gesture()
+    session.move_handle(BENT, 0)
+    session.move_handle(pose(0.5, (0.7, 0.1, 0.3)), 1)
+    session.end_gesture("Move handles")
+    session.set_pivot(np.array([0.5, 0.4, 2.0]), 1)
+    return session.state
+
+
+def settled(session: Driven, mesh: Mesh, **settings: tuple) -> State:
+    two_handles(session, mesh, **settings)
+    session.settle()
+    assert session.activity in (Activity.SETTLED, Activity.UNREACHED), session.failed
+    return session.state
+
+
+# What is saved and opened, and what comes of it
+
+
+@pytest.mark.parametrize("case", SETTINGS)
+def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, session, bar, tmp_path):
+    path = tmp_path / "a.apd"
+    state = settled(session, open_mesh(bar), **SETTINGS[case])
+    assert save_session(path, state, VIEW) is False
+    found, view = open_session(path)
+    assert view == VIEW
+    check_equal(found, state)
+
+    for _ in range(2):
+        mesh, result = replay(path)
+        check_same_array(result.U, state.frame.U)
+        assert mesh.digest == state.document.mesh.digest
+        assert (result.method, result.iterations) == (state.document.method, 0)
+        assert result.converged == state.frame.converged
+        assert result.area == pytest.approx(state.frame.area, rel=1e-12)
+        assert result.handle_drift == pytest.approx(state.frame.handle_drift, abs=1e-12)
+        assert [part.name for part in result.regions] == ["label «é»", "Region 2"]
+    first, second = (replay(path, from_rest=True)[1] for _ in range(2))
+    check_same_array(first.U, second.U)
+    assert first.iterations > 0
+    assert first.converged
+    if case == "exact, all targets":
+        assert first.area == pytest.approx(1.04 * first.area_rest, rel=1e-9)
+        assert first.volume == pytest.approx(0.97 * first.volume_rest, rel=1e-9)
+        assert first.regions[1].area == pytest.approx(1.03 * first.regions[1].area_rest, rel=1e-9)
+    if case != "paper":
+        held = state.document.constraints()
+        np.testing.assert_allclose(first.U[held.fixed], held.targets, rtol=0, atol=1e-13)
+
+
+def test_the_sample_bottle(session, tmp_path):
+    path = tmp_path / "bottle.apd"
+    session.open_sample("bottle")
+    session.until(lambda: session.errand is None)
+    document = session.state.document
+    top = np.flatnonzero(document.labels == HANDLE)
+    session.parts.add_handle()
+    session.stroke(top[document.mesh.V[top, 0] > 0], HANDLE + 1)
+    session.begin_gesture()
+    height = document.mesh.V[:, 1]
+    session.paint_region(np.flatnonzero((height > 8) & (height < 11)), 1)
+    session.end_stroke("Paint region")
+    session.parts.rename_region(0, "label")
+    turn = np.eye(4)
+    turn[:3, :3] = rotation((0, 1, 0), 0.6)
+    session.begin_gesture()
+    session.move_handle(turn, 0)
+    session.move_handle(turn, 1)
+    session.end_gesture("Move handles")
+    assert session.wait_idle(120.0)
+    assert session.activity is Activity.SETTLED
+    session.save(path, VIEW)
+    session.until(lambda: session.errand is None)
+    assert session.told == ["Saved bottle.apd."]
+    check_equal(open_session(path)[0], session.state)
+    first, second = (replay(path)[1] for _ in range(2))
+    check_same_array(first.U, second.U)
+    np.testing.assert_allclose(first.U, session.U, rtol=0, atol=1e-12)
+    first, second = (replay(path, from_rest=True)[1] for _ in range(2))
+    check_same_array(first.U, second.U)
+    assert first.energy == pytest.approx(replay(path)[1].energy, rel=1e-2)
+
+
+def test_what_is_at_rest_comes_back_as_the_mesh_s_own(tmp_path):
+    state = opened(*open_sample("duck"))
+    save_session(tmp_path / "a.apd", state, View())
+    found, view = open_session(tmp_path / "a.apd")
+    check_equal(found, state)
+    assert view == View()
+    assert found.frame.U is found.document.grip is found.document.mesh.V
+    with zipfile.ZipFile(tmp_path / "a.apd") as archive:
+        assert archive.namelist() == ["session.json", "labels.npy", "member.npy"]
+
+
+def test_a_shape_on_its_way_goes_on_from_where_it_was(session, bar, tmp_path):
+    two_handles(session, open_mesh(bar))
+    session.until(lambda: session.state.frame.iteration > 0)
+    state = session.state
+    session.settle()
+    if state.frame.settled:
+        state = state.unsettled()
+    save_session(tmp_path / "a.apd", state, VIEW)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+    first, second = (replay(tmp_path / "a.apd")[1] for _ in range(2))
+    check_same_array(first.U, second.U)
+    assert first.converged
+    assert first.iterations > 0
+
+
+def test_what_cannot_be_reached_is_kept_with_its_sentence(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar), set_area=(50.0,), set_volume=(300.0,))
+    assert state.frame.unreached
+    save_session(tmp_path / "a.apd", state, VIEW)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+    _, result = replay(tmp_path / "a.apd")
+    check_same_array(result.U, state.frame.U)
+    assert not result.converged
+    assert state.frame.unreached in result.warnings
+
+
+def test_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
+    """After a stroke on a deformed shape the handles are held where they are, with poses of none."""
+    settled(session, open_mesh(bar))
+    session.stroke(np.array([9, 10]), BASE)
+    session.settle()
+    state = session.state
+    assert state.document.grip is not state.document.mesh.V
+    save_session(tmp_path / "a.apd", state, VIEW)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+    check_same_array(replay(tmp_path / "a.apd")[1].U, state.frame.U)
+
+
+def test_a_settled_shape_that_is_not_what_it_says_is_gone_on_with(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    moved = state.document.moved(0, pose(0.2))
+    for wrong in (
+        replace(state, document=moved),
+        replace(state, document=replace(state.document, area=110.0)),
+    ):
+        save_session(tmp_path / "a.apd", wrong, VIEW)
+        _, result = replay(tmp_path / "a.apd")
+        assert result.iterations > 0
+        held = wrong.document.constraints()
+        np.testing.assert_allclose(result.U[held.fixed], held.targets, rtol=0, atol=1e-13)
+        assert result.area == pytest.approx(result.area_rest * wrong.document.area / 100, rel=1e-9)
+
+
+def test_numbers_of_all_sizes_come_back_bit_for_bit(tmp_path):
+    chance = np.random.default_rng(5)
+    state = opened(Mesh(*soup(*box(1, 1, 2))))
+    document = state.document
+    P = np.vstack([chance.normal(size=(3, 4)) * 10.0 ** chance.integers(-30, 9, (3, 4)), [[0, 0, 0, 1]]])
+    P[0, 0], P[1, 1] = -0.0, 5e-324
+    U = frozen(document.mesh.V + chance.normal(size=document.mesh.V.shape) * 1e-9)
+    document = replace(document.moved(0, P), grip=frozen(U + 1e-17), tolerance=0.1 + 0.2, stiffness=1e-7 / 3)
+    state = replace(state, document=document, frame=replace(state.frame, U=U, handle_drift=1 / 3))
+    save_session(tmp_path / "a.apd", state, VIEW)
+    found, _ = open_session(tmp_path / "a.apd")
+    check_same_array(found.frame.U, U)
+    check_same_array(found.document.grip, document.grip)
+    check_same_array(found.document.handles[0].pose, document.handles[0].pose)
+    assert found.document.tolerance == document.tolerance
+    assert found.document.stiffness == document.stiffness
+    assert found.frame.handle_drift == 1 / 3
+
+
+def test_the_same_session_gives_the_same_file(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    for name in ("a.apd", "b.apd"):
+        save_session(tmp_path / name, state, VIEW, embed=True)
+    assert (tmp_path / "a.apd").read_bytes() == (tmp_path / "b.apd").read_bytes()
+
+
+def test_what_a_later_program_adds_is_ignored(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    save_session(tmp_path / "a.apd", state, VIEW)
+    with zipfile.ZipFile(tmp_path / "a.apd") as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    said = json.loads(members["session.json"])
+    for part in (
+        said,
+        *(said[key] for key in ("mesh", "document", "frame", "view")),
+        said["document"]["handles"][0],
+    ):
+        part["colour"] = {"of": ["the", "sky", 3]}
+    with zipfile.ZipFile(tmp_path / "b.apd", "w") as archive:
+        for name, content in {**members, "session.json": json.dumps(said), "../extra": b"?"}.items():
+            archive.writestr(name, content)
+    check_equal(open_session(tmp_path / "b.apd")[0], state)
+
+
+# Where the mesh is
+
+
+def test_a_session_moved_together_with_its_mesh(saved, bar, tmp_path_factory):
+    there = tmp_path_factory.mktemp("elsewhere") / "moved"
+    shutil.move(saved.parent, there)
+    found, _ = open_session(there / "a.apd")
+    assert found.document.mesh.path == there / "meshes" / "bar.obj"
+    shutil.move(there / "meshes" / "bar.obj", there)
+    assert open_session(there / "a.apd")[0].document.mesh.path == there / "bar.obj"
+
+
+def test_a_session_moved_away_from_its_mesh(saved, bar, tmp_path_factory):
+    there = tmp_path_factory.mktemp("elsewhere") / "b.apd"
+    shutil.move(saved, there)
+    assert open_session(there)[0].document.mesh.path == bar
+
+
+def test_a_session_is_found_from_another_folder(bar, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save_session("a.apd", opened(open_mesh("meshes/bar.obj")), VIEW)
+    monkeypatch.chdir(tmp_path / "meshes")
+    assert open_session("../a.apd")[0].document.mesh.path == bar
+
+
+def test_a_sample_is_found_by_its_name(tmp_path, monkeypatch):
+    """Another installation has it elsewhere."""
+    mesh, _ = open_sample("duck")
+    gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
+    monkeypatch.setattr(saved_module, "whereabouts", lambda *given: {**whereabouts(*given), **gone})
+    save_session(tmp_path / "a.apd", opened(mesh), VIEW)
+    assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path
+
+
+def test_a_missing_mesh_is_missed_by_name_and_place(saved, bar):
+    bar.unlink()
+    with pytest.raises(
+        InputError, match=r"^bar\.obj, the mesh of a\.apd, is missing .*bar\.obj.*\.$"
+    ) as error:
+        open_session(saved)
+    assert str(bar) in str(error.value)
+    assert str(saved.parent / "bar.obj") in str(error.value)
+
+
+def test_a_changed_mesh_is_not_the_mesh(saved, bar):
+    mesh = open_mesh(bar)
+    save_mesh(mesh, mesh.V * [1.0, 1.0, 1.0 + 1e-12], bar)
+    with pytest.raises(
+        InputError, match=r"bar\.obj is not the mesh that a\.apd was made with \(it has changed"
+    ):
+        open_session(saved)
+    cube = Mesh(*box(1, 1, 1))
+    save_mesh(cube, cube.V, bar)
+    with pytest.raises(InputError, match=r"it has 8 vertices instead of 58"):
+        open_session(saved)
+    bar.write_text("nonsense")
+    with pytest.raises(InputError, match=r"bar\.obj"):
+        open_session(saved)
+    save_mesh(mesh, mesh.V, saved.parent / "bar.obj")
+    assert open_session(saved)[0].document.mesh.path == saved.parent / "bar.obj"
+
+
+@pytest.mark.parametrize("suffix", WRITTEN)
+def test_a_copy_of_the_mesh_goes_along(suffix, tmp_path):
+    path = tmp_path / f"bar{suffix}"
+    mesh = Mesh(*box(2, 2, 6))
+    save_mesh(mesh, mesh.V, path)
+    content, mesh = path.read_bytes(), open_mesh(path)
+    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW, embed=True) is True
+    with zipfile.ZipFile(tmp_path / "a.apd") as archive:
+        assert archive.read(f"mesh{suffix}") == content
+    path.unlink()
+    found = open_session(tmp_path / "a.apd")[0].document.mesh
+    assert found.digest == mesh.digest
+    assert found.name == path.name
+    save_mesh(found, found.V, tmp_path / f"again{suffix}")
+    assert (tmp_path / f"again{suffix}").read_bytes() == content
+    # And once more, though there is no file any more.
+    assert save_session(tmp_path / "b.apd", opened(found), VIEW) is True
+    assert open_session(tmp_path / "b.apd")[0].document.mesh.digest == mesh.digest
+
+
+def test_a_mesh_that_needs_other_files_goes_along_as_arrays(tmp_path):
+    made = trimesh.Trimesh(*box(1, 1, 2), process=False).export(file_type="gltf")
+    for name, content in made.items():
+        (tmp_path / name.replace("model", "bar")).write_bytes(content)
+    mesh = open_mesh(tmp_path / "bar.gltf")
+    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW, embed=True) is True
+    for name in made:
+        (tmp_path / name.replace("model", "bar")).unlink()
+    found = open_session(tmp_path / "a.apd")[0].document.mesh
+    assert (found.digest, found.name) == (mesh.digest, "bar.gltf")
+
+
+def test_a_mesh_of_no_file_always_goes_along(tmp_path):
+    mesh = Mesh(*soup(*box(1, 1, 2)))
+    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
+    found = open_session(tmp_path / "a.apd")[0].document.mesh
+    check_same_array(found.V, mesh.V)
+    check_same_array(found.F, mesh.F)
+    assert found.path is None
+
+
+def test_a_mesh_whose_file_has_changed_since_goes_along(bar, tmp_path):
+    mesh = open_mesh(bar)
+    save_mesh(mesh, mesh.V * 2.0, bar)
+    assert save_session(tmp_path / "a.apd", opened(mesh), VIEW) is True
+    assert open_session(tmp_path / "a.apd")[0].document.mesh.digest == mesh.digest
+
+
+# Writing
+
+
+def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatch):
+    before, state = saved.read_bytes(), opened(open_mesh(bar))
+
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(InputError, match=r"end it in \.apd"):
+        save_session(saved.with_suffix(".zip"), state, VIEW)
+    with pytest.raises(InputError, match="cannot be written"):
+        save_session(saved.parent / "gone" / "a.apd", state, VIEW)
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        save_session(saved, state, View())
+    assert saved.read_bytes() == before
+    assert sorted(path.name for path in saved.parent.iterdir()) == ["a.apd", "meshes"]
+
+
+# The session's verbs
+
+
+def test_saving_and_opening_are_done_in_the_background(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    assert session.unsaved == [state.document.mesh]
+    session.save(tmp_path / "a.apd", VIEW)
+    assert session.errand.title == "Saving a.apd"
+    assert not session.errand.can_be_cancelled
+    session.until(lambda: session.errand is None)
+    assert session.unsaved == []
+    session.settings.set_method("local")
+    session.settle()
+    assert session.unsaved == [state.document.mesh]
+    now = session.state
+    session.open(tmp_path / "a.apd")
+    assert session.errand.title == "Opening a.apd"
+    session.until(lambda: session.errand is None)
+    check_equal(session.state, state)
+    assert session.state.document.method == "exact"
+    assert session.activity is Activity.IDLE
+    assert session.history.next_undo == "Open a.apd"
+    session.undo()
+    assert session.state is now
+    session.redo()
+    check_equal(session.state, state)
+    session.drag(pose(0.3))
+    session.settle()
+    assert session.activity is Activity.SETTLED
+    assert session.failed == []
+
+
+def test_the_view_reaches_the_listener_after_the_state(bar, tmp_path):
+    save_session(tmp_path / "a.apd", opened(open_mesh(bar)), VIEW)
+    seen: list[object] = []
+    silent = {"wake": lambda: None, "status_changed": lambda: None, "told": seen.append}
+    listener = Listener(
+        **silent, changed=lambda *_: seen.append("state"), failed=seen.append, viewed=seen.append
+    )
+    session = Session(listener)
+    for path in (tmp_path / "a.apd", bar):
+        session.open(path)
+        assert session.wait_idle(20.0)
+    session.close()
+    assert seen == ["state", VIEW, "state"]
+
+
+def test_a_shape_on_its_way_goes_on_once_it_is_opened(session, bar, tmp_path):
+    state = two_handles(session, open_mesh(bar)).unsettled()
+    session.settle()
+    save_session(tmp_path / "a.apd", state, VIEW)
+    session.open(tmp_path / "a.apd")
+    session.settle()
+    assert session.activity is Activity.SETTLED
+
+
+def test_a_gesture_under_way_is_not_saved(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    session.begin_gesture()
+    session.paint(np.arange(9, 20), BASE)
+    session.save(tmp_path / "a.apd", VIEW)
+    session.until(lambda: session.errand is None)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+
+
+def test_a_session_that_cannot_be_opened_is_told_and_nothing_changes(session, bar, tmp_path):
+    state = settled(session, open_mesh(bar))
+    (tmp_path / "bad.apd").write_text("nonsense")
+    session.open(tmp_path / "bad.apd")
+    session.until(lambda: session.errand is None)
+    session.save(tmp_path / "gone" / "a.apd", VIEW)
+    session.until(lambda: session.errand is None)
+    assert [said.split()[0] for said in session.failed] == ["bad.apd", str(tmp_path / "gone" / "a.apd")]
+    assert session.state is state
+    assert session.unsaved == [state.document.mesh]
+
+
+def test_the_first_version_opens_for_ever():
+    """``version-1.apd`` was made by the first program that could; do not make it again."""
+    path = Path(__file__).with_name("version-1.apd")
+    state, view = open_session(path)
+    document, frame = state.document, state.frame
+    V = document.mesh.V
+    assert (document.mesh.name, len(V), len(document.mesh.F)) == ("bar.obj", 24, 44)
+    assert [part.name for part in document.handles] == ["left", "right"]
+    lifted = np.eye(4)
+    lifted[2, 3] = 0.125
+    assert np.array_equal([part.pose for part in document.handles], [np.eye(4), lifted])
+    assert [(part.name, part.area) for part in document.regions] == [("foot", None), ("neck é", 102.5)]
+    assert document.method == "exact"
+    assert (document.tolerance, document.stiffness) == (0.002, 0.01)
+    assert (document.area_stiffness, document.shear_stiffness) == (12.5, 0.25)
+    assert (document.area, document.hold_area, document.volume) == (101.0, True, 99.0)
+    x, _, z = V.T
+    base, top = (z == 0) | ((z == 1) & (x == 0)), z == 3
+    painted = np.select([base, top & (x == 0), top & (x == 2)], [0, 2, 3], 1)
+    assert np.array_equal(document.labels, painted)
+    assert np.array_equal(document.member, np.where(z <= 1, 1, 2))
+    held = document.constraints()
+    assert np.array_equal(frame.U[held.fixed], held.targets)
+    assert np.array_equal(document.grip[document.labels == 3], V[document.labels == 3])
+    assert frame.U[3].tolist() == [0.25, 0.0, 3.5]
+    assert frame.U.sum() == pytest.approx(75.42164786109885, rel=1e-14)
+    assert (frame.iteration, frame.settled, frame.converged) == (9, True, True)
+    assert frame.area == pytest.approx(22.22, rel=1e-9)
+    assert frame.volume == pytest.approx(5.94, rel=1e-9)
+    assert frame.regions[1] == pytest.approx(8.2, rel=1e-9)
+    assert view == View(Standpoint((0.0, -12.0, 4.0), (1.0, 0.5, 1.5), (0.0, 0.0, 1.0), 0.5), "cm")
+    check_same_array(replay(path)[1].U, frame.U)
+    assert replay(path, from_rest=True)[1].converged

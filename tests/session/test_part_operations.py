@@ -1,0 +1,264 @@
+"""Changes of a part as a whole, against sets and distances found by looking at everything."""
+
+import dataclasses
+from collections import defaultdict
+
+import meshes
+import numpy as np
+import pytest
+from driven_session import Driven
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.picking.vertex_sets import RINGS
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.named_parts import NamedRegion
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.part_operations import Change, reshaped
+
+PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
+MIRRORS = Change.MIRROR_X, Change.MIRROR_Y, Change.MIRROR_Z
+MESHES = {"whole": meshes.rabbit(2), "seams": meshes.soup(*meshes.rabbit(1))}
+STATES = {name: opened(Mesh(*mesh)) for name, mesh in MESHES.items()}
+
+
+def place_of(V):
+    return np.unique(V, axis=0, return_inverse=True)[1].ravel()
+
+
+def ring_of(mesh):
+    """Oracle: the neighbours of every place."""
+    ring = defaultdict(set)
+    for corners in place_of(mesh.V)[mesh.F].tolist():
+        for v in corners:
+            ring[v] |= set(corners) - {v}
+    return ring
+
+
+def painted(name, seed):
+    """A mesh with patches of base, two handles and two regions; the same at all vertices of a place."""
+    state, rng = STATES[name], np.random.default_rng(seed)
+    V = state.document.mesh.V
+    labels, member = (np.full(len(V), c, dtype=np.uint8) for c in (FREE, 0))
+    for codes, code in ((labels, BASE), (labels, HANDLE), (labels, HANDLE + 1), (member, 1), (member, 2)):
+        near = np.linalg.norm(V - V[rng.integers(len(V))], axis=1)
+        codes[near < rng.uniform(0.2, 1.2)] = code
+    document = dataclasses.replace(
+        state.document,
+        labels=frozen(labels),
+        member=frozen(member),
+        regions=(NamedRegion("one"), NamedRegion("two")),
+    )
+    return state.at(document)
+
+
+def wanted(state, part, change):
+    """Oracle: the vertices that a change wants, as a set of places."""
+    V, place = state.document.mesh.V, place_of(state.document.mesh.V)
+    ring, member = ring_of(state.document.mesh), set(place[part.of(state.document)].tolist())
+    if change is Change.GROW:
+        return member | {w for v in member for w in ring[v]}
+    if change is Change.SHRINK:
+        return {v for v in member if ring[v] <= member}
+    if change is Change.INVERT:
+        return set(place.tolist()) - member
+    axis, found = MIRRORS.index(change), set(member)
+    U = np.zeros((place.max() + 1, 3))
+    U[place] = V
+    centre = (U.min(axis=0) + U.max(axis=0)) / 2
+    for v in member:
+        image = U[v].copy()
+        image[axis] = 2 * centre[axis] - image[axis]
+        far = np.linalg.norm(U - image, axis=1)
+        if far.min() <= np.mean([np.linalg.norm(U[v] - U[w]) for w in ring[v]]) / 2:
+            found.add(int(np.argmin(far)))
+    return found
+
+
+SEEDS = st.integers(0, 10_000)
+CHANGES = st.sampled_from([Change.GROW, Change.SHRINK, Change.INVERT, *MIRRORS])
+
+
+@given(st.sampled_from(list(MESHES)), SEEDS, st.sampled_from(PARTS), CHANGES)
+def test_a_part_becomes_what_plain_search_says_and_takes_from_no_other(name, seed, part, change):
+    state = painted(name, seed)
+    document = state.document
+    after = part.become(document, reshaped(state, part, change))
+    free = part.codes(document) == part.nothing
+    found = np.isin(place_of(document.mesh.V), list(wanted(state, part, change)))
+    np.testing.assert_array_equal(part.of(after), found & (free | part.of(document)))
+    others = ~free & ~part.of(document)
+    np.testing.assert_array_equal(part.codes(after)[others], part.codes(document)[others])
+    assert after.handles is document.handles
+    assert after.regions is document.regions
+    if part.is_region:
+        assert after.labels is document.labels
+    else:
+        assert after.member is document.member
+    if (part.codes(after) == part.codes(document)).all():
+        assert after is document
+
+
+@given(st.sampled_from(list(MESHES)), SEEDS, st.sampled_from(PARTS))
+@settings(max_examples=30)
+def test_smoothing_stays_near_the_border_and_takes_from_no_other(name, seed, part):
+    state = painted(name, seed)
+    document, ring = state.document, ring_of(state.document.mesh)
+    after = reshaped(state, part, Change.SMOOTH)
+    before, place = part.of(document), place_of(document.mesh.V)
+    other = (part.codes(document) != part.nothing) & ~before
+    assert not (after & other).any()
+    first = np.unique(place, return_index=True)[1]
+    np.testing.assert_array_equal(after, after[first][place], "all vertices of a place go together")
+    inside = dict(zip(place.tolist(), before.tolist(), strict=True))
+    near = {v for v, around in ring.items() if any(inside[w] != inside[v] for w in around)}
+    for _ in range(RINGS - 1):
+        near |= {w for v in near for w in ring[v]}
+    assert set(place[after != before].tolist()) <= near
+
+
+def test_a_lone_vertex_and_a_lone_hole_are_smoothed_away():
+    V, F = meshes.grid(12, 12)
+    state = opened(Mesh(V, F))
+    half = V[:, 0] < 5.5
+    spot, hole = (np.flatnonzero((V[:, 0] == x) & (V[:, 1] == 6.0)) for x in (9.0, 2.0))
+    jagged = half.copy()
+    jagged[spot], jagged[hole] = True, False
+    part = Part(BASE)
+    state = state.at(part.become(state.document, jagged))
+    np.testing.assert_array_equal(reshaped(state, part, Change.SMOOTH), half)
+
+
+@pytest.mark.parametrize("change", MIRRORS)
+def test_a_part_is_mirrored_in_the_middle_of_the_mesh_at_rest(change):
+    V, F = meshes.sphere(3)
+    V = V * (3, 2, 1) + (10, 20, 30)
+    state, axis, part = opened(Mesh(V, F)), MIRRORS.index(change), Part(1, is_region=True)
+    here = np.linalg.norm(V - V[7], axis=1) < 0.8
+    image = V.copy()
+    image[:, axis] = 2 * (10, 20, 30)[axis] - image[:, axis]
+    there = np.linalg.norm(image - V[7], axis=1) < 0.8
+    state = state.at(part.become(state.document, here))
+    frame = dataclasses.replace(state.frame, U=V @ meshes.rotation((1, 1, 0), 1))
+    bent = dataclasses.replace(state, frame=frame)
+    for shape in (state, bent):
+        mirrored = reshaped(shape, part, change)
+        np.testing.assert_array_equal(mirrored, here | there)
+        twice = part.become(shape.document, mirrored)
+        assert part.become(twice, reshaped(shape.at(twice), part, change)) is twice
+
+
+# Parts
+
+
+def test_a_part_is_its_vertices():
+    document = painted("whole", 3).document
+    for part in PARTS:
+        codes = document.member if part.is_region else document.labels
+        assert part.codes(document) is codes
+        np.testing.assert_array_equal(part.of(document), codes == part.code)
+        assert part.become(document, part.of(document)) is document
+
+
+@given(SEEDS, st.sampled_from(PARTS))
+def test_a_part_becomes_all_that_is_wanted_and_what_it_leaves_is_free(seed, part):
+    document = painted("whole", seed).document
+    want = np.random.default_rng(seed).random(len(document.labels)) < 0.4
+    after = part.become(document, want)
+    np.testing.assert_array_equal(part.of(after), want)
+    left, rest = part.of(document) & ~want, ~part.of(document) & ~want
+    assert (part.codes(after)[left] == part.nothing).all()
+    np.testing.assert_array_equal(part.codes(after)[rest], part.codes(document)[rest])
+
+
+def test_all_vertices_of_a_place_come_together():
+    document = STATES["seams"].document
+    place = place_of(document.mesh.V)
+    for part in PARTS[:2]:
+        some = np.arange(len(place)) == 17
+        np.testing.assert_array_equal(part.of(part.become(document, some)), place == place[17])
+
+
+def test_the_first_region_is_made_when_it_is_wanted():
+    document, part = STATES["whole"].document, Part(1, is_region=True)
+    assert document.regions == ()
+    none, some = np.zeros(len(document.labels), dtype=bool), np.arange(len(document.labels)) < 5
+    assert part.become(document, none) is document
+    after = part.become(document, some)
+    assert [region.name for region in after.regions] == ["Region 1"]
+    np.testing.assert_array_equal(after.member == 1, some)
+
+
+# In a session
+
+
+@pytest.fixture
+def session():
+    session = Driven()
+    session.show_now(Mesh(*meshes.rabbit(2)))
+    session.paint_ends()
+    yield session
+    session.close()
+
+
+def both_ways(session: Driven, before: Document, steps: int) -> None:
+    """A change was one step, and undo and redo go to the very same documents."""
+    after = session.state.document
+    assert after is not before
+    assert len(session.history.past) == steps + 1
+    session.undo()
+    assert session.state.document is before
+    session.redo()
+    assert session.state.document is after
+    session.undo()
+
+
+@pytest.mark.parametrize("change", [Change.GROW, Change.SMOOTH, Change.INVERT, *MIRRORS])
+@pytest.mark.parametrize("part", PARTS[:2])
+def test_a_change_is_one_step_and_has_its_name(session, part, change):
+    before, steps, shape = session.state.document, len(session.history.past), session.state.frame.U
+    session.reshape(part, change.name)
+    assert session.state.frame.U is shape
+    if session.state.document is before:
+        assert len(session.history.past) == steps
+        assert change is not Change.GROW
+        return
+    assert session.history.next_undo == change.value.title
+    both_ways(session, before, steps)
+
+
+def test_inverting_makes_the_first_region_of_everything(session):
+    before, steps = session.state.document, len(session.history.past)
+    session.reshape(Part(1, is_region=True), "INVERT")
+    assert [region.name for region in session.state.document.regions] == ["Region 1"]
+    assert (session.state.document.member == 1).all()
+    assert session.state.frame.regions == pytest.approx([session.state.inspection.area])
+    both_ways(session, before, steps)
+
+
+def test_a_change_takes_a_gesture_under_way_back(session):
+    before, steps = session.state.document, len(session.history.past)
+    session.begin_gesture()
+    session.paint(np.arange(100), BASE)
+    session.reshape(Part(HANDLE), "GROW")
+    assert session.history.past[-1].document is before
+    both_ways(session, before, steps)
+
+
+def test_a_bent_shape_stays_when_a_part_of_it_changes(session):
+    pose = np.eye(4)
+    pose[0, 3] = 0.4
+    session.drag(pose)
+    session.settle()
+    shape = session.state.frame.U
+    assert not np.allclose(shape, session.state.document.mesh.V, atol=0.01)
+    session.reshape(Part(HANDLE), "GROW")
+    session.settle()
+    assert session.state.frame.U is shape
+    assert session.state.document.grip is shape
+    assert not session.state.document.posed
+    session.undo()
+    np.testing.assert_array_equal(session.state.document.handles[0].pose, pose)
+    assert session.state.frame.U is shape

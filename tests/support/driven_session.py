@@ -1,0 +1,174 @@
+"""A session that remembers what it said, and the bar that tests deform."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import fields, replace
+
+import in_thread
+import numpy as np
+import pytest
+from meshes import box, ends, rotation
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.session.model.document import Document, State, opened
+from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.session.session import Listener, Session
+
+LONG = 20.0  # seconds; nothing here should come near it
+
+
+class Driven(Session):
+    """A session that remembers all it tells its listener, with gestures in one call.
+
+    Attributes
+    ----------
+    changes : list of (State or None, State)
+    told, failed : list of str
+    woken : list of str
+        Names of the threads that called wake.
+    """
+
+    def __init__(self) -> None:
+        self.changes: list[tuple[State | None, State]] = []
+        self.told: list[str] = []
+        self.failed: list[str] = []
+        self.woken: list[str] = []
+        self.on_changed: Callable[[], object] = lambda: None
+        self.on_failed: Callable[[], object] = lambda: None
+        listener = Listener(
+            wake=lambda: self.woken.append(threading.current_thread().name),
+            changed=self._note_change,
+            status_changed=lambda: None,
+            told=self.told.append,
+            failed=self._note_failure,
+        )
+        super().__init__(listener)
+
+    def _note_change(self, old: State | None, new: State) -> None:
+        self.changes.append((old, new))
+        self.on_changed()
+
+    def _note_failure(self, sentence: str) -> None:
+        self.failed.append(sentence)
+        self.on_failed()
+
+    def settle(self) -> None:
+        assert self.wait_idle(LONG), "the session did not come to rest"
+
+    def until(self, happened: Callable[[], object], seconds: float = LONG) -> None:
+        """Receive until something has happened."""
+        end = time.monotonic() + seconds
+        while not happened():
+            assert time.monotonic() < end, "it did not happen"
+            self.receive()
+            time.sleep(0.001)
+
+    def listen(self, seconds: float) -> None:
+        """Receive for so long."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.receive()
+            time.sleep(0.001)
+
+    def show_now(self, mesh: Mesh) -> None:
+        self.show(mesh)
+        self.until(lambda: self.errand is None)
+
+    def stroke(self, ids: np.ndarray, label: int) -> None:
+        self.begin_gesture()
+        self.paint(ids, label)
+        self.end_stroke("Paint")
+
+    def paint_ends(self) -> None:
+        base, handle = ends(self.state.document.mesh.V)
+        self.stroke(base, BASE)
+        self.stroke(handle, HANDLE)
+
+    def drag(self, *poses: np.ndarray) -> None:
+        self.begin_gesture()
+        for pose in poses:
+            self.move_handle(pose)
+        self.end_gesture("Move handle")
+
+    @property
+    def U(self) -> np.ndarray:
+        return self.state.frame.U
+
+    @property
+    def handle_at(self) -> np.ndarray:
+        """Centroid of the handle on screen."""
+        return self.U[self.state.document.labels == HANDLE].mean(axis=0)
+
+
+def pose(angle: float = 0.0, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:
+    """Turn about y through (1, 1, 6), the middle of the bar's upper end, then shift."""
+    P, centre = np.eye(4), np.array([1.0, 1.0, 6.0])
+    P[:3, :3] = rotation((0, 1, 0), angle)
+    P[:3, 3] = centre - P[:3, :3] @ centre + shift
+    return P
+
+
+BENT = pose(0.6, (0.5, 0.0, 0.2))
+
+
+def bar() -> Mesh:
+    return Mesh(*box(2, 2, 6))
+
+
+def solver_threads() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if thread.name == in_thread.NAME and thread.ident]
+
+
+def ready(session: Driven) -> None:
+    """Wait until the worker has factored for what is painted now: its first frame says so."""
+    session.drag(pose(0.01))
+    session.settle()
+
+
+VIEW = View(
+    Standpoint((0.1, -2.0, 30.0), (0.0, 1 / 3, 0.0), (0.0, 1.0, -0.0), 0.5235987755982988),
+    "mm",
+    overlay="bending",
+)
+
+
+def check_equal(found: State, saved: State) -> None:
+    """That two states say the same, bit for bit where it was said and to rounding where it was measured."""
+    a, b = found.document, saved.document
+    assert a.mesh.digest == b.mesh.digest
+    for name in ("labels", "member", "grip"):
+        check_same_array(getattr(a, name), getattr(b, name))
+    assert [part.name for part in a.handles] == [part.name for part in b.handles]
+    for mine, other in zip(a.handles, b.handles, strict=True):
+        check_same_array(mine.pose, other.pose)
+        assert (mine.pivot is None) == (other.pivot is None)
+        if mine.pivot is not None:
+            check_same_array(mine.pivot, other.pivot)
+    assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
+    arrays = {"mesh", "labels", "member", "grip", "handles", "regions"}
+    for field in fields(a):
+        if field.name not in arrays:
+            assert getattr(a, field.name) == getattr(b, field.name), field.name
+    assert (a.grip is a.mesh.V) == (b.grip is b.mesh.V)
+    assert (found.frame.U is a.mesh.V) == (saved.frame.U is b.mesh.V)
+    check_same_array(found.frame.U, saved.frame.U)
+    for field in fields(found.frame):
+        mine, other = getattr(found.frame, field.name), getattr(saved.frame, field.name)
+        if isinstance(other, float | tuple):
+            assert mine == pytest.approx(other, rel=1e-12, abs=1e-13), field.name
+        elif field.name not in ("U", "total"):  # the latter is of the solver, not of the shape
+            assert mine == other, field.name
+
+
+def check_same_array(mine: np.ndarray, other: np.ndarray) -> None:
+    assert (mine.dtype, mine.shape, mine.tobytes()) == (other.dtype, other.shape, other.tobytes())
+    assert not mine.flags.writeable
+
+
+def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
+    mesh = Mesh(*box(2, 2, 6))
+    base, handle = ends(mesh.V)
+    rest = opened(mesh).document.painted(base, BASE).painted(handle, HANDLE)
+    return replace(rest.moved(0, at), method=method)

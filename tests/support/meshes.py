@@ -1,0 +1,145 @@
+"""Meshes made in code, and motions to try on them; shared by all rooms' tests."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+
+
+def grid(nx: int = 8, ny: int = 8, dx: float = 1.0, dy: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Flat open rectangle of nx by ny cells in the plane z = 0, facing +z."""
+    x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
+    V = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    i, j = (k.ravel() for k in np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"))
+    a = i * (ny + 1) + j
+    b, c, d = a + ny + 1, a + ny + 2, a + 1
+    return V, np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+def box(nx: int = 2, ny: int = 2, nz: int = 6) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of the box [0, nx] x [0, ny] x [0, nz], unit cells, facing outwards."""
+    V, F = [], []
+    sizes = np.array([nx, ny, nz])
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        flat, faces = grid(sizes[u], sizes[v])
+        for side, oriented in ((0, faces[:, ::-1]), (sizes[axis], faces)):
+            X = np.empty_like(flat)
+            X[:, axis], X[:, u], X[:, v] = side, flat[:, 0], flat[:, 1]
+            F.append(oriented + sum(map(len, V)))
+            V.append(X)
+    V, inverse = np.unique(np.vstack(V), axis=0, return_inverse=True)
+    return V, inverse.ravel()[np.vstack(F)]
+
+
+def sphere(subdivisions: int = 2) -> tuple[np.ndarray, np.ndarray]:
+    """Unit icosphere, closed, facing outwards; all angles are acute."""
+    g = (1 + 5**0.5) / 2
+    V = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
+    V += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
+    F = "0 11 5 0 5 1 0 1 7 0 7 10 0 10 11 1 5 9 5 11 4 11 10 2 10 7 6 7 1 8"
+    F += " 3 9 4 3 4 2 3 2 6 3 6 8 3 8 9 4 9 5 2 4 11 6 2 10 8 6 7 9 8 1"
+    V, F = np.array(V) / np.hypot(1, g), np.array(F.split(), dtype=np.int64).reshape(-1, 3)
+    for _ in range(subdivisions):
+        edges, inverse = np.unique(
+            np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0, return_inverse=True
+        )
+        m = len(V) + inverse.reshape(-1, 3)
+        V = np.vstack([V, V[edges].mean(axis=1)])
+        V /= np.linalg.norm(V, axis=1, keepdims=True)
+        a, b, c = F.T
+        F = np.vstack(
+            [
+                np.column_stack(t)
+                for t in ((a, *m[:, [0, 2]].T), (m[:, 0], b, m[:, 1]), (m[:, 2], m[:, 1], c), m.T)
+            ]
+        )
+    return V, F
+
+
+def tube(around: int = 12, along: int = 16, *, height: float | None = None, shear: float = 0.0):
+    """Open tube of radius 1 about the z axis, facing outwards.
+
+    Rings are staggered and, unless a ``height`` is given, so far apart that the triangles are
+    equilateral (all angles acute). ``shear`` turns each ring further against the one below, in
+    units of the edge length: at 0.8 the triangles are obtuse.
+    """
+    edge = 2 * np.sin(np.pi / around)
+    # A staggered neighbour is half a step around: its chord fills part of the edge.
+    rise = np.sqrt(edge**2 - (2 * np.sin(np.pi / around / 2)) ** 2) if height is None else height / along
+    ring, k = (x.ravel() for x in np.meshgrid(np.arange(along + 1), np.arange(around), indexing="ij"))
+    angle = 2 * np.pi / around * (k + (0.5 + shear) * ring)
+    V = np.column_stack([np.cos(angle), np.sin(angle), rise * ring])
+    below = ring < along
+    i, k = ring[below], k[below]
+    a, b = i * around + k, i * around + (k + 1) % around
+    c, d = a + around, b + around
+    return V, np.vstack([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
+
+
+def rabbit(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Ball with two ears, a dent and two holes, one in front and one below: no side is like another."""
+    V, F = sphere(subdivisions)
+    size = np.ones(len(V))
+    for height, *at in ((0.7, 0.45, 0.85, -0.1), (0.6, -0.5, 0.8, 0.2), (-0.25, 0.7, 0.0, 0.7)):
+        size += height * np.exp(-9.0 * ((V - at / np.linalg.norm(at)) ** 2).sum(axis=1))
+    middle = V[F].mean(axis=1)
+    open_at = np.array([[-0.5, -0.3, 0.8], [0.3, -0.95, 0.1]])
+    open_at /= np.linalg.norm(open_at, axis=1, keepdims=True)
+    F = F[(middle @ open_at.T < [0.96, 0.93]).all(axis=1)]
+    kept, F = np.unique(F, return_inverse=True)
+    return (V * size[:, None] * [1.0, 0.9, 0.8])[kept], F.reshape(-1, 3)
+
+
+def cup(around: int = 32, wall: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of a cup about the y axis with a thin wall, of radius 1 and height 1.5."""
+    side, inner = np.linspace(0.0, 1.5, 10), 1.0 - wall
+    out = [(r, 0.0) for r in (0.4, 0.7)] + [(1.0, y) for y in side]
+    into = [(inner, y) for y in np.linspace(1.5, wall, 10)] + [(r, wall) for r in (0.7, 0.4)]
+    turn = 2 * np.pi / around * np.arange(around)
+    rings = [np.column_stack([r * np.sin(turn), np.full(around, y), r * np.cos(turn)]) for r, y in out + into]
+    V = np.vstack([*rings, [[0.0, 0.0, 0.0], [0.0, wall, 0.0]]])
+    k, after = np.arange(around), (np.arange(around) + 1) % around
+    F = [np.column_stack([np.full(around, len(V) - 2), after, k])]
+    for i in range(0, around * (len(rings) - 1), around):
+        F += [np.column_stack([i + k, i + after, i + around + after])]
+        F += [np.column_stack([i + k, i + around + after, i + around + k])]
+    last = around * (len(rings) - 1)
+    return V, np.vstack([*F, np.column_stack([last + k, last + after, np.full(around, len(V) - 1)])])
+
+
+def soup(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same surface with three vertices of its own for every triangle, as in an STL file."""
+    return V[F].reshape(-1, 3), np.arange(F.size).reshape(-1, 3)
+
+
+def ends(V: np.ndarray, axis: int = 2) -> tuple[np.ndarray, np.ndarray]:
+    """Base and handle: the vertices at the lower and at the upper end of an axis."""
+    x = V[:, axis]
+    margin = 1e-9 * np.ptp(x)
+    return np.flatnonzero(x <= x.min() + margin), np.flatnonzero(x >= x.max() - margin)
+
+
+def rotation(axis, angle: float) -> np.ndarray:
+    """Rotation matrix about ``axis`` by ``angle`` radians [Rodrigues]."""
+    x, y, z = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def moved(X: np.ndarray, R=None, shift=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """Points turned by ``R`` about their centroid, then shifted."""
+    centre = X.mean(axis=0)
+    return (X - centre) @ (np.eye(3) if R is None else R).T + centre + np.asarray(shift)
+
+
+def sample_bottle(edge: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The sample bottle with edges so many times as long, and its labels."""
+    script = runpy.run_path(str(Path(__file__).parents[2] / "resources" / "make_samples.py"))
+    sizes = script["bottle"].__globals__
+    sizes["BOTTLE_EDGE"] *= edge
+    sizes["NECK_EDGE"] *= edge
+    V, F = script["bottle"]()
+    return V, F, script["bottle_labels"](V)

@@ -1,0 +1,414 @@
+"""Opens the window in the language of the environment and reads all that it says; prints it as JSON.
+
+Run as ``python reading.py FOLDER`` in a process of its own: the language is fixed at its start. With
+``SHOTS`` in the environment a picture of each scene is put there; ``SIZE`` is that of the window.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QEvent, QSettings, Qt
+from PySide6.QtGui import QKeyEvent, QPainter
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QApplication,
+    QComboBox,
+    QFileDialog,
+    QLabel,
+    QListWidget,
+    QMessageBox,
+)
+
+from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.samples import open_sample
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.session import Activity
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.ui.application import make_application
+from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog
+from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.tools.toolbox import Tool, Way
+
+PROPERTIES = (
+    "text", "toolTip", "statusTip", "whatsThis", "accessibleName", "accessibleDescription", "windowTitle",
+    "title", "placeholderText", "specialValueText", "prefix", "suffix", "iconText",
+)  # fmt: skip
+
+
+def is_cut(widget):
+    """Whether a button, a box or a label of one line has no room for its words, or leaves the window."""
+    if not widget.isVisible() or not widget.text() or getattr(widget, "wordWrap", lambda: False)():
+        return False
+    if type(widget).__name__ == "Hint":  # which ends in dots, and has a tip
+        return False
+    shown = widget.visibleRegion().boundingRect()
+    aside = shown.width() < widget.width() and not shown.isEmpty()
+    return widget.width() < widget.sizeHint().width() or aside
+
+
+class Reader:
+    """Notes what is said, and where it was said first."""
+
+    def __init__(self):
+        self.said = {}
+        self.cut = {}
+        self.scene = ""
+        draw = QPainter.drawText
+
+        def drawn(painter, *given):
+            self.note(given[-1] if isinstance(given[-1], str) else "", "drawn")
+            return draw(painter, *given)
+
+        QPainter.drawText = drawn
+
+    def note(self, text, where):
+        if text:
+            self.said.setdefault(text, f"{self.scene}: {where}")
+
+    def read(self, scene, things=()):
+        """All texts of all widgets and actions, seen or not, for what is hidden now is shown some time."""
+        self.scene = scene
+        for thing in things or self._everything():
+            for name in PROPERTIES:
+                value = getattr(thing, name, "")
+                value = value() if callable(value) else value
+                if isinstance(value, str):
+                    self.note(value, f"{name} of a {type(thing).__name__}")
+
+    def _everything(self):
+        widgets = QApplication.allWidgets()
+        for widget in widgets:
+            if isinstance(widget, QLabel | QAbstractButton) and is_cut(widget):
+                self.cut[widget.text()] = self.scene
+            if isinstance(widget, QComboBox):
+                for k in range(widget.count()):
+                    self.note(widget.itemText(k), "a choice")
+            if isinstance(widget, QListWidget):
+                for k in range(widget.count()):
+                    self.note(widget.item(k).text(), "a row")
+        actions = {action for widget in widgets for action in widget.actions()}
+        return [*widgets, *actions]
+
+
+def record_dialogs(reader, folder):
+    """Have dialogs note their texts instead of being shown."""
+
+    def files(parent, title, place, filters="", chosen=""):
+        reader.note(title, "a dialog of files")
+        for one in filters.split(";;"):
+            reader.note(re.sub(r"\([^()]*\)$", "", one), "a filter of files")
+        return str(folder / "there.obj"), filters.split(";;")[0]
+
+    def question(parent, title, text, *_):
+        reader.note(title, "a question")
+        reader.note(text, "a question")
+        return QMessageBox.StandardButton.Cancel
+
+    QFileDialog.getOpenFileName = QFileDialog.getSaveFileName = staticmethod(files)
+    QMessageBox.question = QMessageBox.about = staticmethod(question)
+
+
+class Driver:
+    """The window, and the time that it takes."""
+
+    def __init__(self, folder, size):
+        from apd_viewer.ui.window import Window
+
+        self.application = make_application([])
+        self.reader = Reader()
+        self.folder = folder
+        self._pictured = set()
+        record_dialogs(self.reader, folder)
+        settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
+        self._leave(folder / "recovery")
+        self.window = Window(settings, folder / "recovery")
+        self.window.resize(*size)
+        self.window.show()
+        self.wait()
+
+    @staticmethod
+    def _leave(folder):
+        folder.mkdir()
+        mesh, labels = open_sample("duck")
+        save_session(folder / "1-1.apd", opened(mesh, labels), View())
+        os.utime(folder / "1-1.apd", (time.time() - 7300.0,) * 2)
+
+    def wait(self, until=lambda: True, seconds=60.0):
+        end = time.monotonic() + seconds
+        self.application.processEvents()
+        while not until():
+            assert time.monotonic() < end, f"it takes too long after “{self.reader.scene}”"
+            self.application.processEvents()
+            time.sleep(0.002)
+        self.application.processEvents()
+
+    def idle(self):
+        session = self.window.session
+        self.wait(lambda: session.errand is None and session.activity is not Activity.REFINING)
+
+    def scene(self, name, *things):
+        """Read everything, or some things only, and take a picture if that is wanted."""
+        self.application.processEvents()
+        self.reader.read(name, things)
+        if (shots := os.environ.get("SHOTS")) and name not in self._pictured:
+            self._pictured.add(name)
+            end = time.monotonic() + 0.5
+            self.wait(lambda: time.monotonic() > end)
+            window = self.window
+            part = f"{window.width()}x{window.height()}+{window.x()}+{window.y()}"
+            target = Path(shots) / f"{name}.png"  # the root window alone has the pixels of the viewport
+            subprocess.run(["import", "-window", "root", "-crop", part, "+repage", str(target)], check=True)
+
+    def press(self, widget, key, modifiers=Qt.KeyboardModifier.NoModifier):
+        for kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease):
+            self.application.sendEvent(widget, QKeyEvent(kind, key, modifiers))
+
+
+def start(driver):
+    window = driver.window
+    driver.scene("before the start")
+    window.start()
+    driver.wait()
+    driver.scene("no mesh, and work that was left")
+    window.recovery.later.click()
+    window.filing.open_sample("bottle")
+    driver.scene("opening")
+    driver.idle()
+    driver.scene("the bottle")
+
+
+def _write_bar(folder):
+    """A tube of 6 rings of 8 vertices, closed at both ends, with its selection: solved in no time."""
+    angles = np.arange(8) * np.pi / 4
+    V = [(np.cos(a), 0.5 * k, np.sin(a)) for k in range(6) for a in angles] + [(0, 0, 0), (0, 2.5, 0)]
+    F = [(8 * k + i, 8 * k + 8 + i, 8 * k + (i + 1) % 8) for k in range(5) for i in range(8)]
+    F += [(8 * k + 8 + i, 8 * k + 8 + (i + 1) % 8, 8 * k + (i + 1) % 8) for k in range(5) for i in range(8)]
+    F += [(48, i, (i + 1) % 8) for i in range(8)] + [(49, 40 + (i + 1) % 8, 40 + i) for i in range(8)]
+    save_mesh(Mesh(np.array(V), np.array(F)), np.array(V), folder / "bar.obj")
+    (folder / "bar.sel").write_text("0\n" * 8 + "1\n" * 32 + "2\n" * 8 + "0\n2\n")
+
+
+def settings(driver):
+    session = driver.window.session
+    _write_bar(driver.folder)
+    driver.window.filing.open_path(driver.folder / "bar.obj")
+    driver.idle()
+    session.load_selection(driver.folder / "bar.sel")
+    driver.idle()
+    session.type_motion("TWIST", "30", 0)
+    driver.idle()
+    for method in ("exact", "local", "paper", "arap"):
+        session.settings.set_method(method)
+        driver.idle()
+        driver.scene(f"method {method}")
+    session.settings.set_method("exact")
+    session.settings.set_area(150.0)
+    session.settings.set_volume(40.0)
+    driver.idle()
+    driver.scene("out of reach")
+    session.undo()
+    session.undo()
+    driver.idle()
+    driver.scene("undone")
+
+
+def comparing(driver):
+    driver.window.comparing.open()
+    side = driver.window.comparing.window
+    driver.scene("methods begin to be compared")
+    driver.wait(lambda: any(view.said[1] or view.values is not None for view in side.views.values()))
+    driver.scene("methods being compared")
+    driver.wait(lambda: side.comparison.under_way is None)
+    driver.scene("methods compared")
+    for k in range(side.table.columnCount()):
+        head = side.table.horizontalHeaderItem(k)
+        driver.reader.note(head.text(), "a column")
+        driver.reader.note(head.toolTip(), "a column")
+    for row in range(side.table.rowCount()):
+        driver.reader.note(side.table.verticalHeaderItem(row).text(), "a line")
+    side.write_picture(driver.folder / "methods.png")
+    side.close()
+    driver.wait()
+
+
+def parts(driver):
+    window, session = driver.window, driver.window.session
+    window.docks["history"].show()
+    window.parts.add_handle()
+    window.take(Tool.HANDLE)
+    window.panel.show_motion()
+    driver.scene("a second handle")
+    for tool in Tool:
+        window.take(tool)
+        for way in Way if tool.words.is_brush else ():
+            window.choose_way(way)
+            driver.scene("a way to choose", window.status._hint)
+    window.take(Tool.BASE)
+    window.parts.remove_handle(1)
+    window.editing.verbs["add_region"]()
+    driver.scene("an empty region")
+    window.editing.verbs["choose_by_numbers"]()
+    card = window.editing.typed.vertices
+    for text in ("y > 0.9Y", "y > ", "9-2", "3-", "999999", "q", "z"):
+        card.text.setText(text)
+        driver.scene("chosen by numbers", card, card._said)
+    card.text.setText("y > 0.9Y")
+    driver.press(card.text, Qt.Key.Key_Return)
+    card.close_card()
+    session.settings.set_region_area(0, 100.0)
+    driver.idle()
+    driver.scene("a region that is kept")
+    bar = window.panel.verticalScrollBar()
+    bar.setValue(bar.maximum())
+    driver.scene("the end of the panel")
+    for change in ("GROW", "SHRINK", "SMOOTH", "INVERT", "MIRROR_X"):
+        window.editing.verbs["reshape"](change)
+    driver.idle()
+    driver.scene("the history")
+    session.settings.set_method("paper")
+    driver.idle()
+    driver.scene("a region and the paper's method")
+    session.settings.set_method("exact")
+
+
+def mistakes(driver):
+    field = driver.window.panel.handles.motion
+    for motion, text in (
+        ("TWIST", ""), ("TWIST", "12mm"), ("MOVE_X", "3deg"), ("MOVE_X", "1 +"), ("MOVE_X", "2 3"),
+        ("MOVE_X", "5mm"), ("SCALE", "x + 1"), ("SCALE", "1/0"), ("SCALE", "sin"), ("SCALE", "sqrt(L)"),
+        ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
+    ):  # fmt: skip
+        driver.window.editing.verbs["move_by"](motion, text)
+        driver.scene("a motion that is none", field._problem)
+        field._problem.hide()
+    for name in ("gone.obj", "odd.xyz", "broken.obj"):
+        (driver.folder / "odd.xyz").write_text("?")
+        (driver.folder / "broken.obj").write_text("v 0 0\nf 1 2 3\n")
+        driver.window.filing.open_path(driver.folder / name)
+        driver.idle()
+        driver.scene("a file that cannot be opened")
+
+
+def help_(driver):
+    window = driver.window
+    window.help.open_sheet()
+    driver.scene("the sheet of shortcuts")
+    sheet = window.help.sheet
+    sheet.search.setText("qqq")
+    driver.scene("nothing found")
+    sheet.search.setText("")
+    frame, edges = sheet.rows["frame"], sheet.rows["edges"]
+    frame.keys.wait_for_keys(True)
+    driver.scene("keys are waited for")
+    frame.keys.wait_for_keys(False)
+    for keys in ("Esc", "Alt+F"):
+        frame.keys.chosen.emit(keys)
+        driver.scene("keys that are refused")
+    frame.keys.chosen.emit(edges.entry.keys)
+    driver.scene("keys of another action")
+    sheet.swap.click()
+    driver.scene("keys that were swapped")
+    sheet.back.click()
+    driver.scene("standard keys")
+    window.help.close()
+    window.session.open_sample("bottle")
+    driver.idle()
+    window.help.begin_tour()
+    driver.wait(lambda: window.help.tour.active)
+    for number in range(5):
+        driver.scene(f"the tour {number}")
+        window.help.tour.card.next.click()
+
+
+def files(driver):
+    window, session, folder = driver.window, driver.window.session, driver.folder
+    file_dialogs.about(window)
+    file_dialogs.ask_before_losing(window)
+    file_dialogs.ask_for_mesh(window, folder)
+    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_selection(window, folder)
+    file_dialogs.ask_where_to_put_selection(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_target(window, folder, session.state.document.mesh)
+    file_dialogs.ask_where_to_report(window, folder, session.state.document.mesh)
+    file_dialogs.ask_where_to_put_picture(window, folder, session.state.document.mesh)
+    (folder / "there.obj.apd").write_text("")
+    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    for write in (
+        lambda: session.export(folder / "out.obj"),
+        lambda: session.save(folder / "out.apd", window.canvas.view(""), True),
+        lambda: session.save_selection(folder / "out.sel"),
+        lambda: session.save_selection(folder / "out.json"),
+        lambda: session.load_selection(folder / "out.json"),
+        lambda: session.load_selection(folder / "out.obj"),
+    ):
+        write()
+        driver.scene("writing")
+        driver.idle()
+        driver.scene("written")
+    handouts(driver)
+    V, F = np.eye(4, 3) + [9e4, 0, 0], np.array([[0, 1, 2], [0, 1, 2], [0, 2, 3], [1, 1, 2]])
+    save_mesh(Mesh(V, F), V, folder / "bad.obj")
+    window.filing.open_path(folder / "bad.obj")
+    driver.idle()
+    driver.scene("findings")
+    window.health.open()
+    driver.wait()
+    window.health.list.rows[0].chosen.emit()
+    driver.scene("the list of findings")
+
+
+def handouts(driver):
+    from page_parts import PageParts
+
+    window, path = driver.window, driver.folder / "out.html"
+    pictures = window.reporting.pictures
+    dialog = PictureDialog(window, pictures, Wish(pictures.view_size))
+    dialog.show()
+    driver.scene("a picture", dialog)
+    dialog.width_.setValue(32_768)
+    driver.scene("another picture", dialog)
+    dialog.reject()
+    for act in (
+        pictures.copy,
+        lambda: pictures.save(driver.folder / "out.png", Wish(pictures.view_size)),
+        lambda: window.reporting.write(path),
+    ):
+        act()
+        driver.scene("handing out")
+        driver.idle()
+        driver.scene("handed out")
+    page = PageParts(path.read_text(encoding="utf-8"))
+    names = [name for rows in page.rows.values() for name in rows if name not in ("APD Viewer", "Python")]
+    for text in (*page.headings, *names, *(note for notes in page.notes.values() for note in notes)):
+        if not text.startswith("apd-viewer "):
+            driver.reader.note(text, "the report")
+
+
+def main():
+    folder = Path(sys.argv[1])
+    driver = Driver(folder, map(int, os.environ.get("SIZE", "1280x720").split("x")))
+    for act in (start, settings, comparing, parts, mistakes, help_, files):
+        act(driver)
+    keys = {
+        key.toString(form)
+        for entry in driver.window.actions_.entries
+        for key in entry.action.shortcuts()
+        for form in type(key).SequenceFormat
+    }
+    sys.stdout.write(json.dumps({"said": driver.reader.said, "cut": driver.reader.cut, "keys": sorted(keys)}))
+    sys.stdout.flush()
+    driver.window.session.close()
+    os._exit(0)  # what a window leaves behind is looked at elsewhere
+
+
+if __name__ == "__main__":
+    main()
