@@ -4,6 +4,7 @@ import threading
 import time
 
 import pytest
+from driven_session import Driven, bar
 
 from apd_viewer.geometry.energy import elastic
 from apd_viewer.geometry.linalg import linear_solver
