@@ -1,10 +1,10 @@
 """The rooms import in one direction and without circles; only the window's room knows Qt and VTK."""
 
 import ast
-import re
 import subprocess
 import sys
 import textwrap
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -12,46 +12,92 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = "apd_viewer"
 
-# What lies on the right may be imported by what lies on the left, and not the other way around.
-ROOMS = ["top", "figures", "ui", "session", "files", "geometry", "errors", "language"]
-TOP = {"__main__", "api", "headless", "paper_command", "paper_tables", "parser", "progress", "sweep_command"}
+# A room may import those below it, and none above: so there is no circle of rooms either.
+ROOMS = [
+    "top",
+    "commands",
+    "figures",
+    "ui",
+    "ui/compare",
+    "ui/sharing",
+    "ui/help",
+    "ui/studies",
+    "ui/plots",
+    "ui/panel",
+    "ui/overlays",
+    "ui/filing",
+    "ui/actions",
+    "ui/tools",
+    "ui/scene",
+    "ui/preferences",
+    "ui/widgets",
+    "presentation",
+    "session",
+    "session/studies",
+    "session/processes",
+    "session/storage",
+    "session/model",
+    "session/jobs",
+    "session/quantities",
+    "files",
+    "files/selections",
+    "files/formats",
+    "files/storage",
+    "geometry",
+    "geometry/solver",
+    "geometry/energy",
+    "geometry/analysis",
+    "geometry/picking",
+    "geometry/pose",
+    "geometry/linalg",
+    "geometry/mesh",
+    "log",
+    "language",
+    "errors",
+]
+TOP = {"__init__", "__main__", "api"}
+MOST_MODULES = 20
+MOST_LINES = 400
 SCREEN = {"PySide6", "pyvista", "pyvistaqt", "vtk", "vtkmodules", "qtpy"}
+# By the first folder of a room.
 LIBRARIES = {
     "top": set(),
+    "commands": {"numpy"},
     "figures": {"numpy", "matplotlib", "PIL", "imageio_ffmpeg", "pyvista"},
     "ui": SCREEN | {"numpy"},
+    "presentation": {"numpy"},
     "session": {"numpy"},
     "files": {"numpy", "trimesh"},
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk"},
+    "log": set(),
     "errors": set(),
     "language": set(),
 }
 # Libraries that only the named files may touch.
 DRAWS = {
     "figures/drawing.py",
-    "ui/scene_picture.py",
-    "ui/ghost.py",
-    "ui/ground.py",
-    "ui/rest_actor.py",
-    "ui/shading.py",
-    "ui/studio.py",
-    "ui/surface.py",
-    "ui/viewport.py",
+    "ui/scene/scene_picture.py",
+    "ui/scene/ghost.py",
+    "ui/scene/ground.py",
+    "ui/scene/rest_actor.py",
+    "ui/scene/shading.py",
+    "ui/scene/offscreen_scene.py",
+    "ui/scene/surface.py",
+    "ui/scene/viewport.py",
 }
 CONFINED = {
-    "cholespy": {"geometry/linear_solver.py"},
+    "cholespy": {"geometry/linalg/linear_solver.py"},
     "PIL": {"figures/films.py"},
     "imageio_ffmpeg": {"figures/films.py"},
-    "fast_simplification": {"geometry/thinning.py"},
-    "ipctk": {"geometry/crossings.py"},
+    "fast_simplification": {"geometry/mesh/decimation.py"},
+    "ipctk": {"geometry/analysis/self_intersections.py"},
     "pyvista": DRAWS,
     "pyvistaqt": DRAWS,
     "vtk": DRAWS,
     "vtkmodules": DRAWS,
-    "qtpy": set(),  # pyvistaqt's choice of a binding is none of ours
+    "qtpy": set(),  # the binding that pyvistaqt chooses is its own affair
 }
 MEANINGLESS = {"utils", "util", "common", "helpers", "helper", "manager", "base", "misc", "core"}
-MOST_LINES = 400
 
 
 def modules(root):
@@ -82,10 +128,10 @@ def imports(name, path, known):
     return found
 
 
-def room(name):
-    """The room of a module; the package itself and what the command line is made of are the top."""
-    part = name.split(".")[1] if "." in name else "top"
-    return "top" if part in TOP else part
+def room(where):
+    """The room of a file: its folder; of a file at the top, its own name or the top."""
+    folder, _, stem = where.removesuffix(".py").rpartition("/")
+    return folder or ("top" if stem in TOP else stem)
 
 
 def circles(edges):
@@ -105,9 +151,10 @@ def circles(edges):
 
 def violations(root):
     """What is against the rules in the package under ``root``, a line each."""
-    known, said, edges = modules(root), [], {}
+    known, said, edges, sizes = modules(root), [], {}, Counter()
+    places = {name: path.relative_to(root / PACKAGE).as_posix() for name, path in known.items()}
     for name, path in known.items():
-        here, where = path.relative_to(root / PACKAGE).as_posix(), room(name)
+        here, where = places[name], room(places[name])
         if where not in ROOMS:
             said.append(f"{here}: there is no room {where}")
             continue
@@ -118,9 +165,9 @@ def violations(root):
                 edges[name].add(target)
                 if target not in known:
                     said.append(f"{here}: there is no {target}")
-                elif ROOMS.index(room(target)) < ROOMS.index(where):
+                elif ROOMS.index(room(places[target])) < ROOMS.index(where):
                     said.append(f"{here}: imports {target}, against the direction")
-            elif library not in LIBRARIES[where] and library not in sys.stdlib_module_names | {"__future__"}:
+            elif not allowed(library, where):
                 said.append(f"{here}: imports {library}")
             elif here not in CONFINED.get(library, {here}):
                 said.append(f"{here}: imports {library}, which others do")
@@ -128,7 +175,15 @@ def violations(root):
             said.append(f"{here}: says nothing by its name")
         if len(path.read_text(encoding="utf-8").splitlines()) > MOST_LINES:
             said.append(f"{here}: is too long")
+        sizes[where] += path.stem != "__init__"
+    said += [f"{where}: has too many modules" for where, size in sizes.items() if size > MOST_MODULES]
     return said + [f"{name} imports itself in a circle" for name in sorted(circles(edges))]
+
+
+def allowed(library, where):
+    """Whether modules of a room may import a library."""
+    own = LIBRARIES[where.partition("/")[0]]
+    return library in own | sys.stdlib_module_names | {"__future__"}
 
 
 def test_the_program_keeps_the_rules():
@@ -138,23 +193,16 @@ def test_the_program_keeps_the_rules():
 def test_the_rules_look_at_the_whole_program():
     """An empty tree would keep all rules too."""
     known = modules(ROOT)
-    assert {room(name) for name in known} == set(ROOMS)
+    rooms = {room(path.relative_to(ROOT / PACKAGE).as_posix()) for path in known.values()}
+    assert rooms | {"log"} == set(ROOMS)
     targets = {target for name, path in known.items() for target in imports(name, path, known)}
     assert set(CONFINED) - {"qtpy", "vtk"} <= {target.partition(".")[0] for target in targets}
     # Each room is imported by another, within functions and for type checking too.
     assert {
         f"{PACKAGE}.ui.application",
-        f"{PACKAGE}.geometry.deformation",
+        f"{PACKAGE}.geometry.solver.deformation",
         f"{PACKAGE}.session.session",
     } <= targets
-
-
-def test_the_readme_names_modules_that_there_are():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    said = text.partition("## The rooms")[2].partition("\n## ")[0]
-    names = re.findall(r"`([a-z_]*\*?[a-z_]+)`", said)
-    assert len(names) > 50
-    assert [name for name in names if not any((ROOT / PACKAGE).glob(f"*/{name}.py"))] == []
 
 
 GOOD = {
@@ -162,25 +210,29 @@ GOOD = {
     "__main__.py": "import apd_viewer, json\n",
     "errors.py": "",
     "geometry/__init__.py": "",
-    "geometry/shape.py": "import numpy as np\nfrom ..errors import E\n",
-    "geometry/linear_solver.py": "import cholespy\nfrom . import shape\n",
+    "geometry/mesh/__init__.py": "",
+    "geometry/linalg/__init__.py": "",
+    "geometry/mesh/shape.py": "import numpy as np\nfrom ...errors import E\n",
+    "geometry/mesh/edges.py": "from . import shape\n",
+    "geometry/linalg/linear_solver.py": "import cholespy\nfrom ..mesh import shape\n",
     "files/__init__.py": "",
-    "files/reading.py": "def read():\n    import trimesh\n    from apd_viewer.geometry import shape\n",
+    "files/reading.py": "def read():\n    import trimesh\n    from apd_viewer.geometry.mesh import shape\n",
     "session/__init__.py": "",
     "session/session.py": "import threading\nfrom apd_viewer.files.reading import read\n",
     "ui/__init__.py": "",
+    "ui/scene/__init__.py": "",
     "ui/window.py": "from PySide6.QtCore import Qt\nfrom apd_viewer.session import session\n",
-    "ui/viewport.py": "import pyvista\n",
+    "ui/scene/viewport.py": "import pyvista\n",
 }
 BAD = {
     "a room imports back": (
-        "geometry/shape.py",
-        "import apd_viewer.files.storage.reading",
+        "geometry/mesh/shape.py",
+        "import apd_viewer.files.reading",
         "against the direction",
     ),
     "from its package": (
-        "geometry/shape.py",
-        "from apd_viewer.files.storage import reading",
+        "geometry/mesh/shape.py",
+        "from apd_viewer.files import reading",
         "against the direction",
     ),
     "relatively": ("files/reading.py", "from ..session import session", "against the direction"),
@@ -196,23 +248,33 @@ BAD = {
         "against the direction",
     ),
     "the top from a room": ("files/reading.py", "import apd_viewer", "against the direction"),
-    "errors know a room": ("errors.py", "from apd_viewer.geometry import shape", "against the direction"),
+    "errors know a room": (
+        "errors.py",
+        "from apd_viewer.geometry.mesh import shape",
+        "against the direction",
+    ),
     "a circle": (
-        "geometry/shape.py",
-        "def f():\n  from apd_viewer.geometry.linalg.linear_solver import g",
-        "geometry.shape imports itself in a circle",
+        "geometry/mesh/shape.py",
+        "def f():\n  from apd_viewer.geometry.mesh.edges import g",
+        "geometry.mesh.shape imports itself in a circle",
     ),
     "itself": ("ui/window.py", "from . import window", "ui.window imports itself in a circle"),
     "Qt in the session": ("session/session.py", "from PySide6.QtCore import QObject", "imports PySide6"),
     "VTK in the files": ("files/reading.py", "def f():\n  import vtkmodules.all", "imports vtkmodules"),
     "pyvista at the top": ("__main__.py", "import pyvista as pv", "imports pyvista"),
     "VTK in a panel": ("ui/window.py", "import vtkmodules.vtkRenderingCore", "which others do"),
-    "a second solver": ("geometry/shape.py", "from cholespy import CholeskySolverD", "which others do"),
-    "trimesh in geometry": ("geometry/shape.py", "import trimesh.creation", "imports trimesh"),
+    "a second solver": ("geometry/mesh/shape.py", "from cholespy import CholeskySolverD", "which others do"),
+    "trimesh in geometry": ("geometry/mesh/shape.py", "import trimesh.creation", "imports trimesh"),
     "a new library": ("ui/window.py", "import matplotlib", "imports matplotlib"),
     "hidden": ("files/reading.py", "import importlib\nimportlib.import_module('PySide6')", "hides in a call"),
     "a name that says nothing": ("files/utils.py", "", "says nothing by its name"),
     "a new room": ("plugins/registry.py", "", "there is no room plugins"),
+    "a sub-room imports back": (
+        "ui/scene/viewport.py",
+        "from apd_viewer.ui import window",
+        "against the direction",
+    ),
+    "a new sub-room": ("ui/gadgets/knob.py", "", "there is no room ui/gadgets"),
     "a long file": ("ui/window.py", "\n" * 400, "is too long"),
 }
 
@@ -227,6 +289,11 @@ def build(root, tree):
 def test_a_tree_that_keeps_the_rules(tmp_path):
     build(tmp_path, GOOD)
     assert violations(tmp_path) == []
+
+
+def test_a_full_folder_is_noticed(tmp_path):
+    build(tmp_path, GOOD | {f"ui/scene/part_{k}.py": "" for k in range(MOST_MODULES)})
+    assert violations(tmp_path) == ["ui/scene: has too many modules"]
 
 
 @pytest.mark.parametrize("case", BAD)

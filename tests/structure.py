@@ -1,0 +1,217 @@
+"""Print the figures of the program's structure: ``python tests/structure.py``.
+
+Sizes of folders, files, functions and classes, imports and docstrings, measured on the source by ``ast``.
+``tests/test_structure.py`` holds the limits.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import statistics
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1] / "apd_viewer"
+METHODS = {"arap", "paper", "exact", "local", "sr-arap"}
+METHOD_TABLE = "geometry/solver/methods.py"
+QUESTION = re.compile(r"(what|how|where|which|whether|who|whom|whose|when|why)\b", re.IGNORECASE)
+RELATIVE = re.compile(r"\b(that|which|who|whom|whose|where|what)\b", re.IGNORECASE)
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass
+class Module:
+    """A source file and its syntax tree."""
+
+    where: str
+    text: str
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        return ast.parse(self.text)
+
+    @cached_property
+    def lines(self) -> list[str]:
+        return self.text.splitlines()
+
+    @cached_property
+    def functions(self) -> list[Function]:
+        return [node for node in ast.walk(self.tree) if isinstance(node, Function)]
+
+    @cached_property
+    def classes(self) -> list[ast.ClassDef]:
+        return [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
+
+    @cached_property
+    def docstrings(self) -> list[tuple[int, str]]:
+        """Line and first line of each docstring."""
+        found = []
+        for node in (self.tree, *self.classes, *self.functions):
+            if ast.get_docstring(node):
+                constant = node.body[0].value
+                found.append((constant.lineno, ast.get_docstring(node).splitlines()[0]))
+        return found
+
+
+def modules(package: Path = PACKAGE) -> list[Module]:
+    """All modules of the package, by path."""
+    return [
+        Module(path.relative_to(package).as_posix(), path.read_text(encoding="utf-8"))
+        for path in sorted(package.rglob("*.py"))
+    ]
+
+
+def folder_sizes(found: list[Module]) -> Counter[str]:
+    """Modules in each folder, without the ``__init__``."""
+    return Counter(
+        str(Path(module.where).parent) for module in found if not module.where.endswith("__init__.py")
+    )
+
+
+def body(function: Function) -> list[ast.stmt]:
+    """Statements of a function without its docstring."""
+    return function.body[1:] if ast.get_docstring(function) is not None else function.body
+
+
+def body_lengths(found: list[Module]) -> list[int]:
+    """Lines of each function's body, without its docstring."""
+    bodies = (body(function) for module in found for function in module.functions)
+    return [part[-1].end_lineno - part[0].lineno + 1 if part else 0 for part in bodies]
+
+
+def method_counts(found: list[Module]) -> Counter[str]:
+    """Methods of each class, with those inherited from classes of the package."""
+    classes = {node.name: node for module in found for node in module.classes}
+    own = {
+        name: {item.name for item in node.body if isinstance(item, Function)}
+        for name, node in classes.items()
+    }
+
+    def all_of(name: str) -> set[str]:
+        bases = (ast.unparse(base).split(".")[-1].split("[")[0] for base in classes[name].bases)
+        return own[name].union(*(all_of(base) for base in bases if base in classes and base != name))
+
+    return Counter({name: len(all_of(name)) for name in classes})
+
+
+def forwarders(found: list[Module]) -> list[str]:
+    """Methods with no more to them than the same call, or the same attribute, of an attribute of self."""
+    return [
+        f"{module.where}:{function.lineno} {function.name}"
+        for module in found
+        for node in module.classes
+        for function in node.body
+        if isinstance(function, ast.FunctionDef) and _forwards(function)
+    ]
+
+
+def _forwards(function: ast.FunctionDef) -> bool:
+    statements = body(function)
+    if len(statements) != 1 or not isinstance(statements[0], ast.Return | ast.Expr):
+        return False
+    value = statements[0].value
+    given = [argument.arg for argument in (*function.args.args, *function.args.kwonlyargs)][1:]
+    if isinstance(value, ast.Call):
+        passed = [ast.unparse(x) for x in (*value.args, *(keyword.value for keyword in value.keywords))]
+        if passed != given:
+            return False
+        value = value.func
+    elif given:
+        return False
+    return re.fullmatch(r"self\.\w+(\.\w+)+", ast.unparse(value) if value else "") is not None
+
+
+def method_comparisons(found: list[Module]) -> list[str]:
+    """Comparisons with the name of a method outside the table of methods."""
+    said = []
+    for module in found:
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.Compare) and module.where != METHOD_TABLE:
+                sides = [x for side in (node.left, *node.comparators) for x in ast.walk(side)]
+                if any(isinstance(side, ast.Constant) and side.value in METHODS for side in sides):
+                    said.append(f"{module.where}:{node.lineno} {ast.unparse(node)}")
+    return said
+
+
+def late_starts(found: list[Module]) -> list[str]:
+    """Methods by which a part of the window would be completed after its constructor."""
+    return [
+        f"{module.where}:{function.lineno} {function.name}"
+        for module in found
+        if module.where.startswith("ui/")
+        for function in module.functions
+        if function.name == "start" and not {"thread", "process"} & set(Path(module.where).stem.split("_"))
+    ]
+
+
+def local_imports(found: list[Module]) -> Iterator[tuple[str, bool]]:
+    """Imports inside functions, and whether the comment above gives a reason."""
+    for module in found:
+        for function in module.functions:
+            for node in ast.walk(function):
+                if isinstance(node, ast.Import | ast.ImportFrom):
+                    yield f"{module.where}:{node.lineno}", _explained(module.lines, node.lineno)
+
+
+def _explained(lines: list[str], number: int) -> bool:
+    """Whether a comment stands above a line, or above the imports directly over it."""
+    above = number - 2
+    while above > 0 and lines[above].lstrip().startswith(("import ", "from ")):
+        above -= 1
+    return lines[above].lstrip().startswith("#") or "  #" in lines[number - 1]
+
+
+def first_lines(found: list[Module]) -> list[tuple[str, str]]:
+    """Place and first line of each docstring."""
+    return [(f"{module.where}:{line}", text) for module in found for line, text in module.docstrings]
+
+
+def percentile(values: list[int], share: float) -> int:
+    """The value below or at which a share of them lies."""
+    return sorted(values)[min(len(values) - 1, int(share * len(values)))]
+
+
+def table(found: list[Module]) -> list[tuple[str, str]]:
+    """Rows of name and figure."""
+    bodies, lengths = body_lengths(found), [len(module.lines) for module in found]
+    folder, most = folder_sizes(found).most_common(1)[0]
+    name, methods = method_counts(found).most_common(1)[0]
+    firsts = [text for _, text in first_lines(found)]
+    imports = list(local_imports(found))
+    relative = sum(len(RELATIVE.findall(text)) for text in firsts) / len(firsts)
+    return [
+        ("modules", f"{len(found)}"),
+        ("lines", f"{sum(lengths):,}"),
+        ("most modules in a folder", f"{most} ({folder})"),
+        ("file length p50 / p90 / max", _spread(lengths)),
+        ("function body p50 / p90 / max", _spread(bodies)),
+        ("biggest class, methods with inherited", f"{methods} ({name})"),
+        ("pure forwarders", f"{100 * len(forwarders(found)) / len(bodies):.1f} %"),
+        ("start() methods in the window", f"{len(late_starts(found))}"),
+        ("comparisons with a method's name", f"{len(method_comparisons(found))}"),
+        ("imports in functions / without a reason", f"{len(imports)} / {sum(not ok for _, ok in imports)}"),
+        ("class names used twice", f"{len(homonyms(found))}"),
+        ("docstrings beginning with a question word", f"{sum(bool(QUESTION.match(x)) for x in firsts)}"),
+        ("relative clauses per first line", f"{relative:.2f}"),
+        ("first lines above 80 characters", f"{sum(len(text) > 80 for text in firsts)}"),
+    ]
+
+
+def homonyms(found: list[Module]) -> list[str]:
+    """Class names that stand for two things or more."""
+    names = Counter(node.name for module in found for node in module.classes)
+    return sorted(name for name, count in names.items() if count > 1)
+
+
+def _spread(values: list[int]) -> str:
+    return f"{statistics.median(values):.0f} / {percentile(values, 0.9)} / {max(values)}"
+
+
+if __name__ == "__main__":
+    for row in table(modules()):
+        print("| {} | {} |".format(*row))
