@@ -18,7 +18,7 @@ from apd_viewer.session.processes.messages import Answer, Found, Message, Order,
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
-_START = START.format(module="solver_process")
+_START = START.format(module="processes.solver_main")
 
 
 def start_process() -> Process:

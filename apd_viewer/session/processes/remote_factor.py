@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.linalg.linear_solver import Matrix
 
-_START = START.format(module="factor_process")
+_START = START.format(module="processes.factor_main")
 _MOST_DEATHS = 3
 _ENDED = tr("the process that factors has ended {times} times; it may lack memory")
 

@@ -16,7 +16,7 @@ from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, Process, started
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
-_START = START.format(module="examining_process")
+_START = START.format(module="processes.shape_check_main")
 # A shape that has settled is often moved again at once, and what starts has more urgent things to do.
 _CALM, _AT_FIRST = 0.3, 2.0  # s
 # What is known where the process has died, or there can be none.
