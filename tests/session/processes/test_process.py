@@ -225,7 +225,7 @@ def children_of(session: Driven) -> list[int]:
     """The processes that the session's process has started."""
     pid = pid_of(session)
     found = Path(f"/proc/{pid}/task/{pid}/children").read_text() if pid else ""
-    return [int(process_client) for process_client in found.split()]
+    return [int(child) for child in found.split()]
 
 
 @linux
@@ -314,7 +314,7 @@ def test_to_ask_never_waits(factoring):
 
 @linux
 def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
-    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
+    altered("from apd_viewer.session.processes import solver; solver._LARGE = 2500\n")
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
     empty.drag(pose(0.2), pose(0.4))
@@ -334,7 +334,7 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
 @pytest.fixture
 def large(empty, altered):
     """A session with a mesh that counts as large, painted."""
-    altered("from apd_viewer.session.processes.child_process import solver; solver._LARGE = 2500\n")
+    altered("from apd_viewer.session.processes import solver; solver._LARGE = 2500\n")
     empty.show_now(Mesh(*box(20, 20, 40)))
     empty.paint_ends()
     empty.drag(pose(0.1))
@@ -401,11 +401,11 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
         from apd_viewer.geometry.energy import solve_mesh
         from apd_viewer.session.processes import solver
         solver._LARGE = 2500
-        real = rest_shape.thinned
+        real = solve_mesh.thinned
         def thinned(V, F, count):
             print(f"thinned {len(V)}", file=sys.stderr, flush=True)
             return real(V, F, count)
-        rest_shape.thinned = thinned
+        solve_mesh.thinned = thinned
 
         import time
         from apd_viewer.session.jobs.mailbox import Mailbox
@@ -454,7 +454,7 @@ ORPHAN = """
 
 def script(tmp_path, wait: bool) -> list[str]:
     """A user's script, without a guard, and a folder to start it in with a trap in it."""
-    paths = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "session")]
+    paths = [str(ROOT), str(ROOT / "tests" / "support")]
     (tmp_path / "numpy.py").write_text("raise SystemExit('not this one')")
     (tmp_path / "scripts").mkdir()
     path = tmp_path / "scripts" / "script.py"
