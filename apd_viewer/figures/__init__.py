@@ -1,1 +1,1 @@
-"""Figures on paper: curves and pictures of shapes, drawn without a window or a display."""
+"""Figures on paper: curves and pictures of shapes, drawn without a display."""

@@ -1,4 +1,4 @@
-"""Shapes side by side, as they are painted or coloured by local area change: drawn in a process of its own.
+"""Pictures of shapes side by side, drawn in a process of its own.
 
 Where there is no OpenGL, VTK takes the process with it that asks for a picture.
 """
@@ -30,7 +30,7 @@ _LETTERS = 44  # titles, in points, go into the height of a picture in pixels
 
 
 def main(job: str) -> None:
-    """Draw the pictures of a job, and say a line for each: see :mod:`apd_viewer.figures.shapes`."""
+    """Draw the pictures of a job and print a line for each."""
     if sys.platform.startswith("linux"):
         # VTK would try the X server first, complain where there is none, and die where it is broken.
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
@@ -42,7 +42,7 @@ def main(job: str) -> None:
 
 
 def _color_map() -> Colormap:
-    """The colours that the window has for local area change."""
+    """Colour map of local area change, as in the window."""
     from matplotlib.colors import LinearSegmentedColormap
 
     return LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
@@ -92,7 +92,7 @@ def _show_change(plotter: Any, F: np.ndarray, U: np.ndarray, areas: np.ndarray) 
 
 
 def _write(plotter: Any, words: Sequence[str], most: int, high: int) -> None:
-    """Write a title above, and below it as many lines as others have ``most``, or less."""
+    """Write a title and below it the lines, padded to ``most`` of them."""
     letters = high / _LETTERS
     left, top = 0.03 * high, high * (1 - 0.8 * _ABOVE)
     title, *lines = words
@@ -104,7 +104,7 @@ def _write(plotter: Any, words: Sequence[str], most: int, high: int) -> None:
 
 
 def _legend(plotter: Any, title: str, wide: float) -> None:
-    """Say what the colours mean, below the shape at rest, where there are no readings."""
+    """Draw the legend of the colours below the rest shape."""
     if not title:
         return
     high = plotter.window_size[1]
@@ -137,7 +137,7 @@ def _legend(plotter: Any, title: str, wide: float) -> None:
 def _fit(
     shapes: list[np.ndarray], look: np.ndarray, up: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, float, float]:
-    """The middle of all shapes as they are looked at, half the height that shows them, and how deep they are.
+    """Centre, half height and depth of all shapes in one view.
 
     ``aspect`` is the width of a panel by its height.
     """

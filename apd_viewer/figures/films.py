@@ -1,4 +1,4 @@
-"""Films of pictures that are drawn already: GIF, and MP4 where there is an encoder."""
+"""Films made of pictures, as GIF or MP4."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COLORS = 128
 
 
 def check_film(path: Path) -> None:
-    """Raise InputError unless ``path`` names a film that can be written here."""
+    """Raise InputError unless a film can be written to ``path``."""
     if path.suffix.lower() not in KINDS:
         raise InputError(
             tr("{name} is no name for an animation; end it in {kinds}.").format(
@@ -40,7 +40,7 @@ def check_film(path: Path) -> None:
 
 
 def write_film(pictures: Sequence[Path], path: Path) -> None:
-    """Write a film that goes through the pictures and back again.
+    """Write a film of the pictures, forwards and back again.
 
     Raises
     ------

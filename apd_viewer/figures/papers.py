@@ -1,4 +1,4 @@
-"""The curves beside the paper's tables: ARAP's loss against the angle, and what Eq. 8 does to the handle."""
+"""Curves of the paper's tables: area loss and handle drift."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
 
 
 def draw_losses(losses: Sequence[Loss], said: Sequence[tuple[float, float]], folder: Path) -> None:
-    """Draw the change of the area by ARAP against the angle, and what the paper ``said`` of it.
+    """Draw ARAP's area change against the angle, beside the paper's values.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _loss(axes: Axes, losses: Sequence[Loss], stop: int, words: str, color: str,
 
 
 def draw_holds(holds: Sequence[Held], folder: Path) -> None:
-    """Draw where the paper's method leaves the handle, against where it was put."""
+    """Draw the paper method's handle positions against the targets."""
 
     def fill(figure: Figure) -> None:
         left, right = figure.subplots(1, 2)

@@ -58,12 +58,12 @@ def check_picture(path: Path) -> None:
 
 
 def no_pictures() -> str:
-    """Why there are no pictures of shapes, as a sentence."""
+    """Reason for missing pictures of shapes, as a sentence."""
     return tr("Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1).")
 
 
 def keep_shape(U: np.ndarray, path: Path) -> None:
-    """Write a shape (n, 3) to a .npy file, from which it can be drawn."""
+    """Write a shape (n, 3) to a .npy file for the drawing process."""
     np.save(path, U)
 
 
@@ -76,7 +76,7 @@ def draw_shapes(
     legend: bool = True,
     drawn: Callable[[int], object] = lambda _: None,
 ) -> bool:
-    """Draw pictures of as many shapes each, all looked at in the same way; False where nothing can draw.
+    """Draw pictures of several shapes in one view; False where OpenGL is missing.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How curves look: calm, legible in print and for colour-blind people; written as SVG and PNG."""
+"""Style of curves: legible in print and for colour-blind readers; SVG and PNG."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _LOOK: dict[Any, Any] = {
 
 
 def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path, name: str) -> None:
-    """Draw a figure of so many inches, which ``fill`` fills, as ``name``.svg and ``name``.png.
+    """Draw a figure of ``size`` inches by ``fill``; save it as SVG and PNG.
 
     Raises
     ------
@@ -76,5 +76,5 @@ def draw(fill: Callable[[Figure], None], size: tuple[float, float], folder: Path
 
 
 def zero_line(axes: Axes) -> None:
-    """Make zero the line that all is compared with."""
+    """Emphasise the zero line."""
     axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)

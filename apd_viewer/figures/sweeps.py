@@ -27,7 +27,7 @@ _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rou
 
 
 def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "sweep") -> None:
-    """Draw the curves of a sweep; where the surface is open there is none of a volume.
+    """Draw the curves of a sweep; without volume where the surface is open.
 
     Parameters
     ----------

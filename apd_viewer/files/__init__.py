@@ -1,1 +1,1 @@
-"""Room 2: meshes, selections and transforms on disk. Reads and writes; decides nothing."""
+"""Meshes, selections and transforms on disk."""

@@ -1,4 +1,4 @@
-"""By what a file can be known again: its name, where it is, how long it is, and its digest."""
+"""Identity of a file: name, place, size and digest."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def fingerprint(path: Path) -> Fingerprint:
 
 
 def place_of(path: Path) -> str:
-    """Where a file is, without the name of whoever's home folder it is in; a sample is in the program."""
+    """Place of a file relative to the home folder or the program."""
     if resource("") in path.parents:
         return path.name
     try:

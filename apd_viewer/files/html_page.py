@@ -1,4 +1,4 @@
-"""A page of HTML that is whole in one file: tables, pictures and drawings, in light and dark, and on paper.
+"""Self-contained HTML page: tables, pictures, light and dark, print.
 
 It names nothing outside itself: pictures are in it as PNG or SVG, files as links that hold them.
 """
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of a name, a value and, in smaller letters, what else there is to say of it."""
+    """Rows of name, value and remark in smaller letters."""
 
     rows: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True)
 class Note:
-    """A paragraph; one that ``warns`` stands out."""
+    """A paragraph, emphasised if it ``warns``."""
 
     text: str
     warns: bool = False
@@ -34,14 +34,14 @@ class Note:
 
 @dataclass(frozen=True)
 class Command:
-    """What to type into a terminal."""
+    """Command line to type."""
 
     text: str
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture, the content of a PNG file, and what is written under it."""
+    """PNG picture with a caption."""
 
     png: bytes
     caption: str
@@ -49,7 +49,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Pictures:
-    """Pictures beside each other, and an SVG drawing below: the legend of the last of them."""
+    """Pictures side by side, with an SVG legend below."""
 
     pictures: tuple[Picture, ...]
     legend: str = ""
@@ -66,7 +66,7 @@ class Drawing:
 
 @dataclass(frozen=True, eq=False)
 class Attached:
-    """A file that can be taken out of the page."""
+    """File embedded in the page for download."""
 
     name: str
     content: bytes
@@ -87,7 +87,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Page:
-    """A page: ``hero`` is the one reading that is seen first, and what is said of it."""
+    """Page with one leading reading, the ``hero``."""
 
     title: str
     subtitle: str

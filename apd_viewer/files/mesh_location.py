@@ -1,4 +1,4 @@
-"""Where the mesh of a session is: how that is written down, and how the mesh is found again."""
+"""Location of a session's mesh: written down and found again."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
 
 
 def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
-    """What to write down of a mesh, so that it is found again from the file ``session`` of a session."""
+    """Description of a mesh's place, relative to the session's file."""
     told = {"name": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), "digest": mesh.digest}
     if mesh.path is None:
         return told
@@ -42,7 +42,7 @@ def _sample(name: str) -> str:
 
 
 def is_there(mesh: Mesh) -> bool:
-    """Whether the file that the mesh came from still holds it; read again only if it was written since."""
+    """True if the mesh's file still holds it; reread only if written since."""
     if mesh.path is None or isinstance(mesh.origin, Baked):
         return False
     try:
@@ -59,7 +59,7 @@ def is_there(mesh: Mesh) -> bool:
 
 
 def copy_of(mesh: Mesh) -> dict[str, bytes]:
-    """The members of an archive that hold the mesh: the file that it came from, or else its arrays."""
+    """Archive members for the mesh: its file, or its arrays."""
     if isinstance(mesh.origin, Baked):
         return {**copy_of(mesh.origin.mesh), _REST: npy(mesh.V)}
     if mesh.origin is not None:
@@ -73,7 +73,7 @@ def copy_of(mesh: Mesh) -> dict[str, bytes]:
 
 
 def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
-    """The mesh that was written down: from its file, or else from the copy in the archive.
+    """Mesh by its description: from its file or the archive's copy.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _file_name(told: Fields) -> str:
 
 
 def _places(told: Fields, session: Path, name: str) -> list[Path]:
-    """Where to look for the mesh's file."""
+    """Candidate paths of the mesh's file."""
     folder = Path(os.path.abspath(session.parent))  # noqa: PTH100
     places = [Path(told.text("path"))] if told.says("path") else []
     if told.says("relative"):

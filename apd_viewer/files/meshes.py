@@ -50,7 +50,7 @@ def open_mesh(path: str | Path) -> Mesh:
 
 
 def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
-    """Read the mesh in a file, or in the ``content`` that it would have; raises InputError like the above."""
+    """Read the mesh in a file or ``content``; raises InputError like open_mesh."""
     try:
         V, F, origin = _parsed(_read(path) if content is None else content, path)
     except OSError as error:
@@ -84,12 +84,12 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
 
 
 def _largest(X: np.ndarray) -> float:
-    """How far the largest coordinate is from zero."""
+    """Largest absolute coordinate."""
     return max(float(X.max()), -float(X.min()))
 
 
 def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
-    """Raise InputError if already the name and the size of the file tell that it cannot be opened.
+    """Raise InputError on an unsupported name or size, before reading.
 
     What ends in one of ``also`` is no mesh, but can be opened too.
     """
@@ -118,7 +118,7 @@ def _parsed(content: bytes, path: Path) -> Parsed:
 
 
 def check_target(path: str | Path) -> Path:
-    """Return ``path`` if a mesh can be written there as far as its name tells, else raise InputError."""
+    """Return ``path`` if its name allows writing a mesh, else raise InputError."""
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
         raise InputError(
@@ -138,7 +138,7 @@ def check_target(path: str | Path) -> Path:
 
 
 class Written(NamedTuple):
-    """What became of a mesh that was written.
+    """Outcome of writing a mesh.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class Written(NamedTuple):
 
 
 def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:
-    """What would be lost by writing ``mesh`` to ``path``, in words: nothing, in its own format."""
+    """Losses of writing ``mesh`` to ``path``, in words; none in its own format."""
     origin, kind = mesh.origin, Path(path).suffix.lower()
     if origin is None or origin.suffix == kind:
         return ()
@@ -214,7 +214,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
 
 
 def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
-    """Whether what was read from a file is the mesh at ``U``; formats may name the corners otherwise."""
+    """True if the file read back equals ``mesh`` at ``U``, up to corner names."""
     if len(F) != len(mesh.F):
         return False
     there, here = (V, U) if V.shape == U.shape else (V[F], U[mesh.F])
@@ -223,7 +223,7 @@ def _holds(V: np.ndarray, F: np.ndarray, mesh: Mesh, U: np.ndarray) -> bool:
 
 
 def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
-    """The file that the mesh came from with other coordinates, or a new one if it is of another format."""
+    """File content at ``U``: the original rewritten, or a new file."""
     kind = path.suffix.lower()
     if mesh.origin is not None and mesh.origin.suffix == kind:
         try:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def write_report(path: Path, mesh: Mesh, result: Result) -> None:
-    """Write the readings of ``result``; raises InputError if the file cannot be written."""
+    """Write the readings of ``result``; raises InputError on failure."""
     readings = asdict(result)
     del readings["U"]
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
@@ -29,7 +29,7 @@ def write_report(path: Path, mesh: Mesh, result: Result) -> None:
 
 
 def room_of(found: Examination) -> dict[str, Any]:
-    """What room a shape takes, and how many of its triangles pass through others.
+    """Readings of bounding boxes and self-intersections.
 
     That number is None where the library is missing that finds them.
     """

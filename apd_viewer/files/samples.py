@@ -1,4 +1,4 @@
-"""What travels with the program: sample meshes and icons."""
+"""Resources of the program: sample meshes and icons."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SAMPLES = {"bottle": tr("PET bottle"), "duck": tr("Rubber duck")}
 
 
 def resource(name: str) -> Path:
-    """Path of a file in ``resources``, inside the installed package or beside it in a checkout."""
+    """Path of a file in ``resources``, installed or in a checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "resources"
     return (inside if inside.is_dir() else package.parent / "resources") / name

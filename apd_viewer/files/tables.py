@@ -15,7 +15,7 @@ Cell: TypeAlias = float | str | None
 
 
 def write_table(path: Path, columns: Sequence[str], rows: np.ndarray | Sequence[Sequence[Cell]]) -> None:
-    """Write a table, whole or not at all; what is not known, or not a number, is left empty.
+    """Write a CSV table atomically; unknown values and NaN are left empty.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Mesh formats, a module each, and what they share."""
+"""Mesh formats, a module each, and their shared parts."""

@@ -1,4 +1,4 @@
-"""Formats that a library reads: what it makes of them is taken as it is, and cannot be written back."""
+"""Formats read by a library and not written back."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOST = 1 << 31  # bytes; beyond that an archive is broken, or meant to do harm
 
 
 def read_3mf(content: bytes) -> Parsed:
-    """Positions (n, 3) and triangles (m, 3) of all objects that a 3MF file builds, each in its place.
+    """Positions (n, 3) and triangles (m, 3) of all objects of a 3MF build.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""glTF: the triangles of a scene, each mesh where its node puts it; the same file with other coordinates."""
+"""glTF: triangles of a scene, and the same file with new coordinates."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
 
 
 class _Block(NamedTuple):
-    """The vertices that one node shows of one accessor."""
+    """Vertices of one accessor as shown by one node."""
 
     first: int
     position: int
@@ -37,7 +37,7 @@ class _Block(NamedTuple):
 
 @dataclass(frozen=True)
 class GltfFile:
-    """The content of a GLB or glTF file, and which of its vertices are whose."""
+    """Content of a GLB or glTF file, with the owners of its vertices."""
 
     content: bytes
     suffix: str
@@ -48,7 +48,7 @@ class GltfFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
         words = {
             "materials": tr("materials"),
             "textures": tr("textures"),
@@ -68,7 +68,7 @@ class GltfFile:
         return (*has, *(what for name, what in kinds.items() if name in attributes))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3), their bounds, and normals that have turned along."""
+        """File content with positions ``U`` (n, 3), their bounds and turned normals."""
         buffers = [bytearray(buffer) for buffer in self.buffers]
         written: dict[int, np.ndarray] = {}
         touched: list[int] = []
@@ -155,7 +155,7 @@ class GltfFile:
 
 
 def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
-    """The positions (n, 3) that a matrix takes to ``U``."""
+    """Local positions (n, 3) of ``U`` under the inverse matrix."""
     new = (U - matrix[:3, 3]) @ np.linalg.pinv(matrix[:3, :3]).T
     if np.abs(new).max() > np.finfo(np.float32).max:
         raise InputError(tr("A node of the file shrinks a mesh to nothing; choose another format to write."))
@@ -211,7 +211,7 @@ def _mesh_of(document: dict[str, Any], node: int) -> int:
 
 
 def _document(said: bytes) -> tuple[str, dict[str, Any]]:
-    """The JSON as text, and what it says."""
+    """JSON as text, and its content."""
     try:
         text = said.decode("utf-8-sig")
         document = json.loads(text)

@@ -1,4 +1,4 @@
-"""What the JSON of a glTF says: its things by their numbers, and where its nodes put them.
+"""glTF documents: validated lookups, and nodes with their matrices.
 
 Every look into the document asks first whether there is what the format promises, or says what is wrong.
 """
@@ -16,7 +16,7 @@ _MOST = 1 << 40  # bytes or numbers
 
 
 def one(document: dict[str, Any], what: str, k: object) -> dict[str, Any]:
-    """One of its nodes, meshes, accessors and so on; raises ValueError if there is none of that number."""
+    """Element ``k`` of an array of the document; raises ValueError if missing."""
     things = a_list(document, what)
     if type(k) is not int or not 0 <= k < len(things) or not isinstance(things[k], dict):
         raise ValueError(tr("it refers to one of its {what} that is not there").format(what=what))
@@ -24,7 +24,7 @@ def one(document: dict[str, Any], what: str, k: object) -> dict[str, Any]:
 
 
 def a_list(told: dict[str, Any], key: str) -> list[Any]:
-    """What stands under a key; raises ValueError if it is no list."""
+    """List under a key; raises ValueError if it is none."""
     found = told.get(key, [])
     if not isinstance(found, list):
         raise ValueError(tr("its {key} are no list").format(key=key))
@@ -50,7 +50,7 @@ def parts(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
 
 
 def placed(document: dict[str, Any]) -> dict[int, np.ndarray]:
-    """The nodes of the scene that show a mesh, and their matrices (4, 4) to the world."""
+    """Nodes of the scene with a mesh, and their world matrices (4, 4)."""
     found: dict[int, np.ndarray] = {}
     seen: set[int] = set()
     todo = [(root, np.eye(4)) for root in reversed(_roots(document))]
@@ -112,6 +112,6 @@ def _is_sane(number: float) -> bool:
 
 
 def carried(matrix: np.ndarray, local: np.ndarray) -> np.ndarray:
-    """The positions (n, 3) where a matrix puts them."""
+    """Positions (n, 3) transformed by the matrix."""
     with np.errstate(all="ignore"):  # absurd positions are refused later
         return local @ matrix[:3, :3].T + matrix[:3, 3]

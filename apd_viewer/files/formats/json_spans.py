@@ -1,4 +1,4 @@
-"""Where values stand in a JSON text, so that one can be replaced and all else stay as it is written."""
+"""Byte spans of values in a JSON text, for replacement in place."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _DECODER = json.JSONDecoder()
 
 
 def spans(text: str, paths: Sequence[Path]) -> dict[Path, tuple[int, int]]:
-    """Begin and end of the values that keys and places lead to; those that are not there are left out."""
+    """Begin and end of the values at ``paths``; missing ones are left out."""
     found: dict[Path, tuple[int, int]] = {}
     _find(text, _skip(text, 0), set(paths), (), found)
     return found
 
 
 def _find(text: str, at: int, wanted: set[Path], here: Path, found: dict[Path, tuple[int, int]]) -> int:
-    """Look into the value that begins at ``at``; where it ends."""
+    """Search the value at ``at``; return its end."""
     if not any(path[: len(here)] == here for path in wanted):
         return _DECODER.raw_decode(text, at)[1]
     if text[at] not in "{[" or here in wanted:

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: vertices and faces in the order of the file, and the same file with other coordinates.
+"""Wavefront OBJ: vertices and faces in file order; new coordinates in place.
 
 Libraries split vertices at texture seams or drop some of them; a selection made for the file would
 then no longer fit. What is not ``v`` or ``f`` is not read, and comes back as it was; only ``vn`` turns along.
@@ -46,13 +46,13 @@ class ObjFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
         has = [name for name, word in _EXTRAS if re.search(rb"^[ \t]*%s[ \t]" % word, self.content, re.M)]
         colours = re.search(rb"^[ \t]*v(?:[ \t]+[^\s#]+){6}", self.content, re.MULTILINE)
         return (*has, *([tr("vertex colours")] if colours else []))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3), and normals that have turned along."""
+        """File content with positions ``U`` (n, 3) and turned normals."""
         text, edits = _lines(self.content), Edits(self.content)
         edits.numbers(_spans(_POSITION, text), mesh.V.ravel(), U.ravel())
         normals = [word for words in _NORMAL.findall(text) for word in words]
@@ -67,12 +67,12 @@ class ObjFile:
 
 
 def _lines(content: bytes) -> bytes:
-    """Plain content that begins and ends with a line end."""
+    """Content framed by line ends."""
     return b"\n%s\n" % plain(content)
 
 
 def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]:
-    """Where the numbers stand in the content, which begins after the first line end."""
+    """Spans of the numbers in the content after its first line end."""
     for match in pattern.finditer(text):
         yield from ((match.start(k) - 1, match.end(k) - 1) for k in (1, 2, 3))
 
@@ -99,7 +99,7 @@ def read_obj(content: bytes) -> Parsed:
 
 
 def _not_understood(text: bytes) -> str:
-    """What to say about the first vertex with a word that is no number."""
+    """Error sentence for the first vertex with a malformed number."""
     for match in _POSITION.finditer(text):
         try:
             [float(word) for word in match.groups()]
@@ -112,7 +112,7 @@ def _not_understood(text: bytes) -> str:
 
 
 def _faces_alike(text: bytes) -> np.ndarray | None:
-    """The vertices (p, k) of all faces from 0, if all are written alike; None if that takes a closer look."""
+    """Vertices (p, k) of all faces from 0 if written alike, else None."""
     face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
     corners = face[1].split() if face else []
     if not corners or not _CORNER.fullmatch(corners[0]):
@@ -128,7 +128,7 @@ def _faces_alike(text: bytes) -> np.ndarray | None:
 
 
 def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
-    """Vertices and normals from 0 of the corners of every face; what is missing is -1."""
+    """Vertices and normals from 0 of all face corners; -1 for missing ones."""
     positions = normals = 0
     for number, line in _statements(text[1:].decode("utf-8", errors="replace")):
         kind, _, rest = line.partition(" ")
@@ -149,7 +149,7 @@ def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Number of the first line and text of every statement: no comments, no tabs, continued lines joined."""
+    """Statements with their line numbers: continued lines joined, no comments."""
     held, first = "", 0
     for number, line in enumerate(text.split("\n"), start=1):
         words = line.partition("#")[0].replace("\t", " ").strip()
@@ -165,6 +165,6 @@ def _statements(text: str) -> Iterator[tuple[int, str]]:
 
 
 def _index(word: str, count: int) -> int:
-    """Index from 0 that ``7`` or, backwards, ``-1`` names."""
+    """Index from 0 of a word such as ``7``, or ``-1`` from the end."""
     number = int(word)
     return number - 1 if number > 0 else count + number if number < 0 else -1

@@ -1,4 +1,4 @@
-"""OFF and its kin: vertices and faces in the order of the file; the same file with other coordinates."""
+"""OFF and its kin: vertices and faces in file order; new coordinates in place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _HEAD = re.compile(rb"((?:ST)?(C?)(N?)OFF)\b(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class OffFile:
-    """The content of an OFF file, and where its vertices stand."""
+    """Content of an OFF file, and the spans of its vertices."""
 
     content: bytes
     rows: list[tuple[int, bytes]]
@@ -28,11 +28,11 @@ class OffFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
         return (tr("colours"),) * self.has_colours + (tr("normals"),) * self.has_normals
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3), and normals that have turned along."""
+        """File content with positions ``U`` (n, 3) and turned normals."""
         edits = Edits(self.content)
         edits.numbers(self._spans(0), mesh.V.ravel(), U.ravel())
         if self.has_normals:
@@ -41,7 +41,7 @@ class OffFile:
         return edits.done()
 
     def _spans(self, first: int) -> list[tuple[int, int]]:
-        """Where three words of every row stand."""
+        """Spans of three words of every row."""
         pattern = re.compile(rb"\s*(?:\S+\s+){%d}(\S+)\s+(\S+)\s+(\S+)" % first)
         spans = []
         for start, row in self.rows:

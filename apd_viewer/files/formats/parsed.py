@@ -1,4 +1,4 @@
-"""What a reader makes of a file, and how normals of a file turn."""
+"""Result of a format reader, and normals turned with the surface."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LONGEST = 1e30  # of a normal; beyond that its square overflows
 
 
 class Parsed(NamedTuple):
-    """Positions (n, 3), triangles (m, 3), and the file that they came from."""
+    """Positions (n, 3), triangles (m, 3) and their file."""
 
     V: np.ndarray
     F: np.ndarray
@@ -21,7 +21,7 @@ class Parsed(NamedTuple):
 
 
 def turned(V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray) -> np.ndarray:
-    """The normals ``N`` of a file, turned as the surface; those that are none stay as they are."""
+    """Normals ``N`` turned with the surface; zero normals unchanged."""
     good = (np.abs(N) < _LONGEST).all(axis=1)
     if good.all():
         return turned_normals(V, U, F, N, normal_of)

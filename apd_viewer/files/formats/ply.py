@@ -1,4 +1,4 @@
-"""PLY, text or binary: vertices and faces in the order of the file; the same file with other coordinates."""
+"""PLY, text or binary: file order kept; new coordinates in place."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _EXTRAS = {
 
 @dataclass
 class _Element:
-    """A table of the file. ``properties`` are (name, type of a list's length or None, type)."""
+    """Table of the file; ``properties`` are (name, type of list length, type)."""
 
     name: str
     rows: int
@@ -52,7 +52,7 @@ class _Element:
 
     @property
     def least(self) -> int:
-        """Bytes that a row has at least."""
+        """Least size of a row in bytes."""
         return sum(np.dtype(length or kind).itemsize for _, length, kind in self.properties)
 
     def table(self, order: str, lengths: dict[str, int] | None = None) -> np.dtype:
@@ -68,7 +68,7 @@ class _Element:
 
 @dataclass(frozen=True)
 class PlyFile:
-    """The content of a PLY file, and what was found out about it."""
+    """Content of a PLY file with its layout."""
 
     content: bytes
     order: str
@@ -78,14 +78,14 @@ class PlyFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
         names = {name for element in self.elements for name in element.names}
         found = [what for name, what in _EXTRAS.items() if name in names]
         known = {*_AXES, *_NORMAL, *_INDICES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *(f"“{name}”" for name in sorted(names - known)))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3), and normals that have turned along."""
+        """File content with positions ``U`` (n, 3) and turned normals."""
         at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
         element, start = self.elements[at], self.starts[at]
         kinds = {name: kind for name, length, kind in element.properties if length is None}
@@ -193,7 +193,7 @@ def read_ply(content: bytes) -> Parsed:
 
 
 def _faces(content: bytes, start: int, element: _Element, order: str) -> tuple[Polygons, int]:
-    """The faces, and where the next element begins."""
+    """Faces, and the offset of the next element."""
     name = next((name for name, length, _ in element.properties if length and name in _INDICES), None)
     if name is None:
         raise ValueError(tr("its faces have no list of vertex_indices"))
@@ -243,7 +243,7 @@ def _faces_alike(
 
 
 def _walk(content: bytes, start: int, element: _Element, order: str) -> Iterator[dict[str, int]]:
-    """Where the properties of every row begin (and, "... end", lists end); under "", where the row ends."""
+    """Offsets of every property by row ("... end" for list ends, "" for row ends)."""
     sizes = [
         (
             name,
@@ -283,7 +283,7 @@ def _ends_within(element: _Element) -> str:
 def _text_rows(
     content: bytes, start: int, element: _Element
 ) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
-    """The words of every row by property, those of a list together, and where they stand."""
+    """Words of every row by property, lists joined, with their spans."""
     rows = 0
     for begin, end in _text_lines(content, start) if element.rows else ():
         words = [(word[0], *word.span()) for word in _WORD.finditer(content, begin, end)]
@@ -296,14 +296,14 @@ def _text_rows(
 
 
 def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
-    """Begin and end of the lines that are not empty."""
+    """Begin and end of the non-empty lines."""
     for line in _LINE.finditer(content, start):
         if not line[0].isspace():
             yield line.span()
 
 
 def _rows_alike(content: bytes, start: int, element: _Element) -> list[list[bytes]] | None:
-    """The words of all rows, if there are as many in each; None if that takes a closer look."""
+    """Words of all rows if equally many in each, else None."""
     end = _after_text(content, start, element)
     rows = [words for line in content[start:end].split(b"\n") if (words := line.split())]
     alike = len(rows) == element.rows and all(len(row) == len(rows[0]) for row in rows)
@@ -327,7 +327,7 @@ def _row(words: list[tuple[bytes, int, int]], element: _Element) -> list[tuple[b
 
 
 def _after_text(content: bytes, start: int, element: _Element) -> int:
-    """Where the line after the rows of an element begins."""
+    """Offset of the line after the rows of an element."""
     if not element.rows:
         return start
     for row, (_, end) in enumerate(_text_lines(content, start)):
@@ -337,7 +337,7 @@ def _after_text(content: bytes, start: int, element: _Element) -> int:
 
 
 def _head(content: bytes) -> tuple[str, list[_Element], int]:
-    """Byte order ("" for text), the elements, and where their rows begin."""
+    """Byte order ("" for text), elements and the offset of their rows."""
     head = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", content[: 1 << 20])
     if not content.startswith(b"ply") or head is None:
         raise ValueError(tr("it has no PLY header"))

@@ -1,4 +1,4 @@
-"""Polygons of a file, and the triangles that stand for them in the solve."""
+"""Polygons of a file and their triangulation for the solve."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _MOST_TRIES = 100_000
 
 
 class Polygons(NamedTuple):
-    """Corners of all faces in a row, (c,) vertices, and where each face starts among them, (p + 1,)."""
+    """Corners of all faces, (c,) vertices, and face starts, (p + 1,)."""
 
     corner: np.ndarray
     start: np.ndarray
 
     @classmethod
     def of(cls, faces: Sequence[Sequence[int]]) -> Polygons:
-        """Faces of any lengths; raises ValueError if one names a vertex that no file can have."""
+        """Polygons of faces of any size; raises ValueError on impossible vertices."""
         sizes = np.fromiter((len(face) for face in faces), np.int64, len(faces))
         start = np.concatenate([[0], np.cumsum(sizes)])
         try:
@@ -69,7 +69,7 @@ class Polygons(NamedTuple):
 
 
 def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Which triangles look the other way than the face (its area vector) that they are a part of."""
+    """Triangles turned against the area vector of their face, (t,) bool."""
     with np.errstate(all="ignore"):  # absurd coordinates are refused later
         cross = np.cross(X[T[:, 1]] - X[T[:, 0]], X[T[:, 2]] - X[T[:, 0]])
         count = int(face[-1]) + 1 if len(face) else 0
@@ -80,7 +80,7 @@ def _folds(X: np.ndarray, T: np.ndarray, face: np.ndarray) -> np.ndarray:
 
 
 def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
-    """Triangles (k - 2, 3) of a polygon (k, 3) by clipping ears, seen along its area; and the tries."""
+    """Ear clipping of a polygon (k, 3): triangles (k - 2, 3) and the tries."""
     left, found, tries = np.arange(len(X)), [], 0
     with np.errstate(all="ignore"):  # absurd coordinates are refused later
         x = _flattened(X)
@@ -94,7 +94,7 @@ def _ears(X: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def _flattened(X: np.ndarray) -> np.ndarray:
-    """The corners (k, 3) of a polygon in the plane across its area vector, (k, 2), counter-clockwise."""
+    """Corners (k, 2) projected along the area vector, counter-clockwise."""
     normal = np.cross(X - X[0], np.roll(X, -1, axis=0) - X[0]).sum(axis=0)
     size = np.linalg.norm(normal)
     normal = normal / size if size > 0.0 else np.array([0.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""STL, text or binary: three vertices of its own for every triangle; the same file with other coordinates."""
+"""STL, text or binary: three vertices a triangle; new coordinates in place."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class StlFile:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
         facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
         return (tr("attributes of facets"),) if facets is not None and facets["attribute"].any() else ()
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (3 m, 3), and new normals where it had some."""
+        """File content with positions ``U`` (3 m, 3) and updated normals."""
         moved = (mesh.V != U).any(axis=1).reshape(-1, 3).any(axis=1)
         if self.is_binary:
             body = bytearray(self.content)
@@ -72,7 +72,7 @@ def _numbers(pattern: re.Pattern[bytes], content: bytes) -> np.ndarray:
 
 
 def read_stl(content: bytes) -> Parsed:
-    """Positions (3 m, 3) and triangles (m, 3) of an STL file; several solids stand one after the other.
+    """Positions (3 m, 3) and triangles (m, 3) of all solids in an STL file.
 
     Raises
     ------

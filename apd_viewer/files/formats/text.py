@@ -1,4 +1,4 @@
-"""Numbers in text files: found where they stand, and replaced without touching what is around them."""
+"""Numbers in text files: found by place and replaced in place."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _LONGEST = 40  # characters of what is shown of a file
 
 
 def plain(content: bytes) -> bytes:
-    """The content with every byte in its place, but lines that end in a line feed, and no byte order mark."""
+    """Content without byte order mark, every line end a line feed; same length."""
     if content.startswith(_BOM):
         content = b" " * len(_BOM) + content[len(_BOM) :]
     return content if b"\n" in content else content.replace(b"\r", b"\n")
 
 
 def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
-    """Where each line of plain content begins, and what it says, comments left out; no empty ones."""
+    """Spans and words of the non-empty lines, without comments."""
     start = 0
     for line in content.split(b"\n"):
         said = line.partition(b"#")[0] if b"#" in line else line
@@ -30,7 +30,7 @@ def lines(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def numbers(words: Sequence[bytes]) -> np.ndarray:
-    """The numbers that words of a file name, (k,) floats; raises ValueError that says which is none."""
+    """Numbers (k,) of words; raises ValueError naming the first bad one."""
     try:
         return np.array([float(word) for word in words], dtype=np.float64)
     except ValueError:
@@ -39,7 +39,7 @@ def numbers(words: Sequence[bytes]) -> np.ndarray:
 
 
 def whole_numbers(words: Sequence[bytes]) -> list[int]:
-    """The whole numbers that words of a file name; raises ValueError that says which is none."""
+    """Whole numbers of words; raises ValueError naming the first bad one."""
     try:
         return [int(word) for word in words]
     except ValueError:
@@ -68,7 +68,7 @@ class Edits:
         self._new: list[tuple[int, int, float]] = []
 
     def numbers(self, spans: Iterable[tuple[int, int]], old: np.ndarray, new: np.ndarray) -> None:
-        """Write ``new`` over the numbers at ``spans``; what is as it was stays as it stands."""
+        """Write ``new`` over the numbers at ``spans``; unchanged ones stay as written."""
         changed = ~((new == old) | (np.isnan(new) & np.isnan(old)))
         for (start, end), number, differs in zip(spans, new.tolist(), changed.tolist(), strict=True):
             if differs:

@@ -1,4 +1,4 @@
-"""What is painted on a mesh: base, handles and named regions, apart from any motion."""
+"""Selection on a mesh: base, handles and named regions, without motion."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _UNFIT = ("Cc", "Cs")
 
 
 class _Refusals(NamedTuple):
-    """What is said of the names of handles, or of regions, that are none."""
+    """Error sentences about names of handles or regions."""
 
     many: str
     nameless: str
@@ -45,7 +45,7 @@ _REGIONS = _Refusals(
 
 
 def numbered(kind: str, number: int) -> str:
-    """The name of a part that has none of its own."""
+    """Default name of a part by its number."""
     return tr("{kind} {number}").format(kind=kind, number=number)
 
 
@@ -103,7 +103,7 @@ class Selection:
         areas: Sequence[float | None] = (),
         same_mesh: bool = True,
     ) -> Selection:
-        """The selection with "Handle 1", "Region 1" and so on where no names are given."""
+        """Selection with default names for nameless parts."""
         if member is None:
             member = np.zeros(len(labels), dtype=np.uint8)
         count = max(1, _last(labels) - HANDLE + 1)
@@ -114,14 +114,14 @@ class Selection:
 
 
 def labels_of(numbers: np.ndarray, n: int) -> np.ndarray:
-    """The numbers of a file as labels of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
+    """Labels (n,) uint8 from a file's numbers; raises InputError on bad ones."""
     last = HANDLE + MOST_HANDLES - 1
     otherwise = tr("It has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it.")
     return _codes(numbers, n, last, otherwise.format(last=last))
 
 
 def member_of(numbers: np.ndarray, n: int) -> np.ndarray:
-    """The numbers of a file as regions of ``n`` vertices, (n,) uint8; raises InputError if they are none."""
+    """Regions (n,) uint8 from a file's numbers; raises InputError on bad ones."""
     otherwise = tr("It has a region other than 0 (none) and 1 to {last}; correct it.")
     return _codes(numbers, n, MOST_REGIONS, otherwise.format(last=MOST_REGIONS))
 

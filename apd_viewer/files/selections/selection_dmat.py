@@ -1,4 +1,4 @@
-"""Selections as libigl's dense matrices (.dmat): one column with a group for each vertex.
+"""Selections as libigl's dense matrices (.dmat): a column of groups.
 
 As in libigl's tutorial -1 is free. Of the other groups the lowest is the base, and the others are the
 handles in order. We write 0 for the base and 1, 2 and so on for the handles. The first line has the numbers
@@ -31,7 +31,7 @@ def dmat_of(labels: np.ndarray) -> bytes:
 
 
 def read_dmat(content: bytes, mesh: Mesh) -> Selection:
-    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     columns, rows, start = _head(content, 0)
     binary = columns == rows == 0 and len(content) > start
     if binary:
@@ -49,7 +49,7 @@ def read_dmat(content: bytes, mesh: Mesh) -> Selection:
 
 
 def _head(content: bytes, start: int) -> tuple[int, int, int]:
-    """Numbers of columns and rows, and where the line after them begins."""
+    """Column and row counts, and the offset of the following line."""
     head = _HEAD.match(content, start)
     if head is None:
         raise ValueError(tr("it does not begin with the numbers of columns and rows"))

@@ -1,4 +1,4 @@
-"""Selections on disk, in five formats that are told apart by the name of the file.
+"""Selections on disk, in five formats by suffix.
 
 =======  ==================================================  =========================================
 suffix   what it is                                          what it holds
@@ -47,7 +47,7 @@ SELECTION_FORMATS = tuple(_WRITERS)
 
 
 def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
-    """Read what is painted on ``mesh``; a name with another suffix than these five is taken for a ``.sel``.
+    """Read a selection on ``mesh``; unknown suffixes are read as ``.sel``.
 
     A file for another number of vertices is refused, and so is one that names another number of triangles.
     One that was made for other positions is not, for a deformed copy keeps its selection: see
@@ -80,7 +80,7 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
 
 
 def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple[str, ...]:
-    """Write what is painted on ``mesh``; the format follows the name.
+    """Write a selection on ``mesh`` in the format of the suffix.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def _is_file_of(mesh: Mesh, path: Path) -> bool:
 
 
 def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
-    """What the selection has, and ``there`` has not."""
+    """Contents of the selection missing from ``there``."""
     renamed, fewer = _lost(selection.handles, there.handles)
     lost = (tr("names of the handles"),) * renamed + (tr("handles that hold no vertex"),) * fewer
     if not np.array_equal(selection.member, there.member):
@@ -150,5 +150,5 @@ def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
 
 
 def _lost(names: tuple[str, ...], there: tuple[str, ...]) -> tuple[bool, bool]:
-    """Whether there are other names ``there``, and fewer of them."""
+    """True if ``there`` has fewer or other names."""
     return names[: len(there)] != there, len(there) < len(names)

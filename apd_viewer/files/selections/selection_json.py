@@ -1,4 +1,4 @@
-"""Selections as JSON: everything, in a text that people and scripts can read.
+"""Selections as JSON: complete, readable by people and scripts.
 
 A vertex is named by its id in the order of the mesh's file, from 0, a run of them by the first and the last::
 
@@ -59,14 +59,14 @@ def _list(parts: Sequence[Mapping[str, object]]) -> str:
 
 
 def _runs(chosen: np.ndarray) -> list[int | list[int]]:
-    """The ids of the vertices that are chosen, (n,) bool: runs as [first, last], others alone."""
+    """Ids of chosen vertices (n,) bool: runs as [first, last], single ids alone."""
     edges = np.diff(chosen.astype(np.int8), prepend=0, append=0)
     first, last = np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()
     return [a if a == b else [a, b] for a, b in zip(first, last, strict=True)]
 
 
 def read_json(content: bytes, mesh: Mesh) -> Selection:
-    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     said = _object(_loaded(content), tr("it"))
     if said.get("format") != _FORMAT:
         raise ValueError(tr("it does not say that its format is “{format}”").format(format=_FORMAT))
@@ -121,7 +121,7 @@ def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
 
 
 def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
-    """Whether it was made for this very mesh; raises InputError if for one of other numbers."""
+    """True if made for this very mesh; raises InputError on other counts."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):
         raise ValueError(tr("it does not say how many vertices and faces its mesh has"))
@@ -137,7 +137,7 @@ def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
 
 
 def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndarray:
-    """Each of ``codes`` for the vertices of its part and ``other`` for the rest, (n,) uint8 array."""
+    """Codes (n,) uint8: one for the vertices of each part, ``other`` elsewhere."""
     result = np.full(n, other, dtype=np.uint8)
     taken = np.zeros(n, dtype=bool)
     for part, code in zip(parts, codes, strict=True):
@@ -154,7 +154,7 @@ def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndar
 
 
 def _ids(runs: object, n: int) -> np.ndarray:
-    """The vertices that ids and runs of them name, (k,) int array."""
+    """Vertices (k,) int named by ids and runs of ids."""
     if not isinstance(runs, list):
         raise ValueError(tr("a part of it has no list of vertices"))
     pairs = [run if isinstance(run, list) else [run, run] for run in runs]

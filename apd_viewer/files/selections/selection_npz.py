@@ -37,7 +37,7 @@ def npz_of(mesh: Mesh, selection: Selection) -> bytes:
 
 
 def read_npz(content: bytes, mesh: Mesh) -> Selection:
-    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     n = len(mesh.V)
     arrays = _arrays(content, 32 * n + (1 << 23))
     if "labels" not in arrays:
@@ -50,7 +50,7 @@ def read_npz(content: bytes, mesh: Mesh) -> Selection:
 
 
 def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
-    """What the file has of the arrays of a selection, if it unfolds to no more than so many bytes."""
+    """Arrays of a selection in the file, unless they unpack to too many bytes."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())

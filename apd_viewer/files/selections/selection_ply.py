@@ -1,4 +1,4 @@
-"""Selections as whole-number properties of the vertices of a PLY: labels and regions, on the mesh itself.
+"""Selections as integer properties of PLY vertices: labels and regions.
 
 ``apd_label`` is 0 base, 1 free, 2 handle, 3 the next handle and so on; ``apd_region``, which may be left
 out, is 0 in no region, 1 in the first one and so on. Any program that keeps the properties of vertices may
@@ -41,7 +41,7 @@ def ply_of(mesh: Mesh, selection: Selection) -> bytes:
 
 
 def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
-    """The selection in a file; raises ValueError or InputError if it holds none for ``mesh``."""
+    """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     file = read_ply(content).origin
     if not isinstance(file, PlyFile):
         raise ValueError(tr("it has no vertices"))

@@ -1,4 +1,4 @@
-"""Selections (.sel) and handle transforms (.def) in the text formats of the survey.
+"""Selections (.sel) and transforms (.def) in the survey's text formats.
 
 [Botsch & Sorkine 2008, On Linear Variational Surface Deformation Methods]
 """
@@ -23,7 +23,7 @@ _TRANSFORM = tr("{name} is not a transform: four rows of four numbers; choose an
 
 
 def read_selection(path: str | Path, n: int) -> np.ndarray:
-    """Labels of the ``n`` vertices of a mesh: 0 held (base), 1 free, 2 handle, 3 the next handle and so on.
+    """Labels of ``n`` vertices: 0 base, 1 free, 2 handle, 3 the next handle, ...
 
     Returns
     -------
@@ -54,7 +54,7 @@ def sel_of(labels: np.ndarray) -> bytes:
 
 
 def read_region(path: str | Path, n: int) -> np.ndarray:
-    """Ids of the vertices that a file of one number a vertex marks with anything but 0.
+    """Ids of the vertices marked by anything but 0 in a .sel file.
 
     Raises
     ------

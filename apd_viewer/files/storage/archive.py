@@ -1,4 +1,4 @@
-"""A ZIP of texts, arrays and files: how a session lies on the disk. Nothing is ever unpacked to the disk."""
+"""ZIP archive of texts, arrays and files, never unpacked to disk."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def write_archive(path: Path, members: Mapping[str, bytes], at_once: bool = Fals
 
 
 class Archive:
-    """An archive that is read. Its methods raise ValueError, with a phrase, where it is broken.
+    """Archive open for reading; methods raise ValueError where it is broken.
 
     Parameters
     ----------

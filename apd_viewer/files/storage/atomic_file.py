@@ -1,4 +1,4 @@
-"""Write files that are either whole or not there."""
+"""Atomic file writes: whole or not at all."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LONG_AGO = 3600.0  # s
 
 @contextmanager
 def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
-    """Give a scratch file beside ``path`` to write; it takes the place of ``path`` once it is whole.
+    """Scratch file beside ``path``, moved over it once it is whole.
 
     Whatever goes wrong on the way, the file that was at ``path`` before stays as it was. With ``at_once``
     that holds for whatever becomes of this program, but not where power fails before :func:`flush_to_disk`.
@@ -65,7 +65,7 @@ def _prefix(path: Path) -> str:
 
 
 def _clear_away(path: Path) -> None:
-    """Remove what writers of ``path`` have left that were killed long ago."""
+    """Remove scratch files of writers killed long ago."""
     for scratch in path.parent.glob(f"{glob.escape(_prefix(path))}*{_PART}{glob.escape(path.suffix)}"):
         with contextlib.suppress(OSError):
             if time.time() - scratch.stat().st_mtime > _LONG_AGO:
@@ -79,7 +79,7 @@ def flush_to_disk(path: Path) -> None:
 
 
 def _usual_mode(path: Path) -> int:
-    """Permissions of the file that is replaced, or those that any new file gets here."""
+    """Permissions of the replaced file, or of a new one."""
     if path.exists():
         return path.stat().st_mode & 0o777
     umask = os.umask(0)

@@ -1,4 +1,4 @@
-"""Write folders whose files are all there or none of them."""
+"""Atomic writes of several files: all or none."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _LONG_AGO = 24 * 3600.0  # s
 
 @contextmanager
 def filling(folder: Path) -> Iterator[Path]:
-    """Give a scratch folder to write to; at the end its files take their places in ``folder``.
+    """Scratch folder; its files move to ``folder`` at the end.
 
     Until then ``folder`` stays as it is, or is not there. Files in it that are not written anew are kept.
 
@@ -53,7 +53,7 @@ def filling(folder: Path) -> Iterator[Path]:
 
 
 def place(scratch: Path, folder: Path) -> None:
-    """Move all files below ``scratch`` to the same places below ``folder``; raises OSError."""
+    """Move all files below ``scratch`` to ``folder``; raises OSError."""
     files = sorted(path for path in scratch.rglob("*") if path.is_file())
     for path in files:
         target = folder / path.relative_to(scratch)
@@ -64,7 +64,7 @@ def place(scratch: Path, folder: Path) -> None:
 
 
 def _nearest(folder: Path) -> Path:
-    """The folder itself, or the nearest one above it that is there."""
+    """Nearest existing folder at or above the given one."""
     while not folder.exists() and folder != folder.parent:
         folder = folder.parent
     if not folder.is_dir():
@@ -73,7 +73,7 @@ def _nearest(folder: Path) -> Path:
 
 
 def _clear_away(folder: Path) -> None:
-    """Remove what was left by programs that were killed long ago."""
+    """Remove scratch folders of programs killed long ago."""
     for scratch in folder.glob(f"{_PREFIX}*{_PART}"):
         with contextlib.suppress(OSError):
             if time.time() - scratch.stat().st_mtime > _LONG_AGO:

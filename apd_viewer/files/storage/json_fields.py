@@ -1,4 +1,4 @@
-"""What a JSON text says, checked as it is read: it may be damaged, or written to do harm."""
+"""Checked reading of JSON from damaged or hostile files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LONGEST = 10_000  # characters
 
 
 class Fields:
-    """The fields of a JSON object. What nobody asks for is ignored: later versions may say more.
+    """Fields of a JSON object; unknown ones are ignored for later versions.
 
     All methods raise ValueError, with a phrase, where a field is missing or is something else than it should.
 
@@ -36,14 +36,14 @@ class Fields:
 
     @classmethod
     def of(cls, content: bytes, name: str) -> Fields:
-        """The fields of the object that a text is."""
+        """Fields of the object in a text."""
         try:
             return cls(json.loads(content.decode(), parse_constant=_refused), name)
         except (ValueError, RecursionError):
             raise _damaged(name) from None
 
     def says(self, key: str) -> bool:
-        """Whether there is a field ``key``, and something in it."""
+        """True if the field ``key`` is present and not empty."""
         return self._said.get(key) is not None
 
     def part(self, key: str) -> Fields:
@@ -108,7 +108,7 @@ def _damaged(name: str) -> ValueError:
 
 
 def _refused(word: str) -> object:
-    """NaN and Infinity, which Python writes and nobody else understands."""
+    """Refuse NaN and Infinity, written by Python and invalid in JSON."""
     raise ValueError(tr("{word} is no number").format(word=word))
 
 

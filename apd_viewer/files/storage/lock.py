@@ -1,4 +1,4 @@
-"""Files that are locked for as long as a program lives: the system lets go of them however it ends."""
+"""File locks held for a program's life and released by the system."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 
 
 class Lock:
-    """A lock that is held; :func:`take` takes one.
+    """A lock held; see :func:`take`.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Lock:
 
     @property
     def stands(self) -> bool:
-        """Whether its file is still there, and no other in its place."""
+        """True if its file is still in place."""
         with contextlib.suppress(FileNotFoundError):
             return os.path.samestat(os.fstat(self._stream.fileno()), self.path.stat())
         return False
@@ -50,7 +50,7 @@ class Lock:
 
 
 def take(path: Path) -> Lock | None:
-    """Lock the file at ``path``, made where there is none; None if it is locked already, here or elsewhere.
+    """Lock the file at ``path``, created if missing; None if already locked.
 
     Raises
     ------

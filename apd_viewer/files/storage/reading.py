@@ -1,4 +1,4 @@
-"""Files that are read as a whole, and what is said of those that cannot be."""
+"""Whole files read, with one sentence for those impossible to read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LONGEST = 160  # characters of what an error says
 
 
 def content_of(path: Path) -> bytes:
-    """All that is in a file.
+    """Content of a file.
 
     Raises
     ------
@@ -38,6 +38,6 @@ def content_of(path: Path) -> bytes:
 
 
 def in_one_line(error: Exception) -> str:
-    """What an error says, without what a broken file may have put into it."""
+    """Error message without text from a broken file."""
     said = "".join(sign if sign.isprintable() else " " for sign in str(error))
     return said if len(said) <= _LONGEST else said[:_LONGEST] + "…"
