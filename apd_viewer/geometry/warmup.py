@@ -13,7 +13,7 @@ from apd_viewer.geometry.solver.methods import METHODS
 
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
-    """Use every one once: the first time compiles them (20 s), later ones load them (half a second).
+    """Run every kernel once: compiled at first (20 s), then cached (0.5 s).
 
     Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
     """
@@ -36,7 +36,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
 
 
 def _ball() -> tuple[np.ndarray, np.ndarray]:
-    """A sphere, with vertices enough that a coarse one is made of it too."""
+    """Sphere large enough for a coarse level."""
     around, along = 64, 48
     u, v = np.meshgrid(np.arange(around) * (2 * np.pi / around), np.linspace(0.05, np.pi - 0.05, along))
     V = np.column_stack([(np.sin(v) * np.cos(u)).ravel(), (np.sin(v) * np.sin(u)).ravel(), np.cos(v).ravel()])

@@ -1,4 +1,4 @@
-"""How much of a surface has become larger or smaller, and by how much: a histogram, found in one pass.
+"""Histogram of the local area change of a surface, in one pass.
 
 The change of a triangle is measured by ``c = max(r, 1/r) - 1``, r the ratio of its area to that at rest,
 on the side of what has grown or of what has shrunk: then halved and doubled lie equally far from unchanged,
@@ -31,7 +31,7 @@ _SLIVER = 1e-9
 
 
 def _edges() -> np.ndarray:
-    """Where the bins of one side end, in c: from 0 up, (_BINS + 2,)."""
+    """Upper ends of one side's bins in c, ascending from 0, (_BINS + 2,)."""
     octaves = np.repeat(2.0 ** np.arange(_LOWEST, _HIGHEST), _STEPS)
     inner = octaves * (1.0 + np.tile(np.arange(_STEPS) / _STEPS, _HIGHEST - _LOWEST))
     return np.concatenate([[0.0], inner, [2.0**_HIGHEST]])
@@ -45,7 +45,7 @@ _OCTAVES = np.log2(1.0 + _C)
 
 @dataclass(frozen=True, eq=False)
 class LocalChange:
-    """How the areas of the triangles have changed, each weighted by its area at rest.
+    """Changes of the triangles' areas, each weighted by its rest area.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class LocalChange:
     below: np.ndarray
 
     def shares(self, edges: np.ndarray) -> np.ndarray:
-        """Share of the surface between ``edges`` (b + 1,), ascending, in log2 of the ratio of areas, (b,)."""
+        """Surface shares (b,) between ``edges`` (b + 1,) in log2 of the area ratio."""
         return np.diff(np.interp(edges, _ALL_OCTAVES, self.below))
 
 
@@ -70,7 +70,7 @@ _ALL_OCTAVES = np.concatenate([-_OCTAVES[:0:-1], _OCTAVES])
 
 
 def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
-    """How the areas of the triangles ``F`` (m, 3) at ``U`` (n, 3) differ from those at ``rest`` (m,)."""
+    """Change of the areas of ``F`` (m, 3) at ``U`` (n, 3) against ``rest`` (m,)."""
     parts = np.zeros((_PARTS, 2, _BINS + 1))
     found = np.zeros((_PARTS, 2))
     with cores_for(len(U)):
@@ -110,7 +110,7 @@ def _sort_in(
 def _sort_part(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray
 ) -> tuple[float, float]:
-    """Add areas at rest to the bins of what has shrunk and grown; the sum and the largest of changes."""
+    """Add rest areas to the bins; the total and the largest change."""
     moved = largest = 0.0
     area, change, ratio = np.empty(_AT_ONCE), np.empty(_AT_ONCE), np.empty(_AT_ONCE)
     bits = change.view(np.int64)

@@ -1,4 +1,4 @@
-"""The room that a shape takes: in boxes, and against the smallest surface around what it encloses."""
+"""Bounding boxes of a shape, and its compactness."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def box_volume(points: np.ndarray) -> float:
 
 
 def packed_volume(points: np.ndarray) -> float:
-    """Volume of the smallest box that was found around the ``points`` (k, 3), turned in any way.
+    """Volume of the smallest box found around ``points`` (k, 3), any orientation.
 
     No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
     along the axes.
@@ -50,7 +50,7 @@ def packed_volume(points: np.ndarray) -> float:
 
 
 def _principal(corners: np.ndarray) -> np.ndarray:
-    """The turn, as a rotation vector, that brings the principal axes of ``corners`` (3, k) to the axes."""
+    """Rotation vector from the principal axes of ``corners`` (3, k) to x, y, z."""
     from scipy.spatial.transform import Rotation
 
     axes = np.linalg.eigh(corners @ corners.T)[1].T
@@ -58,5 +58,5 @@ def _principal(corners: np.ndarray) -> np.ndarray:
 
 
 def compactness(volume: float, area: float) -> float:
-    """``36 pi V^2 / A^3``: 1 for a ball, less for everything else; ``area`` is that of a closed surface."""
+    """Isoperimetric ratio ``36 pi V^2 / A^3``: 1 for a ball, else less."""
     return 36.0 * math.pi * volume**2 / area**3

@@ -1,4 +1,4 @@
-"""What is wrong with how triangles hang together: borders, edges and vertices with too many, wrong sides."""
+"""Topological defects: borders, non-manifold edges and vertices, flipped faces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_AT_AN_EDGE = 64
 
 
 class Defects(NamedTuple):
-    """Places among the triangles ``F`` (m, 3) that were looked at.
+    """Defective places among the triangles ``F`` (m, 3).
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Defects(NamedTuple):
 
 
 def defects(F: np.ndarray, n: int) -> Defects:
-    """Look at the triangles ``F`` (m, 3), each with three different corners, of ``n`` vertices."""
+    """Defects of triangles ``F`` (m, 3), each with three different corners."""
     F = np.ascontiguousarray(F)
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     low, high = np.minimum(a, b), np.maximum(a, b)
@@ -61,14 +61,14 @@ def defects(F: np.ndarray, n: int) -> Defects:
 
 
 def _fewer(face: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """The triangles on that side of their part of the surface on which fewer are."""
+    """Triangles of the less common orientation in their part of the surface."""
     count = np.bincount(2 * face + side, minlength=2 * len(face)).reshape(-1, 2)
     return np.flatnonzero(count[face, side] < count[face, 1 - side])
 
 
 @njit(cache=True, nogil=True)
 def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
-    """``order`` sorted by the ``key`` (k,) of each, all less than ``n``; equal ones stay in their order."""
+    """``order`` sorted stably by ``key`` (k,), all keys below ``n``."""
     start = np.zeros(n + 1, dtype=np.int64)
     for k in key:
         start[k + 1] += 1
@@ -85,7 +85,7 @@ def _sorted_by(key: np.ndarray, order: np.ndarray, n: int) -> np.ndarray:
 def _joined(
     F: np.ndarray, low: np.ndarray, high: np.ndarray, order: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool]:
-    """Walk over the edges from ``low`` to ``high``, whose halves ``order`` has side by side.
+    """Pair the half-edges from ``low`` to ``high``, neighbours in ``order``.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def _joined(
 
 @njit(cache=True, nogil=True)
 def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, int]:
-    """Who stands for ``k``, and whether ``k`` looks the other way than it; the way there is shortened."""
+    """Root of ``k`` and orientation relative to it, with path compression."""
     first, turned = k, 0
     while parent[first] != first:
         turned ^= side[first]
@@ -145,7 +145,7 @@ def _root_and_side(parent: np.ndarray, side: np.ndarray, k: int) -> tuple[int, i
 
 @njit(cache=True, nogil=True)
 def _agree(parent: np.ndarray, side: np.ndarray, s: int, t: int, same_way: bool) -> bool:
-    """Note that two triangles look alike unless they run alike along their edge; False if they cannot."""
+    """Join two triangles across an edge; False if their orientations contradict."""
     a, turned_a = _root_and_side(parent, side, s)
     b, turned_b = _root_and_side(parent, side, t)
     differ = turned_a ^ turned_b

@@ -1,4 +1,4 @@
-"""How far a shape differs from its rest shape, vertex by vertex.
+"""Deviation of a shape from its rest shape, a value per vertex.
 
 Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. A vertex
 without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
@@ -24,7 +24,7 @@ _PORTION = 8192
 
 
 class Change:
-    """The rest shape that other shapes of the same mesh are compared with.
+    """A rest shape, for comparison with other shapes of the same mesh.
 
     Parameters
     ----------
@@ -45,26 +45,26 @@ class Change:
             self._rest_areas = self._star_areas(self._V)
 
     def area(self, U: np.ndarray) -> np.ndarray:
-        """Logarithm of the area of the triangles around each vertex against rest, (n,) float array."""
+        """Logarithm of the area around each vertex against rest, (n,)."""
         with cores_for(len(U)):
             now = self._star_areas(U)
             return _log_ratio(now, self._rest_areas, self._named, self._least)
 
     def strain(self, U: np.ndarray) -> np.ndarray:
-        """Logarithm of the length against rest of the edge at each vertex that changed most, (n,)."""
+        """Largest logarithmic edge strain at each vertex, (n,)."""
         patch = self._patch
         with cores_for(len(U)):
             return _edge_strain(U, self._V, patch.start, patch.second, patch.third, self._named)
 
     def displacement(self, U: np.ndarray) -> np.ndarray:
-        """How far each vertex is from its place at rest, (n,), mesh units."""
+        """Distance of each vertex from its rest position, (n,), mesh units."""
         with cores_for(len(U)):
             found = _displacement(U, self._V)
         found[self._bare] = np.nan
         return found
 
     def bending(self, U: np.ndarray) -> np.ndarray:
-        """Mean curvature less that at rest, (n,), 1 / mesh units: positive where it is more convex."""
+        """Mean curvature less that at rest, (n,), 1 / mesh units, positive if convex."""
         with cores_for(len(U)):
             return self._curvature(U) - self._rest_curvature
 
@@ -112,7 +112,7 @@ class Change:
 def _star_areas(
     U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
-    """Area of the triangles around each vertex, (n,), not a number without one; ``faces`` is scratch (m,)."""
+    """Area of the triangles around each vertex, (n,), NaN without one."""
     for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
@@ -184,7 +184,7 @@ def _displacement(U: np.ndarray, V: np.ndarray) -> np.ndarray:
 def _mean_curvature(
     U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, named: np.ndarray
 ) -> np.ndarray:
-    """Mean curvature at each vertex, (n,): positive where the surface is convex, seen from outside.
+    """Mean curvature at each vertex, (n,), positive if convex from outside.
 
     The cotangent Laplacian of the positions along the normal, over twice the area that is nearest to the
     vertex [Meyer et al. 2003]: exact where the vertices around it lie on a sphere with it.
@@ -224,7 +224,7 @@ def _mean_curvature(
 
 
 def write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
-    """Write ``values`` (n,) as small numbers into ``shades`` (n,) uint8; ``reach`` is the end of the scale.
+    """Quantise ``values`` (n,) to ``shades`` (n,) uint8; the scale ends at ``reach``.
 
     With a sign -reach, 0 and reach are 1, 128 and 255, without one 0 and reach are 1 and 255; what is beyond
     is as the end, and 0 is no value.
@@ -243,7 +243,7 @@ def _write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.nda
 
 
 def worst(values: np.ndarray, U: np.ndarray, apart: float, most: int) -> np.ndarray:
-    """The vertices where ``values`` (n,) are largest, up or down: the worst first, no two near each other.
+    """Vertices of the largest absolute ``values`` (n,), worst first, kept apart.
 
     Parameters
     ----------

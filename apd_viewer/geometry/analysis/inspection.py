@@ -1,4 +1,4 @@
-"""What is in a mesh, what is unusual about it, and what is done about that."""
+"""Contents of a mesh, its peculiarities and their treatment."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Inspection:
-    """Counts and readings of a mesh at rest, and what is unusual about it.
+    """Counts, readings and findings of a mesh at rest.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Inspection:
 
     @property
     def nothing_to_keep(self) -> str:
-        """Why there is no volume that could be kept, as a phrase; empty where there is one."""
+        """Reason for a missing volume, as a phrase; empty if there is a volume."""
         return "" if self.volume else self.why_no_volume or tr("the surface encloses nothing")
 
 

@@ -1,4 +1,4 @@
-"""Where a surface passes through itself: its volume says little there.
+"""Self-intersections of a surface, by a spatial tree and exact predicates.
 
 Which edges are near which triangles is found by a library, in a tree. Whether they meet is looked at here:
 it matters where, and not only that they do, and triangles that overlap in one plane count as well.
@@ -20,7 +20,7 @@ _PORTION = 200_000
 
 
 class _Edges(NamedTuple):
-    """The edges of triangles, and who has them: edge e is of ``face[start[e] : start[e + 1]]``."""
+    """Edges of triangles; edge e belongs to ``face[start[e] : start[e + 1]]``."""
 
     ends: np.ndarray
     start: np.ndarray
@@ -34,7 +34,7 @@ class _Edges(NamedTuple):
         return cls(np.column_stack([key // n, key % n]), start, np.argsort(edge, kind="stable") // 3)
 
     def with_faces(self, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """For every one of the edges (k,) each triangle that has it: its place among them, the triangle."""
+        """Index among the given edges (k,) and triangle, for each incident triangle."""
         count = self.start[edge + 1] - self.start[edge]
         which = np.repeat(np.arange(len(edge)), count)
         within = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
@@ -42,7 +42,7 @@ class _Edges(NamedTuple):
 
 
 def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
-    """Triangles that pass through another one, or that overlap another one in the same plane.
+    """Triangles piercing or overlapping another one.
 
     A vertex or an edge that lies on another triangle does not count, as where the vertices on one side of an
     edge hang between those on the other. Nor do two triangles with an edge in common, however sharp the fold.
@@ -85,7 +85,7 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
 
 
 def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """The positions about the middle of what is used of them: the library's boxes have single precision."""
+    """Positions centred and scaled to one: the library has single precision."""
     used = np.zeros(len(U), dtype=bool)
     used[F.ravel()] = True
     low, high = U[used].min(axis=0), U[used].max(axis=0)
@@ -95,7 +95,7 @@ def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 
 
 def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.ndarray]:
-    """On which side of the planes of triangles ``T`` (k, 3) the ``vertices`` (k,) each are: -1, 0 or 1."""
+    """Side of the ``vertices`` (k,) of the planes of ``T`` (k, 3): -1, 0 or 1."""
     a, b, c = (X[T[:, corner]] for corner in range(3))
     normal = np.cross(b - a, c - a)
     twice = np.linalg.norm(normal, axis=1)
@@ -110,7 +110,7 @@ def _heights(X: np.ndarray, T: np.ndarray, *vertices: np.ndarray) -> list[np.nda
 
 
 def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which edges, from ``ends`` (k, 2), pierce the triangles ``T`` (k, 3), and which lie in their planes."""
+    """Edges ``ends`` (k, 2) piercing ``T`` (k, 3), and edges in their planes."""
     above, below = _heights(X, T, ends[:, 0], ends[:, 1])
     pierces = above * below < 0.0
     p, q = X[ends[pierces, 0]], X[ends[pierces, 1]]
@@ -121,7 +121,7 @@ def _meeting(X: np.ndarray, ends: np.ndarray, T: np.ndarray) -> tuple[np.ndarray
 
 
 def _overlapping(X: np.ndarray, S: np.ndarray, T: np.ndarray) -> np.ndarray:
-    """Which triangles ``S`` (k, 3) lie in one plane with those of ``T`` (k, 3), and have area in common."""
+    """Coplanar pairs of ``S`` (k, 3) and ``T`` (k, 3) with common area."""
     over = (S[:, :, None] == T[:, None, :]).sum(axis=(1, 2)) < 2
     for side in _heights(X, S, *T.T):
         over &= side == 0.0

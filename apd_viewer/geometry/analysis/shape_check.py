@@ -1,4 +1,4 @@
-"""What is looked at only once a shape is at rest, because it takes longer than a frame."""
+"""Checks of a shape at rest, too slow for every frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 
 
 class Examination(NamedTuple):
-    """What was found.
+    """Results of a shape check.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Examination(NamedTuple):
 
 
 def examined(U: np.ndarray, F: np.ndarray) -> Examination:
-    """Examine the shape with the positions ``U`` (n, 3), whose triangles ``F`` (m, 3) hang together."""
+    """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3)."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
     return Examination(crossings(U, F), (dx, dy, dz), packed_volume(points))

@@ -1,4 +1,4 @@
-"""How far points are from a surface."""
+"""Distance of points from a surface."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def distances(
 
 @njit(inline="always")
 def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: int) -> float:
-    """Squared distance of a point from a triangle: from its inside, or from the nearest of its sides."""
+    """Squared distance of a point from a triangle."""
     ax, ay, az = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
     bx, by, bz = V[k, 0] - V[i, 0], V[k, 1] - V[i, 1], V[k, 2] - V[i, 2]
     dx, dy, dz = px - V[i, 0], py - V[i, 1], pz - V[i, 2]

@@ -1,1 +1,1 @@
-"""Elastic energies and the mesh that the solver works on."""
+"""Elastic energies and the mesh of the solve."""

@@ -76,7 +76,7 @@ def local_step(
     S0: np.ndarray,
     q: np.ndarray,
 ) -> None:
-    """Set ``q`` (n, 4) to the rotations that are optimal for ``U``, warm-started.
+    """Set ``q`` (n, 4) to the optimal rotations for ``U``, warm-started.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def local_step_in_turn(
     coupling: float,
     q: np.ndarray,
 ) -> None:
-    """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, the rotations improved one after another.
+    """The same with ``coupling / (2 deg i) sum_j |R_i - R_j|^2``, Gauss-Seidel.
 
     Once each, as CGAL does it [Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
     Animation].
@@ -143,7 +143,7 @@ def pull(
     rows: np.ndarray,
     less: np.ndarray,
 ) -> np.ndarray:
-    """Rows of ``b + more + sum_k mult_k forces_k``, minus ``less``, where grad E = 4 (L U - b).
+    """Rows of ``b + more + sum_k mult_k forces_k - less``; grad E = 4 (L U - b).
 
     ``b_i = weight * sum_j w_ij / 2 (R_i + R_j)(v_i - v_j)``; ``LV`` (n, 3) is the Laplacian of ``V``, what
     R_i is applied to. ``more`` is (n, 3), or (0, 3) if it is nothing; ``forces`` (k, n, 3); ``rows`` (f,);

@@ -1,4 +1,4 @@
-"""An elastic surface with some vertices held: a local step, and a global step that is factored once.
+"""Elastic surface with held vertices: local step and factored global step.
 
 The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
 cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), curvature
@@ -181,7 +181,7 @@ class Elastic:
         return arap_cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
 
     def from_held(self, targets: np.ndarray) -> np.ndarray:
-        """What the held vertices at ``targets`` (k, 3) take from the right-hand side, ``K_fc targets``."""
+        """Contribution ``K_fc targets`` of held vertices at ``targets`` (k, 3)."""
         if targets is not self._targets or self._from_held is None:
             self._targets, self._from_held = targets, parallel_ops.product(self._blocks[1], targets)
         return self._from_held
@@ -199,7 +199,7 @@ class Elastic:
     def global_step(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
-        """Positions (n, 3) that minimise the energy while ``b`` is held; they are not yet current."""
+        """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
         return self.assembled(self.solve(self.pull(targets, mult, forces)), targets)
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
@@ -207,7 +207,7 @@ class Elastic:
         return parallel_ops.placed(self.U, self._place, X, targets)
 
     def local_step(self, U: np.ndarray) -> None:
-        """Make ``U`` (n, 3) the current positions and find what every term would rather see there."""
+        """Make ``U`` (n, 3) current and compute each term's projection there."""
         q, self.U = self.q, U
         if self._membrane is not None:
             self._membrane.local_step(U)
@@ -223,7 +223,7 @@ class Elastic:
             arap_cells.local_step(*rest.graph, rest.V, U, S0, q)
 
     def turn(self, turns: np.ndarray) -> None:
-        """Turn what every term would rather see at each vertex by ``turns`` (n, 4), unit quaternions."""
+        """Rotate each term's projection by ``turns`` (n, 4), unit quaternions."""
         turn_rotations(turns, self.q)
         if self._membrane is not None:
             self._membrane.turn(turns)
@@ -239,13 +239,13 @@ class Elastic:
         return self._without_membrane(self.U, self.q) + flat
 
     def energy_at(self, U: np.ndarray) -> float:
-        """What the energy would be at ``U`` (n, 3), near the current positions; there is no membrane."""
+        """Energy at ``U`` (n, 3) near the current positions, without a membrane."""
         q = self.q.copy()
         self._turn_cells(U, q)
         return self._without_membrane(U, q)
 
     def _without_membrane(self, U: np.ndarray, q: np.ndarray) -> float:
-        """The terms of cells that are turned by ``q`` (n, 4), and of springs, at ``U`` (n, 3)."""
+        """Energy at ``U`` (n, 3) of cells with rotations ``q`` (n, 4), and of springs."""
         E = self.material.rigidity * arap_cells.energy(*self.rest.graph, self.rest.V, U, q)
         if self._bending is not None:
             E += self.material.bending * self._bending.energy(U, q)

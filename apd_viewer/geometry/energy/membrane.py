@@ -28,7 +28,7 @@ _PORTION = 512
 
 @njit(inline="always")
 def _larger_stretch(s1: float, s2: float) -> float:
-    """``p >= 1`` that minimises ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
+    """Minimiser ``p >= 1`` of ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
     # From here Newton goes straight to the root: the slope's own slope is positive on the way.
     p = max(s1, 1.0)
     for _ in range(_NEWTON_STEPS):
@@ -44,7 +44,7 @@ def _larger_stretch(s1: float, s2: float) -> float:
 
 @njit(inline="always")
 def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
-    """Write ``shear R + area P`` into ``T`` (3, 2); return ``shear |D - R|^2 + area |D - P|^2``."""
+    """``T = shear R + area P``; return ``shear |D - R|^2 + area |D - P|^2``."""
     x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
     a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
     # D^T D = m I + r [[c, s], [s, -c]], where (c, s) is the direction of the larger stretch, turned twice.
@@ -82,7 +82,7 @@ def _forces(
     area: float,
     forces: np.ndarray,
 ) -> float:
-    """Write a quarter of what the projections pull the corners with into ``forces`` (3 m, 3); the energy."""
+    """Quarter of the projections' corner forces, into (3 m, 3); the energy."""
     energy = 0.0
     for portion in prange((len(F) + _PORTION - 1) // _PORTION):
         D, T = np.empty((3, 2)), np.empty((3, 2))
@@ -127,7 +127,7 @@ def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.n
 
 @njit(cache=True, nogil=True, parallel=True)
 def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
-    """Turn the ``forces`` (3 m, 3) of every triangle as its first corner in ``turns`` (n, 4)."""
+    """Rotate each triangle's ``forces`` (3 m, 3) by its first corner's ``turns``."""
     for portion in prange((len(F) + _PORTION - 1) // _PORTION):
         R = np.empty((3, 3))
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
@@ -174,7 +174,7 @@ class Membrane:
         self.K = 0.5 * (shear + area) * element_laplacian(self._cot, F, len(V))
 
     def local_step(self, U: np.ndarray) -> None:
-        """Find the projections at ``U`` (n, 3), which is what the rest is about."""
+        """Compute the projections at ``U`` (n, 3)."""
         weights = self.shear, self.area
         self.energy = float(_forces(self._patch.F, self._rest, self._cot, U, *weights, self._forces))
 
@@ -183,5 +183,5 @@ class Membrane:
         _turn(self._patch.F, turns, self._forces)
 
     def pull(self) -> np.ndarray:
-        """What the projections ask for, (n, 3): ``grad E = 4 (K U - pull)``."""
+        """Right-hand side of the projections, (n, 3): ``grad E = 4 (K U - pull)``."""
         return _gathered(self._patch.start, self._patch.corner, self._forces)

@@ -1,4 +1,4 @@
-"""Everything about a mesh at rest that a deformation needs, whatever is held."""
+"""A mesh at rest, with everything independent of the held vertices."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SLIVER = 1e-9
 
 
 class Survey(NamedTuple):
-    """Readings of a shape, under the names that they have in a frame.
+    """Readings of a shape, named as in a frame.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Survey(NamedTuple):
 
 
 class RestMesh:
-    """Everything about a mesh that does not depend on what is held: computed once a mesh.
+    """Rest mesh of a deformation, computed once a mesh.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class RestMesh:
 
     @cached_property
     def why_no_volume(self) -> str | None:
-        """Why there is no volume, as a phrase; None if there is one."""
+        """Reason for a missing volume, as a phrase; None if there is one."""
         return why_no_volume(self.shape.F, len(self.shape.V))
 
     @cached_property
@@ -90,12 +90,12 @@ class RestMesh:
 
     @property
     def openings(self) -> int:
-        """How many openings are capped for :attr:`volume_capped`."""
+        """Number of openings capped for :attr:`volume_capped`."""
         return self._caps.count if self._caps is not None else 0
 
     @cached_property
     def volume_capped(self) -> float | None:
-        """Volume at rest with flat caps over the openings; None if that encloses nothing."""
+        """Rest volume with flat caps over the openings; None if not enclosed."""
         with cores_for(len(self.shape.V)):
             return self.survey(self.shape.V).volume_capped
 
@@ -107,7 +107,7 @@ class RestMesh:
         return None if used.all() else UnreferencedVertices(shape.V, shape.F, np.flatnonzero(~used))
 
     def spread(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
-        """The positions ``U`` (k, 3) of the vertices of the solve for all vertices of the file, (n, 3).
+        """Positions ``U`` (k, 3) of solve vertices spread to the file's, (n, 3).
 
         A vertex without a face goes along with the surface, unless it is one of the ``held``, of the solve.
         """
@@ -127,7 +127,7 @@ class RestMesh:
             return self.shape.energy(U[self.weld.first])
 
     def loose_pieces(self, fixed: np.ndarray) -> int:
-        """Number of separate pieces, of at least one triangle, without any of the ``fixed`` vertices."""
+        """Number of pieces with triangles but without ``fixed`` vertices."""
         piece = self.shape.piece
         loose = np.zeros(len(piece), dtype=bool)
         loose[piece[self.shape.F[:, 0]]] = True
@@ -135,7 +135,7 @@ class RestMesh:
         return int(loose.sum())
 
     def loose_warning(self, fixed: np.ndarray) -> str | None:
-        """What a user should be told about pieces that none of the ``fixed`` vertices holds."""
+        """Warning about pieces without ``fixed`` vertices."""
         loose = self.loose_pieces(fixed)
         if not loose:
             return None
@@ -146,7 +146,7 @@ class RestMesh:
         )
 
     def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
-        """What a user should be told when the ``fixed`` vertices are held, a sentence each."""
+        """Warnings for these ``fixed`` vertices, a sentence each."""
         why = self.why_no_volume
         said = (self.loose_warning(fixed), tr("There is no volume: {why}.").format(why=why) if why else None)
         return tuple(sentence for sentence in said if sentence)

@@ -1,4 +1,4 @@
-"""What depends on the rest mesh alone: weights, Laplacian, pieces, vertex areas, curvature."""
+"""Rest quantities of the solve: weights, Laplacian, pieces, areas, curvature."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SMALLEST_AREA = 1e-2
 
 
 class RestShape:
-    """The rest mesh that is solved on.
+    """Rest mesh of the solve.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class RestShape:
 
     @cached_property
     def bending(self) -> Bending:
-        """How the mesh is bent, and what a change of that costs."""
+        """Bending energy of the rest shape."""
         return Bending(self)
 
     @cached_property
@@ -92,7 +92,7 @@ class RestShape:
 
     @cached_property
     def thinning(self) -> Thinning:
-        """Fewer vertices, and which of them each vertex goes with."""
+        """Decimated mesh, with the map from each vertex to it."""
         if self._thinnings:
             return self._thinnings[0]
         count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
@@ -113,7 +113,7 @@ class RestShape:
         return self.W.indptr.astype(np.uint32), self.W.indices.astype(np.uint32), self.W.data
 
     def energy(self, U: np.ndarray) -> float:
-        """Eq. 1 at ``U`` (n, 3) with the rotations that are optimal for it."""
+        """ARAP energy (Eq. 1) at ``U`` (n, 3) with the optimal rotations."""
         q = self.identity()
         arap_cells.local_step(*self.graph, self.V, U, arap_cells.FLAT, q)
         return float(arap_cells.energy(*self.graph, self.V, U, q))
@@ -159,7 +159,7 @@ class Bending:
         return parallel_ops.product(self.C, X)
 
     def pull(self, q: np.ndarray, weight: float) -> np.ndarray:
-        """``weight`` times what curvature turned by ``q`` (n, 4) asks for: ``grad E = 4 (K U - pull)``."""
+        """Right-hand side ``weight`` times curvature rotated by ``q`` (n, 4)."""
         return self.apply(_turned(q, self.CV, 0.5 * weight * self.weight))
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
@@ -168,7 +168,7 @@ class Bending:
         return float(self.weight @ (change * change).sum(axis=1))
 
     def moments(self, U: np.ndarray, weight: float) -> np.ndarray:
-        """What ``weight`` times the energy at ``U`` (n, 3) adds to ``S_i`` of the local step, (n, 3, 3)."""
+        """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
         return _moments(self.apply(U), self.CV, weight * self.weight)
 
 

@@ -1,4 +1,4 @@
-"""The memory of a descent: what the last steps have said about how the slope changes."""
+"""Limited-memory BFGS directions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from apd_viewer.geometry.linalg import parallel_ops
 
 
 class Memory:
-    """Limited-memory quasi-Newton directions [Nocedal 1980], started from a preconditioner.
+    """Limited-memory quasi-Newton directions [Nocedal 1980], preconditioned.
 
     With the factor of the global step as preconditioner a first step is the plain one, and the following
     ones know what it leaves out [Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation
@@ -56,7 +56,7 @@ class Memory:
         self._products[:count, place] = parallel_ops.dots(self._steps[:count], change)
 
     def direction(self, gradient: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """The quasi-Newton step for a ``gradient`` (count, 3): downhill, of length about 1.
+        """Descent direction for a ``gradient`` (count, 3), of length about 1.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Sparse Cholesky: factor once, solve often. The only place that knows cholespy."""
+"""Sparse Cholesky factorization: factor once, solve often."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 
 class Factor(Protocol):
-    """The factor of a symmetric positive definite matrix, or what will be it."""
+    """Factor of a symmetric positive definite matrix, possibly still pending."""
 
     @property
     def ready(self) -> bool:
-        """Whether :meth:`solve` need not wait until it is factored."""
+        """True if :meth:`solve` would not wait for the factorization."""
 
     @property
     def elsewhere(self) -> bool:
-        """Whether somebody else factors, while one can do without it."""
+        """True if factored in another process, and dispensable meanwhile."""
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
@@ -69,7 +69,7 @@ class LinearSolver:
 
 
 def rows_of(A: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where the rows of ``A`` (n, n) start, (n + 1,), and their columns and entries, ascending."""
+    """CSR rows of ``A`` (n, n): starts (n + 1,), columns and entries, ascending."""
     A.sort_indices()
     entry = np.ascontiguousarray(A.data, dtype=np.float64)
     return A.indptr.astype(np.int32), A.indices.astype(np.int32), entry

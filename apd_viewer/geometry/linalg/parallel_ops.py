@@ -38,7 +38,7 @@ def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.nda
 
 @njit(cache=True, nogil=True, parallel=True)
 def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """The inner product of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,) float array."""
+    """Inner products of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,)."""
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, len(A)))
     for portion in prange(count):
@@ -89,7 +89,7 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, nogil=True, parallel=True)
 def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """``U`` (n, 3) with rows of ``A`` where ``place`` (n,) is 0, 1, ..., and of ``B`` where it is -1, -2, ...
+    """``U`` (n, 3) with rows of ``A`` at ``place`` 0, 1, ..., of ``B`` at -1, ...
 
     Where ``place`` is beyond the rows of ``A``, the row of ``U`` stays.
     """

@@ -1,4 +1,4 @@
-"""The local step: the rotation nearest to a 3x3 matrix, as a kernel that can be warm-started.
+"""Local step: nearest rotation to a 3x3 matrix, warm-started.
 
 For every matrix S we want ``R = argmax tr(R^T S)`` over the rotations, the *global* maximum with
 det R = +1 whatever S is (reflected, of rank 2, 1 or 0). Rotations are kept as unit quaternions
@@ -50,7 +50,7 @@ def quaternion_to_matrix(q: np.ndarray, R: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _newton_step(X: np.ndarray) -> None:
-    """One step of Newton's method on all lanes of ``X``; a lane that is not certified stays as it is."""
+    """One Newton step on all lanes of ``X``; uncertified lanes are unchanged."""
     # No branches, no calls, one flat array with constant distances: the compiler then does all lanes at once.
     for i in range(LANES):
         s00, s01, s02 = X[i], X[LANES + i], X[2 * LANES + i]
@@ -110,7 +110,7 @@ def _newton_step(X: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True)
 def _jacobi_rotation(K: np.ndarray, E: np.ndarray, a: int, b: int) -> None:
-    """Make ``K[a, b]`` zero by a plane rotation; collect the rotation in the columns of ``E``."""
+    """Zero ``K[a, b]`` by a plane rotation, accumulated in the columns of ``E``."""
     if K[a, b] == 0.0:
         return
     theta = (K[b, b] - K[a, a]) / (2.0 * K[a, b])
@@ -132,7 +132,7 @@ def _jacobi_rotation(K: np.ndarray, E: np.ndarray, a: int, b: int) -> None:
 
 @njit(cache=True, nogil=True)
 def _horn(S: np.ndarray, q: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
-    """Write the quaternion that maximises ``tr(R^T S)`` into ``q``, from any S but zero."""
+    """Write the quaternion maximising ``tr(R^T S)`` into ``q``; S is not zero."""
     K[0, 0] = S[0, 0] + S[1, 1] + S[2, 2]
     K[1, 1] = S[0, 0] - S[1, 1] - S[2, 2]
     K[2, 2] = S[1, 1] - S[0, 0] - S[2, 2]
@@ -164,7 +164,7 @@ def _horn(S: np.ndarray, q: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True)
 def fit_lanes(X: np.ndarray, scratch: np.ndarray) -> None:
-    """Find the rotations that maximise ``tr(R^T S)`` for LANES matrices side by side.
+    """Rotations maximising ``tr(R^T S)``, for LANES matrices side by side.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, 
 
 @njit(cache=True, nogil=True, parallel=True)
 def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
-    """Turn every rotation of ``q`` (n, 4) by that of ``turns`` (n, 4), in place."""
+    """Compose every rotation of ``q`` (n, 4) with ``turns`` (n, 4), in place."""
     for i in prange(len(q)):
         w, x, y, z = turns[i, 0], turns[i, 1], turns[i, 2], turns[i, 3]
         a, b, c, d = q[i, 0], q[i, 1], q[i, 2], q[i, 3]

@@ -1,4 +1,4 @@
-"""Who may use the cores: one thread at a time, and as many cores as are worth waking."""
+"""Thread rule of parallel kernels: one caller at a time, enough work a core."""
 
 from __future__ import annotations
 

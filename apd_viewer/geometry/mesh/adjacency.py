@@ -1,4 +1,4 @@
-"""Which triangles share an edge, and what can be reached across edges."""
+"""Adjacency of triangles across edges, and flood fill."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NO_AREA = 1e-9
 
 @njit(cache=True, nogil=True)
 def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
-    """Where each edge of a triangle is found in the triangle on its other side.
+    """Opposite half-edge of each half-edge of the triangles.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def opposite_corners(F: np.ndarray, n: int) -> np.ndarray:
 
 @njit(cache=True, nogil=True)
 def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Edges ``3 * t + c`` with the lower end ``v`` at ``start[v]:start[v + 1]``, if their ``t`` counts."""
+    """Half-edges ``3 t + c`` by lower end ``v``: ``start[v]`` to ``start[v + 1]``."""
     start = np.zeros(n + 2, dtype=np.int32)
     for t in range(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -70,7 +70,7 @@ def _edges_by_lower_end(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 @njit(cache=True, nogil=True)
 def filled(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease: float) -> np.ndarray:
-    """Vertices of all triangles that can be reached from one without crossing a crease.
+    """Vertices reached by flood fill from a face without crossing a crease.
 
     Triangles without area (less than 1e-9 of the squares of their edges) are always entered, and left as if
     they were part of the triangle from which they were entered.

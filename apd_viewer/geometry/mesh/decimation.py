@@ -1,4 +1,4 @@
-"""Fewer vertices for the same shape, and which of them each vertex goes with."""
+"""Decimation, with the map from each vertex to the coarse ones."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ACROSS = 2.0
 
 
 class Thinning(NamedTuple):
-    """A mesh of the same shape with some of the vertices, and with which of them each vertex goes.
+    """Decimated mesh, and the coarse vertex of each fine one.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ def edge_length(V: np.ndarray, F: np.ndarray) -> float:
 def neighbourhoods(
     V: np.ndarray, normals: np.ndarray, piece: np.ndarray, vertices: np.ndarray, edge: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """For every vertex those of a thinned mesh that it goes with, on its own side of a wall.
+    """Coarse neighbours of every vertex, on its own side of a wall.
 
     Parameters
     ----------

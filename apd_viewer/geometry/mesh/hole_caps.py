@@ -1,4 +1,4 @@
-"""Flat caps over the openings of a surface: shut by them, an open bottle has a volume too."""
+"""Flat caps over the openings of a surface, for a volume of open bottles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Caps:
-    """A fan of triangles over every opening, from its border to the mean of the vertices there.
+    """Triangle fans from each opening's border to the mean of its vertices.
 
     Over a border in one plane the fan is the flat cap, whatever the shape of the border; over another one it
     is a choice, which changes smoothly with the shape.
@@ -34,7 +34,7 @@ class Caps:
 
     @classmethod
     def of(cls, F: np.ndarray, n: int) -> Caps | None:
-        """The caps of the triangles ``F`` (m, 3) of ``n`` vertices; None where caps would not close them."""
+        """Caps of the triangles ``F`` (m, 3) of ``n`` vertices; None if impossible."""
         border, crowded, one_way = odd_edges(F, n)
         if not border or crowded or one_way:
             return None
@@ -54,25 +54,25 @@ class Caps:
 
     @property
     def count(self) -> int:
-        """How many openings there are."""
+        """Number of openings."""
         return len(self.start)
 
     def volume(self, U: np.ndarray, origin: np.ndarray) -> float:
-        """Signed volume between the ``origin`` (3,) and the caps at the positions ``U`` (n, 3)."""
+        """Signed volume between ``origin`` (3,) and the caps at ``U`` (n, 3)."""
         p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
         size = np.diff(self.start, append=len(p))
         apex = np.repeat(np.add.reduceat(p, self.start) / size[:, None], size, axis=0)
         return float(np.einsum("ij,ij->", apex, np.cross(p, q))) / 6.0
 
     def area(self, U: np.ndarray) -> float:
-        """Area of the caps, each seen from where it looks largest: that of a flat one, whatever its shape."""
+        """Total area of the caps, each projected along its area vector."""
         origin = U[self.ends[0, 0]]
         p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
         return 0.5 * float(np.linalg.norm(np.add.reduceat(np.cross(p, q), self.start), axis=1).sum())
 
 
 def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | None:
-    """Signed volume inside the triangles ``F`` (m, 3) and their caps; None where these enclose nothing."""
+    """Signed volume inside ``F`` (m, 3) and its caps; None if not enclosed."""
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])

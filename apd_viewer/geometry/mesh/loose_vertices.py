@@ -1,4 +1,4 @@
-"""Vertices without a face, which go along with the surface that they are nearest to."""
+"""Vertices without a face, carried along by the nearest surface."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
 
 
 class UnreferencedVertices:
-    """Vertices that keep their place beside a triangle, as if fastened to it.
+    """Unreferenced vertices, fastened to the nearest triangle.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class UnreferencedVertices:
         self._local = np.einsum("lij,lj->li", triangle_frames(at), V[loose] - at[:, 0])
 
     def carried(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
-        """The positions ``U`` (n, 3) with these vertices where their triangles have gone, unless ``held``."""
+        """``U`` (n, 3) with these vertices carried along, except ``held`` ones."""
         at = U[self._corners]
         gone = (at != self._V[self._corners]).any(axis=(1, 2)) & ~np.isin(self._loose, held)
         out = U.copy()

@@ -1,4 +1,4 @@
-"""Areas and volume as functions of the positions, with their gradients: what can be asked to have a value.
+"""Areas and volume as functions of the positions, with gradients.
 
 A gradient is gathered corner by corner, so that the cores can share the vertices among them.
 """
@@ -13,7 +13,7 @@ _PORTION = 1024
 
 
 class Patch:
-    """Some triangles of a mesh, and where their corners are.
+    """A subset of the triangles of a mesh, with its corner lists.
 
     Parameters
     ----------
@@ -51,11 +51,11 @@ class Patch:
         )
 
     def vertex_normals(self, U: np.ndarray) -> np.ndarray:
-        """Unit normals at ``U`` (n, 3), weighted by area, (n, 3); zero at a vertex without area."""
+        """Area-weighted unit normals at ``U`` (n, 3), (n, 3); zero without area."""
         return _vertex_normals(U, self.F, self.start, self.corner)
 
     def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
-        """Signed volume inside a closed patch at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
+        """Signed volume of a closed patch at ``U`` (n, 3); gradient into ``g`` (n, 3)."""
         return float(_volume_and_gradient(U, self.F, self.start, self.second, self.third, g))
 
 
@@ -110,7 +110,7 @@ def _vertex_normals(U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.
 
 @njit(cache=True, nogil=True, parallel=True)
 def survey(U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float) -> tuple[float, float, float]:
-    """Area, signed volume inside, and largest relative change of a triangle's area, in one pass.
+    """Area, signed volume and largest relative area change, in one pass.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A triangle mesh as the user's file has it, and the welded mesh that is solved."""
+"""A triangle mesh in file order, and the welded mesh of the solve."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def frozen(array: np.ndarray) -> np.ndarray:
 
 
 class Origin(Protocol):
-    """The file that a mesh came from, which can be written again with other coordinates."""
+    """Source file of a mesh, rewritable with other coordinates."""
 
     @property
     def suffix(self) -> str:
@@ -31,7 +31,7 @@ class Origin(Protocol):
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What it holds besides positions and triangles, in words."""
+        """Contents besides positions and triangles, in words."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
@@ -75,7 +75,7 @@ class Mesh:
         origin: Origin | None = None,
         weld: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> Mesh:
-        """A mesh of read-only arrays that were checked before, with the maps of its weld where it has one."""
+        """Mesh of read-only arrays already checked, with its weld if known."""
         mesh = cls.__new__(cls)
         mesh.__dict__.update(V=V, F=F, path=path, origin=origin)
         if weld is not None:
@@ -83,7 +83,7 @@ class Mesh:
         return mesh
 
     def baked(self, U: np.ndarray) -> Mesh:
-        """The same mesh with ``U`` (n, 3), read-only, for its rest positions; what was joined stays joined.
+        """The mesh with rest positions ``U`` (n, 3), read-only; welds are kept.
 
         It came from the same file, and is written into it as a deformed shape would be.
         """
@@ -92,7 +92,7 @@ class Mesh:
         return Mesh.trusted(U, self.F, self.path, origin, (self.weld.first, self.weld.inverse))
 
     def homeless(self) -> Mesh:
-        """The same mesh, which does not say where it came from."""
+        """The mesh without its path."""
         origin = self.origin
         if isinstance(origin, Baked):
             origin = Baked(origin.mesh.homeless(), origin.origin)
@@ -105,12 +105,12 @@ class Mesh:
 
     @cached_property
     def joined_F(self) -> np.ndarray:
-        """Triangles with every vertex named by the first at its position: connected across seams."""
+        """Triangles with each vertex replaced by the first at its position."""
         return self.weld.first[self.weld.inverse[self.F]]
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of positions and triangles, in hexadecimal: tells whether two meshes are the same."""
+        """SHA-256 of positions and triangles, hexadecimal, for equality tests."""
         V, F = self.V.astype("<f8"), self.F.astype("<i8")
         return hashlib.sha256(str(V.shape).encode() + V.tobytes() + F.tobytes()).hexdigest()
 
@@ -121,13 +121,13 @@ class Mesh:
 
     @property
     def stem(self) -> str:
-        """The same without its ending, for the names of files that come of it."""
+        """Name without suffix, for files derived from the mesh."""
         return self.path.stem if self.path else "mesh"
 
 
 @dataclass(frozen=True, eq=False)
 class Baked:
-    """The origin of a mesh whose rest positions are not those of its file.
+    """Origin of a mesh with baked rest positions.
 
     Attributes
     ----------
@@ -147,11 +147,11 @@ class Baked:
 
     @property
     def extras(self) -> tuple[str, ...]:
-        """What the file holds besides positions and triangles."""
+        """Contents of the file besides positions and triangles."""
         return self.origin.extras
 
     def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
-        """The file with the positions ``U`` (n, 3); what stands where it stood is written as it was."""
+        """File content with positions ``U`` (n, 3); unmoved vertices as written."""
         return self.origin.rewritten(self.mesh, U)
 
 
@@ -161,7 +161,7 @@ TOLERANCE = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Weld:
-    """Which file vertices share a position and are therefore one vertex of the solve.
+    """Map of file vertices at one position to one vertex of the solve.
 
     Files repeat vertices at texture seams, and STL repeats all of them: without welding such a mesh falls
     apart into loose triangles. Equal positions are joined; at borders, where rounding leaves cracks, also
@@ -183,7 +183,7 @@ class Weld:
 
     @classmethod
     def of(cls, V: np.ndarray, F: np.ndarray | None = None) -> Weld:
-        """Weld the positions ``V`` (n, 3), in the order of the file; ``F`` (m, 3) tells where borders are."""
+        """Weld positions ``V`` (n, 3) in file order; ``F`` (m, 3) gives borders."""
         order = np.lexsort((np.arange(len(V)), V[:, 2], V[:, 1], V[:, 0]))
         new = np.ones(len(V), dtype=bool)
         new[1:] = (V[order[1:]] != V[order[:-1]]).any(axis=1)
@@ -206,15 +206,15 @@ class Weld:
 
     @property
     def slack(self) -> float:
-        """How far targets of joined vertices may be apart, in diagonals of the bounding box."""
+        """Tolerance between targets of welded vertices, in box diagonals."""
         return 0.0 if self.offset is None else 4.0 * TOLERANCE
 
     def offset_of(self, ids: np.ndarray) -> np.ndarray | float:
-        """How far the file vertices ``ids`` lie from the positions that they are joined at."""
+        """Offset of the file vertices ``ids`` from their welded positions."""
         return 0.0 if self.offset is None else self.offset[ids]
 
     def everywhere(self, ids: np.ndarray) -> np.ndarray:
-        """The file vertices ``ids``, and those at the same places; where there are any, ascending."""
+        """File vertices ``ids`` with all others at their positions, ascending."""
         if len(self.first) == len(self.inverse):
             return ids
         covered = np.zeros(len(self.first), dtype=bool)
@@ -222,7 +222,7 @@ class Weld:
         return np.flatnonzero(covered[self.inverse])
 
     def spread(self, U: np.ndarray) -> np.ndarray:
-        """The positions ``U`` (k, 3) of the vertices of the solve, for all vertices of the file, (n, 3)."""
+        """Positions ``U`` (k, 3) of solve vertices spread to the file's, (n, 3)."""
         if len(U) == len(self.inverse):
             return U.copy()
         spread = U[self.inverse]
@@ -230,7 +230,7 @@ class Weld:
 
 
 def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray) -> np.ndarray:
-    """Representatives that are shared by vertices of a border that nearly meet, and are no neighbours."""
+    """Representatives joining border vertices across cracks; neighbours stay apart."""
     corners = representative[F]
     a, b = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     edge = a != b
@@ -254,7 +254,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray) -> 
 
 
 def numbers(given: object, what: str) -> np.ndarray:
-    """Copy what a caller gave into a float64 array, or raise InputError."""
+    """Float64 copy of a caller's array, or InputError."""
     try:
         array = np.asarray(given)
     except ValueError:  # rows of different lengths
@@ -267,7 +267,7 @@ def numbers(given: object, what: str) -> np.ndarray:
 
 
 def whole_numbers(given: object, what: str) -> np.ndarray:
-    """Copy what a caller gave into an int64 array, or raise InputError where that would round."""
+    """Int64 copy of a caller's array, or InputError if that would round."""
     array = numbers(given, what)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
         raise InputError(
@@ -277,7 +277,7 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
 
 
 def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
-    """Raise InputError unless ``V`` (n, 3) and ``F`` (m, 3) describe a triangle mesh with an area."""
+    """Raise InputError unless ``V`` (n, 3), ``F`` (m, 3) are a mesh with area."""
     if V.ndim != 2 or V.shape[1] != 3:
         raise InputError(
             tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z a vertex.").format(

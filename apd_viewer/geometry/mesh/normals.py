@@ -1,4 +1,4 @@
-"""Normals that a file brings along, turned with the surface."""
+"""Normals of a file, turned with the surface."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
 def turned_normals(
     V: np.ndarray, U: np.ndarray, F: np.ndarray, N: np.ndarray, normal_of: np.ndarray
 ) -> np.ndarray:
-    """Every normal turned as the triangles turn that use it, so that creases and shading stay what they are.
+    """Normals turned by the rotation of their triangles; creases are kept.
 
     Parameters
     ----------

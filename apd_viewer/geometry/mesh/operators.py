@@ -76,7 +76,7 @@ def _signed_volumes(U: np.ndarray, F: np.ndarray, origin: np.ndarray) -> np.ndar
 
 
 def volume(U: np.ndarray, F: np.ndarray) -> float:
-    """Signed volume inside a closed surface, positive where faces point outwards, cubic mesh units.
+    """Signed volume, cubic mesh units, positive for outward faces.
 
     Without meaning for a surface that is not closed: see :func:`why_no_volume`.
     """
@@ -85,7 +85,7 @@ def volume(U: np.ndarray, F: np.ndarray) -> float:
 
 
 def why_no_volume(F: np.ndarray, n: int) -> str | None:
-    """Why the surface encloses no volume, as a phrase for people; None if it does.
+    """Reason for a missing volume, as a phrase; None if the surface is closed.
 
     A surface is closed when every edge is used once in each direction.
     """
@@ -105,7 +105,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
 
 @njit(cache=True, nogil=True)
 def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
-    """How many edges one triangle has, how many more than two, and how many two have in the same direction.
+    """Counts of border, non-manifold and inconsistently oriented edges.
 
     Triangles with a corner twice do not count.
     """
@@ -141,7 +141,7 @@ def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
 
 @njit(cache=True, nogil=True)
 def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Cotangent of the angle at every corner, (m, 3) float array; 0 in triangles without area."""
+    """Cotangents of the corner angles, (m, 3); 0 in triangles without area."""
     cot = np.zeros(F.shape)
     for t in range(F.shape[0]):
         for c in range(3):
@@ -164,12 +164,12 @@ _NEEDLE = 1e4
 
 
 def _opposite(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The ends of the edge opposite to every corner; scipy's matrices keep the type of these numbers."""
+    """Edge opposite to every corner, in scipy's index type."""
     return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)
 
 
 def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
-    """Symmetric matrix of the weights ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``.
+    """Symmetric matrix ``w_ij = (max(0, cot a_ij) + max(0, cot b_ij)) / 2``.
 
     Each cotangent is clamped by itself, as CGAL does; clamping the sum gives another energy. Where
     clamping cuts a connected piece apart (needles, obtuse fans), the edges between the parts get a
@@ -205,7 +205,7 @@ def laplacian(W: sp.csr_array) -> sp.csr_array:
 
 
 def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
-    """Laplacian (n, n) assembled from the ``cot`` (m, 3) of every corner of the triangles ``F`` (m, 3)."""
+    """Laplacian (n, n) assembled from corner values ``cot`` (m, 3) of ``F``."""
     w = 0.5 * cot.ravel()
     i, j = _opposite(F)
     W = sp.coo_array((np.concatenate([w, w]), (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
@@ -213,7 +213,7 @@ def element_laplacian(cot: np.ndarray, F: np.ndarray, n: int) -> sp.csr_array:
 
 
 def cotangent_laplacian(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
-    """Cotangent Laplacian of finite elements, (n, n), positive semi-definite: no cotangent is clamped to 0.
+    """Cotangent Laplacian (n, n), positive semi-definite, without clamping.
 
     ``u^T C u`` is the integral of the squared gradient of the function with the values u at the vertices.
     """
@@ -221,7 +221,7 @@ def cotangent_laplacian(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
 
 
 def border_vertices(F: np.ndarray, n: int) -> np.ndarray:
-    """Vertices of the edges that only one triangle has, ascending."""
+    """Vertices of border edges, ascending."""
     a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
     edge = a != b
     low, high = np.minimum(a, b)[edge].astype(np.int64), np.maximum(a, b)[edge].astype(np.int64)

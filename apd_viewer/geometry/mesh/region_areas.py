@@ -8,7 +8,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def region_areas(U: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> np.ndarray:
-    """Area of each of ``count`` regions: of the triangles with all three corners in it.
+    """Areas of ``count`` regions: triangles with all three corners inside.
 
     Parameters
     ----------

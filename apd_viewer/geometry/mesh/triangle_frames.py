@@ -1,4 +1,4 @@
-"""Frames that are fixed to triangles."""
+"""Orthonormal frames of triangles."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def triangle_frames(corners: np.ndarray) -> np.ndarray:
-    """An orthonormal frame of each triangle: rows along its first edge, across it, and its normal.
+    """Frame of each triangle: along its first edge, across it, and its normal.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Sets of what hangs together, as trees: each thing names another of its set, the lowest one itself."""
+"""Disjoint sets with union by lowest member."""
 
 from __future__ import annotations
 

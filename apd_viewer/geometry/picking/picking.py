@@ -1,4 +1,4 @@
-"""What a ray meets, and which vertices a brush covers.
+"""Ray casting and brushes on a deforming mesh, without a search tree.
 
 No search tree: a mesh that deforms would have to rebuild it for every pick, which costs more than looking
 at each triangle once. Boxes around the triangles as they come cost no more than one look at them.
@@ -15,7 +15,7 @@ _SLACK = 1e-9  # rounding must not let a ray miss the box of a triangle that it 
 
 @njit(cache=True, nogil=True)
 def boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Boxes around every ``BLOCK`` triangles that follow each other.
+    """Bounding boxes of every ``BLOCK`` consecutive triangles.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def boxes(U: np.ndarray, F: np.ndarray) -> np.ndarray:
 def ray_hit(
     origin: np.ndarray, direction: np.ndarray, U: np.ndarray, F: np.ndarray, around: np.ndarray
 ) -> tuple[int, float, float, float]:
-    """Nearest triangle that a ray meets, from either side.
+    """Nearest triangle hit by a ray, from either side.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def ray_hit(
 
 @njit(cache=True, nogil=True)
 def _enters(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance: float) -> bool:
-    """Whether a ray enters a ``box`` (2, 3) before it has gone a ``distance``."""
+    """True if a ray enters a ``box`` (2, 3) within a ``distance``."""
     near, far = 0.0, distance
     for c in range(3):
         if direction[c] == 0.0:
@@ -111,7 +111,7 @@ def _enters(origin: np.ndarray, direction: np.ndarray, box: np.ndarray, distance
 
 @njit(cache=True, nogil=True)
 def _squared_distance(x: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
-    """Squared distance from point ``x`` to the segment from ``a`` to ``b``, all (3,) float arrays."""
+    """Squared distance of ``x`` from the segment ``a`` to ``b``, all (3,)."""
     along, length = 0.0, 0.0
     for c in range(3):
         along += (x[c] - a[c]) * (b[c] - a[c])
@@ -133,7 +133,7 @@ def brush(
     b: np.ndarray,
     radius: float,
 ) -> np.ndarray:
-    """Vertices within ``radius`` of the segment from ``a`` to ``b`` that the seeds are connected to.
+    """Vertices connected to the seeds within ``radius`` of the segment a to b.
 
     The front walks over edges and stops at the border of the capsule, so a brush on one side of a
     thin wall leaves the other side alone.

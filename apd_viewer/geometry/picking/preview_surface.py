@@ -21,7 +21,7 @@ class Sketch:
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Write what a renderer needs to draw the shape ``U``; see ``Skin.drape``."""
+        """Write the renderer's arrays for the shape ``U``; see ``Skin.drape``."""
         corners = U[self.F]
         a, b, c = corners.transpose(1, 0, 2)
         across = np.repeat(np.cross(b - a, c - a), 3, axis=0)

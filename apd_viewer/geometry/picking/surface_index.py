@@ -1,4 +1,4 @@
-"""A mesh as it is drawn and touched: small numbers for the renderer, neighbours for the brush."""
+"""Indices of a mesh for drawing, picking and brushes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes, visibl
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """What stays the same while a mesh deforms; found out once, before it is shown. Arrays are read-only.
+    """Invariants of a mesh while it deforms, read-only.
 
     Attributes
     ----------
@@ -64,20 +64,20 @@ class Skin:
 
     @cached_property
     def named(self) -> np.ndarray:
-        """The vertices that triangles have, those at a seam by one of them, ascending, (k,) int array."""
+        """Vertices of triangles, one a seam position, ascending, (k,) int array."""
         named = np.zeros(len(self.used), dtype=bool)
         named[self.joined] = True
         return np.flatnonzero(named)
 
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
-        """All that it keeps."""
+        """All arrays kept."""
         return self.F, self.joined, self.source, self.used, self.start, self.neighbour
 
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Write what a renderer needs to draw the shape ``U``.
+        """Write the renderer's arrays for the shape ``U``.
 
         Parameters
         ----------
@@ -97,37 +97,37 @@ class Skin:
         return low, high
 
     def boxes(self, U: np.ndarray) -> np.ndarray:
-        """What :meth:`hit` needs once for each shape ``U``."""
+        """Bounding boxes for :meth:`hit`, once a shape ``U``."""
         return boxes(U, self.F)
 
     def hit(
         self, origin: np.ndarray, direction: np.ndarray, U: np.ndarray, around: np.ndarray
     ) -> tuple[int, float, float, float]:
-        """What a ray meets of the shape ``U``, whose boxes are ``around``: see :func:`picking.ray_hit`."""
+        """Ray hit on the shape ``U`` with boxes ``around``: :func:`picking.ray_hit`."""
         return ray_hit(origin, direction, U, self.F, around)
 
     def inside(self, points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
-        """Which ``points`` (k, 2) lie within a ``polygon`` (p, 2), (k,) bool."""
+        """Mask (k,) of ``points`` (k, 2) inside a ``polygon`` (p, 2)."""
         return inside(points, polygon)
 
     def sights(self, U: np.ndarray) -> Boxes:
-        """What :meth:`visible` needs once for each shape ``U``."""
+        """Search tree for :meth:`visible`, once a shape ``U``."""
         return boxes_in_boxes(U, self.joined)
 
     def visible(self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes) -> np.ndarray:
-        """Which of the vertices ``ids`` of the shape ``U`` are seen from ``eye`` (3,), (k,) bool."""
+        """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""
         return visible(eye, U, ids=ids, boxes=sights)
 
     def up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
-        """The vertices around a face, up to where the shape ``U`` is creased by more than so many radians."""
+        """Vertices around a face up to creases sharper than so many radians."""
         return np.flatnonzero(filled(self.joined, self._opposite, U, face, crease))
 
     def piece(self, face: int) -> np.ndarray:
-        """The vertices that are connected with those of a face."""
+        """Vertices of a face's connected component."""
         return np.flatnonzero(piece_of(self.start, self.neighbour, self.joined[face, 0]))
 
     def border_loop(self, face: int) -> np.ndarray:
-        """The vertices of the border that is nearest to a face; none if the surface is closed."""
+        """Vertices of the border loop nearest to a face; none if closed."""
         F, seeds = self.joined, self.joined[face]
         return np.flatnonzero(border_loop(F, self._opposite, self.start, self.neighbour, seeds))
 
@@ -138,7 +138,7 @@ class Skin:
     def under_brush(
         self, U: np.ndarray, faces: tuple[int, int], a: np.ndarray, b: np.ndarray, radius: float
     ) -> np.ndarray:
-        """Vertices of the shape ``U`` under a brush that goes from ``a`` to ``b``, both (3,), on two faces.
+        """Vertices of ``U`` under a brush from ``a`` to ``b``, (3,), on two faces.
 
         It crosses seams; of the vertices there only one of each place is named.
         """
@@ -196,7 +196,7 @@ def _drape(
 
 
 def warm_up() -> None:
-    """Compile what a window needs of a mesh, or load it from the cache, before it shows one."""
+    """Compile or load the kernels of a window before a mesh is shown."""
     U = frozen(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
     skin = Skin.of(np.array([[0, 1, 2]]), len(U))
     points = np.empty(U.shape, dtype=np.float32)

@@ -42,12 +42,12 @@ def grown(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.nd
 
 
 def shrunk(start: np.ndarray, neighbour: np.ndarray, member: np.ndarray) -> np.ndarray:
-    """A set without those that have a neighbour outside: what is outside has :func:`grown`."""
+    """Erosion of a set by one ring; the counterpart of :func:`grown`."""
     return ~grown(start, neighbour, ~member)
 
 
 def smoothed(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray) -> np.ndarray:
-    """A set with a border that is less jagged.
+    """Set with a smoother border.
 
     Membership spreads over the edges, the more the shorter they are, for as many steps as ``RINGS``; a vertex
     then belongs to the set if more than half of it does.
@@ -93,7 +93,7 @@ def _settled(
 
 @njit(cache=True, nogil=True)
 def _walk(start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray, rings: int) -> np.ndarray:
-    """Vertices no more than so many rings from the ``seeds`` (s,), the nearest first, (k,) int array."""
+    """Vertices within ``rings`` of the ``seeds`` (s,), nearest first, (k,)."""
     reached, found = np.zeros(len(start) - 1, dtype=np.bool_), np.empty(len(start) - 1, dtype=np.int64)
     head = count = 0
     for v in seeds:
@@ -121,7 +121,7 @@ def _length(U: np.ndarray, v: int, w: int) -> float:
 
 @njit(cache=True, nogil=True)
 def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share: np.ndarray, v: int) -> float:
-    """Mean ``share`` of the neighbours of ``v``, weighted by the inverse lengths of the edges."""
+    """Mean ``share`` of the neighbours of ``v``, weighted by inverse edge length."""
     total = weights = 0.0
     for e in range(start[v], start[v + 1]):
         # A neighbour at the same place outweighs all others, and the sum stays finite.
@@ -171,7 +171,7 @@ def mirrored(
 
 @njit(cache=True, nogil=True)
 def _mean_edge(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """Mean length of the edges at each of the ``vertices`` (k,), all of which have some."""
+    """Mean edge length at each of the ``vertices`` (k,), none isolated."""
     mean = np.zeros(len(vertices))
     for i in range(len(vertices)):
         v = vertices[i]
@@ -182,7 +182,7 @@ def _mean_edge(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, vertices
 
 
 def piece_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
-    """The vertex ``seed`` and all that a path of edges joins with it, (n,) bool array."""
+    """Connected component of the vertex ``seed``, (n,) bool array."""
     member = np.zeros(len(start) - 1, dtype=bool)
     member[_walk(start, neighbour, np.array([seed]), len(member))] = True
     return member
@@ -191,7 +191,7 @@ def piece_of(start: np.ndarray, neighbour: np.ndarray, seed: int) -> np.ndarray:
 def border_loop(
     F: np.ndarray, opposite: np.ndarray, start: np.ndarray, neighbour: np.ndarray, seeds: np.ndarray
 ) -> np.ndarray:
-    """The loop of border edges that is the fewest rings away from some vertices.
+    """Border loop fewest rings away from some vertices.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def border_loop(
 
 @njit(cache=True, nogil=True)
 def inside(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
-    """Whether points lie within a closed polygon, by the even-odd rule.
+    """Mask of points inside a closed polygon, by the even-odd rule.
 
     Parameters
     ----------

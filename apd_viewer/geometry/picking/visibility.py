@@ -1,4 +1,4 @@
-"""Which vertices an eye sees: no triangle is in the way.
+"""Visibility of vertices from a viewpoint, by a bounding volume hierarchy.
 
 One ray is answered faster by a look at every triangle: see :mod:`picking`. For a ray to
 each of many vertices it is worth sorting the triangles first; then their order in a file does not matter.
@@ -46,7 +46,7 @@ class Boxes(NamedTuple):
 
 
 def boxes_in_boxes(U: np.ndarray, F: np.ndarray) -> Boxes:
-    """Sort the triangles ``F`` (m, 3) of the shape ``U`` (n, 3) into boxes; about as long as 10,000 rays."""
+    """Bounding volume hierarchy of ``F`` (m, 3) at ``U`` (n, 3)."""
     sizes = [(len(F) + FAN - 1) // FAN]
     while sizes[-1] > 1:
         sizes.append((sizes[-1] + FAN - 1) // FAN)
@@ -61,7 +61,7 @@ def boxes_in_boxes(U: np.ndarray, F: np.ndarray) -> Boxes:
 
 
 def visible(eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray) -> np.ndarray:
-    """Which vertices are seen from a point.
+    """Mask of the vertices visible from a point.
 
     One is seen if no triangle that it is not a corner of meets the straight line to it. A triangle nearer to
     it than 1e-6 of its distance from the eye does not hide it, nor does one that is seen exactly edge-on.
@@ -143,7 +143,7 @@ def _hides(
     j: int,
     k: int,
 ) -> bool:
-    """Whether a triangle meets the way from ``o`` along ``d`` before its end [Moeller and Trumbore 1997]."""
+    """True if a triangle blocks the segment from ``o`` along ``d``."""
     ex, ey, ez = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
     gx, gy, gz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
     px, py, pz = dy * gz - dz * gy, dz * gx - dx * gz, dx * gy - dy * gx
@@ -164,7 +164,7 @@ def _hides(
 
 @njit(cache=True, nogil=True, parallel=True)
 def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Number of the cell in which each triangle lies, along a curve that goes to neighbours first."""
+    """Cell of each triangle along a space-filling curve."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for t in range(len(F)):
         for c in range(3):
@@ -192,7 +192,7 @@ def _spread(x: int) -> int:
 
 @njit(cache=True, nogil=True)
 def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
-    """The triangles by their ``key`` (m,); where it is the same they stay as they were."""
+    """Triangles sorted stably by ``key`` (m,)."""
     order, lower = np.arange(len(F)).astype(np.int32), (1 << _HALF_KEY) - 1
     for half in range(2):
         start = np.zeros((1 << _HALF_KEY) + 1, dtype=np.int64)
@@ -210,7 +210,7 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, nogil=True, parallel=True)
 def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
-    """Write the ``corners`` (b, 2, 3) of the boxes around every ``FAN`` triangles, ``slack`` larger."""
+    """Boxes (b, 2, 3) of every ``FAN`` triangles, grown by ``slack``."""
     for b in prange(len(corners)):
         for c in range(3):
             low, high = np.inf, -np.inf

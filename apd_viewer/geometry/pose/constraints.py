@@ -1,4 +1,4 @@
-"""From painted labels and a handle pose to held vertices and where they are held."""
+"""Held vertices and their targets from painted labels and handle poses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST_HANDLES = 8
 
 
 class Soft(NamedTuple):
-    """Vertices that are drawn to where a handle would carry them: see :mod:`falloff`.
+    """Vertices drawn softly towards their handle's motion; see :mod:`falloff`.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Soft(NamedTuple):
     handle: np.ndarray
 
     def among(self, keeps: np.ndarray) -> Soft:
-        """Those where ``keeps`` (s,) holds."""
+        """Subset for the mask ``keeps`` (s,)."""
         return Soft(*(each[keeps] for each in self))
 
 
@@ -121,7 +121,7 @@ def constraints(
 
 
 def what_is_missing(labels: np.ndarray) -> str | None:
-    """What must be painted before a handle can move, as a sentence; None if nothing."""
+    """What to paint next, as a sentence; None if handles can move."""
     if not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
     if not (labels >= HANDLE).any():

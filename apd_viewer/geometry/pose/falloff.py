@@ -1,4 +1,4 @@
-"""How handles take along what lies around them, less and less with the distance along the surface.
+"""Falloff of handles with the geodesic distance along the surface.
 
 A vertex at the distance d from a handle with the falloff r is drawn to where the handle would carry it, by a
 spring whose energy is ``2 w |u - t|^2``, to go with ``grad E = 4 (K U - b)`` of the surface:
@@ -36,7 +36,7 @@ def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
 
 
 def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
-    """How far each vertex is from those of ``start``, along edges, (n,); infinite beyond ``limit``."""
+    """Graph distance of each vertex from ``start``, (n,); inf beyond ``limit``."""
     if not len(start):
         return np.full(graph.shape[0], np.inf)
     found: np.ndarray = dijkstra(graph, directed=False, indices=start, min_only=True, limit=limit)
@@ -44,13 +44,13 @@ def distances(graph: Graph, start: np.ndarray, limit: float) -> np.ndarray:
 
 
 def strengths(away: np.ndarray, falloff: float) -> np.ndarray:
-    """``(1 - (d / r)^2)^2`` for the distances ``away``: 1 at the handle, 0 from ``falloff`` on."""
+    """Strength ``(1 - (d / r)^2)^2`` at distances ``away``; 0 from ``falloff`` on."""
     share = np.clip(1.0 - (away / falloff) ** 2, 0.0, 1.0)
     return share * share
 
 
 def softened(free: np.ndarray, strength: np.ndarray, falloffs: np.ndarray) -> Soft:
-    """What the handles draw: of ``free`` vertices, (n,) bool, each by the handle that draws it most.
+    """Soft vertices among ``free`` (n,) bool, each with its strongest handle.
 
     Parameters
     ----------

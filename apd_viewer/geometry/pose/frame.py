@@ -1,4 +1,4 @@
-"""A shape on its way, with its readings: what a deformation shows after an iteration."""
+"""Frame of a deformation: a shape and its readings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of a motion: where something is on its way from where it was to where a (4, 4) matrix puts it.
+"""Screw motions: interpolation of handle poses.
 
 A rigid motion goes along a screw [Chasles 1830]: it turns about one line and shifts along it, both evenly, so
 that equal parts are equal motions and nothing is nearer to the line on the way. A stretch grows by equal
@@ -26,7 +26,7 @@ _STRAIGHT = 1e-9
 
 
 class ScrewPath(NamedTuple):
-    """The way of an affine motion: a stretch about a pivot, then a turn and a shift along a screw.
+    """Path of an affine motion: stretch about a pivot, then a screw.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class ScrewPath(NamedTuple):
     directions: np.ndarray
 
     def at(self, part: float) -> np.ndarray:
-        """The motion (4, 4) of a ``part`` of the way: 0 is none of it, 1 all, and more goes past the end."""
+        """Pose (4, 4) at ``part`` of the path: 0 is rest, 1 the end."""
         stretch = linear_about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
         # The arc of the pivot. Where nothing turns it is straight, and its centre would be at infinity.
         half = self.angle / 2
@@ -63,7 +63,7 @@ class ScrewPath(NamedTuple):
 
     @property
     def stretched(self) -> bool:
-        """Whether it is more than a turn and a shift."""
+        """True if there is more than a rotation and a translation."""
         return bool(np.abs(np.log(self.stretches)).max() > _FLAT)
 
 
@@ -95,7 +95,7 @@ class Turn(NamedTuple):
 
 
 def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
-    """The way to ``pose`` (4, 4) of what has its middle at ``pivot`` (3,); it turns by less than half a turn.
+    """Path to ``pose`` (4, 4) about ``pivot`` (3,), by less than half a turn.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Motions as (4, 4) float matrices that act on columns (x, y, z, 1); angles in radians.
+"""Transforms (4, 4) acting on columns (x, y, z, 1); angles in radians.
 
 Rotations are counter-clockwise seen from the tip of their axis.
 """
@@ -18,7 +18,7 @@ _APART = 1e-12
 
 
 class Motion(NamedTuple):
-    """A rigid motion as a readout shows it: a rotation about a centre, then a displacement.
+    """Rigid transform as displayed: a rotation about a centre, a displacement.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ def shifted(vector: npt.ArrayLike) -> np.ndarray:
 
 
 def turned_about(point: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
-    """The rotation about the line through ``point`` (3,) along ``axis`` (3,) of any length but zero."""
+    """Rotation about the line through ``point`` (3,) along a nonzero ``axis`` (3,)."""
     return linear_about(point, _rotation(_direction(axis), angle))
 
 
 def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
-    """The scaling that ``point`` (3,) stays at, by one factor or by one along each of x, y and z."""
+    """Scaling about ``point`` (3,) by one factor or one an axis."""
     each = np.broadcast_to(np.asarray(factors, dtype=float), 3)
     if not np.isfinite(each).all() or not each.all():
         raise InputError(tr("A scale must be a finite number other than 0; give one such as 1.5."))
@@ -56,7 +56,7 @@ def scaled_about(point: npt.ArrayLike, factors: npt.ArrayLike) -> np.ndarray:
 
 
 def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarray:
-    """The rotation about the line from the centre of the base (3,) to that of the handle (3,)."""
+    """Rotation about the line from the base's centre (3,) to the handle's."""
     start, end = np.asarray(base, dtype=float), np.asarray(handle, dtype=float)
     if np.abs(end - start).max() <= _APART * max(np.abs(start).max(), np.abs(end).max()):
         raise InputError(
@@ -69,12 +69,12 @@ def twist(base: npt.ArrayLike, handle: npt.ArrayLike, angle: float) -> np.ndarra
 
 
 def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
-    """The rotation about the line through the centre of the base (3,) along ``axis`` (3,)."""
+    """Rotation about the line through the base's centre (3,) along ``axis`` (3,)."""
     return turned_about(base, axis, angle)
 
 
 def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
-    """The rigid ``pose`` (4, 4) as a rotation about ``centre`` (3,), and the translation that follows it.
+    """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and translation.
 
     The axis of half a turn may be either of two.
     """
@@ -88,7 +88,7 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
 
 
 def linear_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:
-    """The pose with the linear part ``A`` (3, 3) that ``point`` (3,) stays at."""
+    """Pose with linear part ``A`` (3, 3) and fixed point ``point`` (3,)."""
     place = np.asarray(point, dtype=float)
     pose = np.eye(4)
     pose[:3, :3] = A
@@ -108,7 +108,7 @@ def _direction(axis: npt.ArrayLike) -> np.ndarray:
 
 
 def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """(3, 3) rotation about a unit axis, by Rodrigues' formula; exactly the identity at angle 0."""
+    """Rotation (3, 3) about a unit axis by Rodrigues; identity at angle 0."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     # 1 - cos, which would lose the digits of small angles.
