@@ -33,7 +33,6 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     METHODS,
-    SHORT_NAMES,
 )
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
@@ -202,7 +201,7 @@ def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
     with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
         path = Path(folder) / "picture.png"
         readings = [" ".join(line.split()) for line in _readings(result)]
-        words = [[tr("Rest")], [SHORT_NAMES[result.method], *readings]]
+        words = [[tr("Rest")], [METHODS[result.method].short_title, *readings]]
         shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
         return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None
 

@@ -13,6 +13,7 @@ from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
 from apd_viewer.files.samples import open_sample
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 from apd_viewer.session.model.document import opened
@@ -105,6 +106,6 @@ def _amount(row: Row) -> str:
 def _readings(result: Result) -> list[str]:
     change = f"{100 * result.area_error:+.2f}"
     lines = [tr("area {change} %").format(change=change)]
-    if result.method == "paper":
+    if METHODS[result.method].moves_handles:
         lines.append(tr("handle drift {drift} cm").format(drift=f"{result.handle_drift:.2f}"))
     return lines

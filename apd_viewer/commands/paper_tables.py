@@ -15,6 +15,7 @@ from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.language import tr
 
 TOLERANCE = 1e-3
+_METHODS = "arap", "paper"  # in the order of the columns
 
 
 class Case(NamedTuple):
@@ -112,7 +113,7 @@ def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row
 
         results = [
             deform(mesh.V, mesh.F, held.fixed, held.targets, method, handle=held.handles, progress=hear)
-            for method in ("arap", "paper")
+            for method in _METHODS
         ]
         yield Row(name, case, *results)
 

@@ -17,12 +17,12 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.solver.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SWEPT, sweep_of, twist_of
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, sweep_of, twist_of
 
 if TYPE_CHECKING:
     import argparse
@@ -67,7 +67,9 @@ def sweep_parser() -> Parser:
     parser.add_argument(
         "--to", metavar="PART", type=float, default=1.0, help="of the motion, where to end; 1.5 goes past it"
     )
-    parser.add_argument("--methods", metavar="M,M,...", default=",".join(SWEPT), help="default: %(default)s")
+    parser.add_argument(
+        "--methods", metavar="M,M,...", default=",".join(OFFERED), help="default: %(default)s"
+    )
     parser.add_argument(
         "--iterations",
         metavar="N",
@@ -169,7 +171,7 @@ def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | Non
     nothing = mesh.V[:0]
 
     def tick(done: float, method: str) -> None:
-        progress.show(_SWEPT_SHARE * done, SHORT_NAMES[method])
+        progress.show(_SWEPT_SHARE * done, METHODS[method].short_title)
 
     for step in sweep.steps(tick):
         if folder is not None:
@@ -222,7 +224,7 @@ def _film(
     pictures = []
     for number in range(count):
         own = [steps[m * count + number] for m in range(len(methods))]
-        words = [(SHORT_NAMES[step.method], *_words(step, sweep.abscissa)) for step in own]
+        words = [(METHODS[step.method].short_title, *_words(step, sweep.abscissa)) for step in own]
         pictures.append(Picture(kept / f"{number:04d}.png", [_kept(kept, step) for step in own], words))
     size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
 
@@ -263,14 +265,14 @@ def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,
             steps=len(sweep.parts) - 1,
-            methods=", ".join(SHORT_NAMES[method] for method in sweep.methods),
+            methods=", ".join(METHODS[method].short_title for method in sweep.methods),
         )
     ]
     for method in sweep.methods:
         own = [step for step in steps if step.method == method]
         worst = max(own, key=lambda step: abs(step.frame.area_error))
         said = tr("{method}: area {last} % at the end, {worst} % at most").format(
-            method=SHORT_NAMES[method],
+            method=METHODS[method].short_title,
             last=_signed(100 * own[-1].frame.area_error),
             worst=_signed(100 * worst.frame.area_error),
         )

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.ticker import MultipleLocator
 
 from apd_viewer.figures.style import METHOD_LOOKS, draw, zero_line
-from apd_viewer.geometry.solver.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def _curves(axes: Axes, steps: Sequence[Step], abscissa: str, values: np.ndarray
         look = dict(METHOD_LOOKS[method])
         if own.sum() > _DENSE:
             look["marker"] = ""
-        axes.plot(x[own], values[own], label=SHORT_NAMES[method], **look)
+        axes.plot(x[own], values[own], label=METHODS[method].short_title, **look)
     if np.abs(values).max() < _FLAT:
         axes.set_ylim(-0.1, 0.1)
     if abscissa == "degrees":

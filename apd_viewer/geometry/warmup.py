@@ -22,11 +22,11 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]
     region = Region("region", np.arange(500), 100.0)
-    for method in METHODS:
+    for name, method in METHODS.items():
         if enough():
             return
-        solver = Deformation(V, F, fixed, method=method, handle=fixed[200:], stiffness=1e-3)
-        if method != "paper":
+        solver = Deformation(V, F, fixed, method=name, handle=fixed[200:], stiffness=1e-3)
+        if not method.keeps_only_total_area:
             solver.keep(None, 100.0, (region,))
         solver.aim(targets)
         for _ in range(3):

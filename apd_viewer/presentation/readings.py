@@ -22,27 +22,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 NOTHING, LATER = "–", "…"
-METHOD_NAMES = {
-    "exact": tr("Exact"),
-    "local": tr("Local"),
-    "paper": tr("Paper (Li & Hui)"),
-    "arap": tr("ARAP"),
-}
-METHOD_WORDS = {
-    "exact": (
-        tr("Keeps the total area exactly, and the handles where you put them."),
-        tr("Gives up a little rigidity."),
-    ),
-    "local": (
-        tr("Keeps the area of every triangle, like fabric or PET film."),
-        tr("Gives up smoothness: it wrinkles."),
-    ),
-    "paper": (
-        tr("Keeps the total area within the tolerance."),
-        tr("Gives up a little of where you put the handles."),
-    ),
-    "arap": (tr("Keeps the shape as rigid as possible, and the handles in place."), tr("Gives up the area.")),
-}
 _KEPT = 1e-6  # how far a region may be from its target, in percent of its area at rest, to be called kept
 _LITRE = 0.1  # of which on people say litres
 
@@ -66,7 +45,7 @@ def verdict(state: State) -> str:
         return f"{change} %"
     wanted = asked / 100.0
     miss = abs(1.0 + state.frame.area_error - wanted)
-    if document.method == "paper":
+    if document.traits.has_tolerance:
         near, tolerance = miss <= document.tolerance * wanted, short(100 * document.tolerance)
         if asked == 100.0:
             said = tr("{change} %, within {tolerance} %") if near else tr("{change} %, outside {tolerance} %")
@@ -195,7 +174,7 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
         part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangle yet")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
-        if kept and document.method != "paper":
+        if kept and not document.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)
         sizes = tr("{now} of {rest}").format(now=significant(now), rest=significant(at_rest))
         said.append((part, unit.area(sizes)))

@@ -172,15 +172,14 @@ def _size(subject: Subject) -> Iterator[Block]:
 
 def _asked(state: State) -> Iterator[Block]:
     document = state.document
-    method = document.method
-    words = " ".join(readings.METHOD_WORDS.get(method, ()))
-    rows = [(tr("Method"), readings.METHOD_NAMES.get(method, method), words)]
+    method = document.traits
+    rows = [(tr("Method"), method.title, method.about)]
     area, volume, *_ = document.kept
     rows.append((tr("Target of the area"), tr("free") if area is None else f"{area:g} %", ""))
     rows.append((tr("Target of the volume"), tr("free") if volume is None else f"{volume:g} %", ""))
-    if method == "paper":
+    if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
-    if method == "local":
+    if method.has_moduli:
         rows.append((tr("Area stiffness"), f"{document.area_stiffness:g}", ""))
         rows.append((tr("Shear stiffness"), f"{document.shear_stiffness:g}", ""))
     rows.append((tr("Stiffness"), f"{document.stiffness:g}", ""))
@@ -241,7 +240,7 @@ def _regions(state: State, unit: Unit) -> Iterator[Block]:
     rows = []
     for region, (area, sizes) in zip(regions, readings.regions(state, unit), strict=False):
         more = sizes
-        if region.area is not None and state.document.method != "paper":
+        if region.area is not None and not state.document.traits.keeps_only_total_area:
             more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=f"{region.area:g}")
         rows.append((region.name, area, more))
     yield Table(tuple(rows))

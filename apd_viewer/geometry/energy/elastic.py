@@ -12,7 +12,6 @@ Springs draw some vertices to places of their own; they add to K and to b, and k
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -20,6 +19,7 @@ import numpy as np
 from scipy.sparse import coo_array, diags_array, hstack
 
 from apd_viewer.geometry.energy import arap_cells
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.linalg import parallel_ops
@@ -35,29 +35,6 @@ if TYPE_CHECKING:
 _MINUS = np.array([-1.0])
 _NOTHING = np.empty((0, 3))
 _NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
-
-
-@dataclass(frozen=True)
-class Material:
-    """Weights of the terms of the energy.
-
-    Attributes
-    ----------
-    rigidity : float
-        Of Eq. 1; greater than zero.
-    shear, area : float
-        Of what keeps the shape and the area of every triangle.
-    bending : float
-        Of what keeps the curvature.
-    coupling : float
-        Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
-    """
-
-    rigidity: float = 1.0
-    shear: float = 0.0
-    area: float = 0.0
-    bending: float = 0.0
-    coupling: float = 0.0
 
 
 def _here_and_now(matrix: Callable[[], Matrix]) -> LinearSolver:

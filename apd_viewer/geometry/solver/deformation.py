@@ -27,8 +27,6 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
-    KEEP_THE_AREA,
-    PLAIN_ONLY,
     check_method,
     check_tolerance,
     material_of,
@@ -136,13 +134,13 @@ class Deformation:
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
         self._handle_of = handle_of(handle, rest, self._solve_ids)
-        check_method(method, self._handle_of)
+        self._traits = check_method(method, self._handle_of)
         check_tolerance(tolerance)
         self._tolerance = tolerance
-        material = material_of(method, stiffness, area_stiffness, shear_stiffness)
+        material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
-        self._descends = not plain and method not in PLAIN_ONLY
+        self._descends = not plain and not self._traits.plain_only
         with cores_for(len(rest.shape.V)):
             goals = self._goals(area, volume, regions)
             started = time.perf_counter()
@@ -153,7 +151,7 @@ class Deformation:
         self.aim(rest.V[self.fixed])
 
     def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
-        if self.method == "paper":
+        if self._traits.moves_handles:
             of = np.concatenate([self._handle_of, self._soft.handle + 1])
             return LiHui(elastic, of, goals, self._tolerance)
         return guided(elastic, goals, kind=Cycled) if self._descends else Constrained(elastic, goals)
@@ -162,11 +160,15 @@ class Deformation:
         if not isinstance(regions, Sequence):
             raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
         patches = [patch_of(self.rest, region) for region in regions]
-        if area is None and self.method in KEEP_THE_AREA:
+        if area is None and self._traits.keeps_total_area:
             area = 100.0
-        if self.method == "paper" and (volume is not None or any(part.area is not None for part in regions)):
+        others = volume is not None or any(region.area is not None for region in regions)
+        if others and self._traits.keeps_only_total_area:
             raise InputError(
-                tr("The method 'paper' keeps only the total area; choose 'exact' for a volume or a region.")
+                tr(
+                    "The method {method!r} keeps only the total area; "
+                    "choose 'exact' for a volume or a region."
+                ).format(method=self.method)
             )
         goals = make_goals(self.rest, area, volume, regions)
         self._regions, self._patches = tuple(regions), patches
@@ -299,7 +301,7 @@ class Deformation:
     def _spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
         spread = self.rest.spread(U, self._solve_ids)
-        if self.rest.weld.offset is not None and self.method != "paper":
+        if self.rest.weld.offset is not None and not self._traits.moves_handles:
             spread[self.fixed] = self._targets  # what is joined with a tolerance is held without
         return spread
 

@@ -1,49 +1,156 @@
-"""The methods by name, and the material that each is made of."""
+"""Methods of deformation, by name: their traits, titles and materials."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.elastic import Material
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.language import tr
 
-SHORT_NAMES = {
-    "exact": tr("Exact"),
-    "local": tr("Local"),
-    "paper": tr("Paper"),
-    "arap": tr("ARAP"),
-    "sr-arap": tr("SR-ARAP"),
-}
-METHODS = tuple(SHORT_NAMES)
 DEFAULT_METHOD = "exact"
 DEFAULT_TOLERANCE = 1e-3
 # Against a stiffness of 1 of each cell of Eq. 1, of which "local" keeps a tenth to hold the corners together.
 DEFAULT_AREA_STIFFNESS = 20.0
 DEFAULT_SHEAR_STIFFNESS = 0.1
 _LOCAL_RIGIDITY = 0.1
-# These two are about the total area; the others leave it free unless asked.
-KEEP_THE_AREA = ("exact", "paper")
-# These have no energy of their own to go down in: only plain iterations are theirs.
-PLAIN_ONLY = ("paper", "sr-arap")
 
 
-def check_method(method: str, handle_of: np.ndarray) -> None:
-    """Raise InputError unless there is such a method, and enough is held for it."""
-    if method not in METHODS:
+@dataclass(frozen=True)
+class Method:
+    """A method of deformation.
+
+    Attributes
+    ----------
+    title, short_title : str
+        In full, and for legends and tables.
+    keeps, gives_up : str
+        Sentences about what the user gains and pays.
+    material : callable
+        The :class:`Material` for a bending, an area and a shear stiffness.
+    keeps_total_area : bool
+        The total area is a goal, at 100 % unless another is given.
+    may_keep_total_area : bool
+        The total area is a goal if the user says so.
+    keeps_only_total_area : bool
+        The volume and the areas of regions cannot be goals.
+    moves_handles : bool
+        Handles give way, so that the method must know which of the held vertices are handle.
+    has_tolerance : bool
+        The total area is kept to a tolerance, and not to the last digits.
+    has_moduli : bool
+        Area and shear stiffness matter.
+    plain_only : bool
+        There is no energy of its own to descend in: all iterations are plain ones.
+    slow : bool
+        Takes several times as long as the others.
+    """
+
+    title: str
+    short_title: str
+    keeps: str
+    gives_up: str
+    material: Callable[[float, float, float], Material]
+    keeps_total_area: bool = False
+    may_keep_total_area: bool = False
+    keeps_only_total_area: bool = False
+    moves_handles: bool = False
+    has_tolerance: bool = False
+    has_moduli: bool = False
+    plain_only: bool = False
+    slow: bool = False
+
+    @property
+    def about(self) -> str:
+        """Both sentences about it."""
+        return f"{self.keeps} {self.gives_up}"
+
+
+def _rigid(stiffness: float, _area: float, _shear: float) -> Material:
+    return Material(bending=stiffness)
+
+
+def _fabric(stiffness: float, area: float, shear: float) -> Material:
+    return Material(_LOCAL_RIGIDITY, shear, area, stiffness)
+
+
+def _coupled(stiffness: float, _area: float, _shear: float) -> Material:
+    return Material(coupling=stiffness)
+
+
+METHODS = {
+    "exact": Method(
+        title=tr("Exact"),
+        short_title=tr("Exact"),
+        keeps=tr("Keeps the total area exactly, and the handles where you put them."),
+        gives_up=tr("Gives up a little rigidity."),
+        material=_rigid,
+        keeps_total_area=True,
+    ),
+    "local": Method(
+        title=tr("Local"),
+        short_title=tr("Local"),
+        keeps=tr("Keeps the area of every triangle, like fabric or PET film."),
+        gives_up=tr("Gives up smoothness: it wrinkles."),
+        material=_fabric,
+        may_keep_total_area=True,
+        has_moduli=True,
+        slow=True,
+    ),
+    "paper": Method(
+        title=tr("Paper (Li & Hui)"),
+        short_title=tr("Paper"),
+        keeps=tr("Keeps the total area within the tolerance."),
+        gives_up=tr("Gives up a little of where you put the handles."),
+        material=_rigid,
+        keeps_total_area=True,
+        keeps_only_total_area=True,
+        moves_handles=True,
+        has_tolerance=True,
+        plain_only=True,
+    ),
+    "arap": Method(
+        title=tr("ARAP"),
+        short_title=tr("ARAP"),
+        keeps=tr("Keeps the shape as rigid as possible, and the handles in place."),
+        gives_up=tr("Gives up the area."),
+        material=_rigid,
+    ),
+    "sr-arap": Method(
+        title=tr("SR-ARAP"),
+        short_title=tr("SR-ARAP"),
+        keeps=tr("Keeps neighbouring rotations alike, and the handles in place."),
+        gives_up=tr("Gives up the area."),
+        material=_coupled,
+        plain_only=True,
+    ),
+}
+# Those that the window offers and studies compare, from the one that keeps least of the area.
+OFFERED = ("arap", "paper", "exact", "local")
+
+
+def check_method(name: str, handle_of: np.ndarray) -> Method:
+    """The method of that name; raises InputError if there is none, or too little is held for it."""
+    if not isinstance(name, str) or name not in METHODS:
         raise InputError(
             tr("There is no method {method!r}; choose one of {methods}.").format(
-                method=method, methods=", ".join(METHODS)
+                method=name, methods=", ".join(METHODS)
             )
         )
     if len(handle_of) == 0:
         raise InputError(tr("Nothing is held; name the vertices that stay or move as given."))
-    if method == "paper" and ((handle_of > 0).all() or not (handle_of > 0).any()):
+    method = METHODS[name]
+    if method.moves_handles and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(
-            tr("The method 'paper' needs base and handle; name the handle's vertices among the held ones.")
+            tr(
+                "The method {method!r} needs base and handle; name the handle's vertices among the held ones."
+            ).format(method=name)
         )
+    return method
 
 
 def check_tolerance(tolerance: float) -> None:
@@ -52,8 +159,8 @@ def check_tolerance(tolerance: float) -> None:
         raise InputError(tr("The tolerance must be greater than zero, such as 0.001 for 0.1 %."))
 
 
-def material_of(method: str, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
-    """The weights of the energy that a method minimises."""
+def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
+    """The weights of the energy that a method minimises; raises InputError if one is no stiffness."""
     for weight, otherwise in (
         (stiffness, tr("The stiffness must be a number of at least zero.")),
         (area_stiffness, tr("The area stiffness must be a number of at least zero.")),
@@ -61,8 +168,4 @@ def material_of(method: str, stiffness: float, area_stiffness: float, shear_stif
     ):
         if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
             raise InputError(otherwise)
-    if method == "sr-arap":
-        return Material(coupling=stiffness)
-    if method == "local":
-        return Material(_LOCAL_RIGIDITY, shear_stiffness, area_stiffness, stiffness)
-    return Material(bending=stiffness)
+    return method.material(stiffness, area_stiffness, shear_stiffness)

@@ -21,14 +21,13 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
+    METHODS,
+    Method,
 )
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
 from apd_viewer.session.model.names import next_name
-
-# These say nothing of the total area.
-_LEAVE_THE_AREA = ("arap", "sr-arap")
 
 
 class Asked(NamedTuple):
@@ -84,6 +83,11 @@ class Document:
     # What follows from it
 
     @property
+    def traits(self) -> Method:
+        """The method by which it is deformed."""
+        return METHODS[self.method]
+
+    @property
     def problem(self) -> str | None:
         """What must be painted before a handle can move, as a sentence; None if nothing."""
         return memo.problem(self.labels)
@@ -127,10 +131,11 @@ class Document:
     @property
     def kept(self) -> tuple[float | None, ...]:
         """What of the targets the method is asked for: a region has an area once it has a triangle."""
-        leaves_area = self.method in _LEAVE_THE_AREA or (self.method == "local" and not self.hold_area)
-        only_area = self.method == "paper"
+        method = self.traits
+        keeps_area = method.keeps_total_area or (method.may_keep_total_area and self.hold_area)
+        only_area = method.keeps_only_total_area
         return (
-            None if leaves_area else self.area,
+            self.area if keeps_area else None,
             None if only_area else self.volume,
             *(
                 part.area if at_rest > 0.0 and not only_area else None
@@ -309,7 +314,7 @@ class State:
     def lacks(self) -> bool:
         """Whether an area or a volume is asked for that the shape does not have."""
         document, rest, now = self.document, self.inspection, self.frame
-        within = document.tolerance if document.method == "paper" else MET
+        within = document.tolerance if document.traits.has_tolerance else MET
         at_rest = rest.area, rest.volume, *document.rest_areas
         measured = zip(document.kept, at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(

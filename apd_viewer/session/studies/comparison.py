@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.processes.requests import Reply
 
-COMPARED = ("arap", "paper", "exact", "local")
-
 
 @dataclass(frozen=True, eq=False)
 class Outcome:

@@ -58,11 +58,12 @@ def replay(
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
     """Whether the shape has settled as it says: what is held is in place, and what is asked for is met."""
-    frame, method = state.frame, state.document.method
+    frame, document = state.frame, state.document
     if not frame.settled or (frame.converged and state.lacks):
         return False
-    # The paper's method moves the handles.
-    kept = held.fixed if method != "paper" else np.setdiff1d(held.fixed, np.concatenate(held.handles))
+    kept = held.fixed
+    if document.traits.moves_handles:
+        kept = np.setdiff1d(kept, np.concatenate(held.handles))
     away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
     within = (_IN_PLACE + solver.rest.weld.slack) * solver.rest.diagonal
     return bool(np.abs(away).max() <= within)

@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
-from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_parts import IDENTITY
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
 
-SWEPT = ("arap", "paper", "exact", "local")
 MOST_STEPS = 1000
 # For each step: "local" creeps on for thousands of iterations that nobody sees in a curve.
 DEFAULT_ITERATIONS = 500
@@ -171,7 +170,7 @@ def sweep_of(
     document: Document,
     steps: int,
     to: float = 1.0,
-    methods: Sequence[str] = SWEPT,
+    methods: Sequence[str] = OFFERED,
     twists: Sequence[float] = (),
     iterations: int = DEFAULT_ITERATIONS,
 ) -> Sweep:

@@ -12,10 +12,10 @@ from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
-from apd_viewer.presentation.readings import METHOD_NAMES, METHOD_WORDS
-from apd_viewer.session.studies.comparison import COMPARED, Comparison, Outcome
+from apd_viewer.session.studies.comparison import Comparison, Outcome
 from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.compare.linked_views import LinkedViews
 from apd_viewer.ui.compare.method_table import OutcomeTable
@@ -87,10 +87,10 @@ class ComparisonWindow(QWidget):
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.linked = LinkedViews({method: METHOD_NAMES[method] for method in COMPARED})
+        self.linked = LinkedViews({method: METHODS[method].title for method in OFFERED})
         self.views = self.linked.views
-        chosen = [method for method in COMPARED if method in memory.compared]
-        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
+        chosen = [method for method in OFFERED if method in memory.compared]
+        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(OFFERED))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
         self.linked.read.connect(self.legend.show_span)
@@ -101,8 +101,8 @@ class ComparisonWindow(QWidget):
 
     def _make_checks(self, chosen: list[str]) -> dict[str, Check]:
         checks = {}
-        for method in COMPARED:
-            check = Check(METHOD_NAMES[method], toolTip=" ".join(METHOD_WORDS[method]))
+        for method in OFFERED:
+            check = Check(METHODS[method].title, toolTip=METHODS[method].about)
             check.setChecked(method in chosen)
             check.toggled.connect(self._choose)
             checks[method] = check
@@ -211,10 +211,10 @@ class ComparisonWindow(QWidget):
         for method, check in self.checks.items():
             needed = len(chosen) <= _FEWEST and method in chosen
             check.setEnabled(not needed)
-            about = tr("Two methods are compared at least.") if needed else " ".join(METHOD_WORDS[method])
+            about = tr("Two methods are compared at least.") if needed else METHODS[method].about
             check.setToolTip(about)
         self.linked.show_views(chosen)
-        self.table.show_methods([METHOD_NAMES[method] for method in chosen])
+        self.table.show_methods([METHODS[method].title for method in chosen])
         if self.comparison is not None:
             self.comparison.want(chosen)
         self._show()
@@ -345,7 +345,7 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
 def _progress(comparison: Comparison, chosen: list[str]) -> str:
     """What is being done, in a line."""
     method = comparison.under_way or ""
-    name, count = METHOD_NAMES[method], len(chosen)
+    name, count = METHODS[method].title, len(chosen)
     number = chosen.index(method) + 1
     frame = comparison.outcomes[method].frame
     if frame is None:

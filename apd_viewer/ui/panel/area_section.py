@@ -134,13 +134,14 @@ class AreaSection(QWidget):
     def show_settings(self, state: State) -> None:
         """Show what is asked for."""
         document = state.document
-        local = document.method == "local"
-        self.target.setVisible(document.method != "arap")
-        self._title.setCurrentIndex(int(local))
+        method = document.traits
+        optional = method.may_keep_total_area
+        self.target.setVisible(method.keeps_total_area or optional)
+        self._title.setCurrentIndex(int(optional))
         self.hold.blockSignals(True)
         self.hold.setChecked(document.hold_area)
         self.hold.blockSignals(False)
-        self.target.set_active(not local or document.hold_area)
+        self.target.set_active(not optional or document.hold_area)
         self.target.show_value(document.area)
 
     def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:

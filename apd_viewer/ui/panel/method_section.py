@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, OFFERED, Method
 from apd_viewer.language import tr
-from apd_viewer.presentation.readings import METHOD_NAMES, METHOD_WORDS
 from apd_viewer.ui.widgets.fields import Choice, Number
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.slider_field import DECADES, Dial
@@ -38,15 +38,16 @@ class MethodSection(Section):
     def __init__(self) -> None:
         super().__init__(tr("Method"))
         self.method = Choice(accessibleName=tr("Method"), toolTip=tr("How the free part follows the handles"))
-        for key, name in METHOD_NAMES.items():
-            self.method.addItem(name, key)
+        for name, method in METHODS.items():
+            if name in OFFERED:
+                self.method.addItem(method.title, name)
         self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
         self.column.addWidget(self.method)
         self._keeps = quiet(tr("What the method keeps"))
         self._gives_up = quiet(tr("What the method gives up"))
         self.column.addWidget(self._keeps)
         self.column.addWidget(self._gives_up)
-        self._describe("exact")
+        self._describe(METHODS[DEFAULT_METHOD])
         self.column.addSpacing(4)
         self._add_settings()
 
@@ -70,12 +71,12 @@ class MethodSection(Section):
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
         self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
-        self._rows = (
-            ("paper", _row(tr("Tolerance"), self.tolerance)),
-            ("local", _row(tr("Area stiffness"), self.area_stiffness)),
-            ("local", _row(tr("Shear stiffness"), self.shear_stiffness)),
+        self._tolerance = _row(tr("Tolerance"), self.tolerance)
+        self._moduli = (
+            _row(tr("Area stiffness"), self.area_stiffness),
+            _row(tr("Shear stiffness"), self.shear_stiffness),
         )
-        for _, row in self._rows:
+        for row in (self._tolerance, *self._moduli):
             row.hide()  # until there is a method that it matters for
             self.column.addWidget(row)
         tip = tr("How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness")
@@ -87,19 +88,20 @@ class MethodSection(Section):
     def show_settings(self, document: Document) -> None:
         """Show the method and the settings that matter for it."""
         self.method.setCurrentIndex(self.method.findData(document.method))
-        self._describe(document.method)
-        for method, row in self._rows:
-            row.setVisible(method == document.method)
+        method = document.traits
+        self._describe(method)
+        self._tolerance.setVisible(method.has_tolerance)
+        for row in self._moduli:
+            row.setVisible(method.has_moduli)
         self.tolerance.show_value(100.0 * document.tolerance)
         self.area_stiffness.show_value(document.area_stiffness)
         self.shear_stiffness.show_value(document.shear_stiffness)
         self.stiffness.show_value(document.stiffness)
 
-    def _describe(self, method: str) -> None:
-        self.heading.say(METHOD_NAMES[method], only_folded=True)
-        keeps, gives_up = METHOD_WORDS[method]
-        self._keeps.setText(keeps)
-        self._gives_up.setText(gives_up)
+    def _describe(self, method: Method) -> None:
+        self.heading.say(method.title, only_folded=True)
+        self._keeps.setText(method.keeps)
+        self._gives_up.setText(method.gives_up)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour what the style sheet does not reach."""

@@ -154,7 +154,7 @@ class RegionSection(Section):
     def show_settings(self, state: State, active: int) -> None:
         """Show the regions and what is asked of them."""
         document = state.document
-        regions, only_measured = document.regions, document.method == "paper"
+        regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
         for region, row in zip(regions, self.list.rows, strict=True):
             if isinstance(row.details, Keep):

@@ -66,8 +66,9 @@ class VolumeSection(Section):
         """Show what is asked for, or why nothing can be."""
         document, inspection = state.document, state.inspection
         why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
-        if document.method == "paper" and not why:
-            why = tr("The method Paper cannot keep a volume.")
+        if document.traits.keeps_only_total_area and not why:
+            name = document.traits.short_title
+            why = tr("The method {name} cannot keep a volume.").format(name=name)
         self.why_not.setText(why)
         self.why_not.setVisible(bool(why))
         asked = document.volume is not None

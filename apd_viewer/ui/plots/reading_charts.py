@@ -53,7 +53,7 @@ def _accepted(document: Document) -> tuple[float | None, str]:
     """The relative error of the area that is accepted, and its name; None where the area is free."""
     if document.kept[0] is None:
         return None, ""
-    if document.method == "paper":
+    if document.traits.has_tolerance:
         limit = document.tolerance
         return limit, tr("tolerance {percent} %").format(percent=short(100.0 * limit))
     return MET, tr("exact: {percent} %").format(percent=power(-7))

@@ -18,10 +18,10 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.methods import SHORT_NAMES
+from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, SWEPT, sweep_of, twist_of
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, sweep_of, twist_of
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
 from apd_viewer.ui.widgets.figure_list import FigureView
@@ -123,10 +123,11 @@ class SweepDialog(QDialog):
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.method
-        self.methods = {name: Check(SHORT_NAMES[name]) for name in SWEPT}
+        self.methods = {name: Check(METHODS[name].short_title) for name in OFFERED}
         for name, check in self.methods.items():
-            check.setChecked(name != "local" or own == "local")
-        self.methods["local"].setToolTip(tr("Takes several times as long as the others"))
+            slow = METHODS[name].slow
+            check.setChecked(not slow or own == name)
+            check.setToolTip(tr("Takes several times as long as the others") if slow else "")
         return _row(*self.methods.values())
 
     def _make_extras(self) -> QHBoxLayout:

@@ -5,7 +5,8 @@ import oracle
 import pytest
 from meshes import box, ends, grid, moved, rotation, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.solver.deform import deform
 

@@ -9,7 +9,12 @@ from remote_factor_double import Elsewhere
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, material_of
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_SHEAR_STIFFNESS,
+    METHODS,
+    material_of,
+)
 
 V, F = box(2, 2, 6)
 BASE, HANDLE = ends(V)
@@ -34,7 +39,7 @@ def test_without_other_terms_it_is_equation_one_with_the_best_rotations(method):
 @pytest.mark.parametrize("method", ["exact", "paper", "local"])
 def test_it_has_the_terms_of_the_material(method):
     solver = Deformation(V, F, FIXED, method=method, handle=HANDLE, stiffness=0.05)
-    material = material_of(method, 0.05, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
+    material = material_of(METHODS[method], 0.05, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
     afresh = Elastic(RestMesh(V, F).shape, np.sort(FIXED), material)
     solver.aim(targets())
     for _ in range(6):

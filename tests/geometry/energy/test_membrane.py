@@ -9,7 +9,8 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 from scipy.optimize import minimize_scalar
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane, _project
 from apd_viewer.geometry.energy.solve_mesh import RestShape
 from apd_viewer.geometry.mesh.measures import Patch

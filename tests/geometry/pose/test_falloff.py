@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from meshes import box, rotation
 
-from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.falloff import distances, edge_graph, softened, strengths

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.lbfgs import Memory
 from apd_viewer.geometry.solver.constrained_descent import Constrained

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from meshes import rotation, sample_bottle, soup, sphere, tube
 
-from apd_viewer.geometry.energy.elastic import Elastic, Material
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.measures import area_of
 from apd_viewer.geometry.solver.coarse_level import Coarse, _blended, _difference

@@ -1,0 +1,45 @@
+"""The table of methods: complete, and the only place that tells methods apart by their names."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import apd_viewer
+from apd_viewer.errors import InputError
+from apd_viewer.figures.style import METHOD_LOOKS
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, OFFERED, check_method
+
+PACKAGE = Path(apd_viewer.__file__).parent
+NAMES = "|".join(map(re.escape, METHODS))
+COMPARES = re.compile(rf"(?:==|!=|\bin|\bis|\bcase) *\(?[\"'](?:{NAMES})[\"']")
+
+
+def test_no_other_module_compares_names_of_methods():
+    assert COMPARES.search('if method == "paper":'), "the test is blind"
+    found = [
+        f"{path.relative_to(PACKAGE)}: {line.strip()}"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if COMPARES.search(line)
+    ]
+    assert found == []
+
+
+def test_every_method_can_be_offered_and_drawn():
+    assert set(OFFERED) <= set(METHODS)
+    assert DEFAULT_METHOD in OFFERED
+    assert set(METHOD_LOOKS) == set(METHODS)
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_traits_do_not_contradict_each_other(method):
+    assert not (method.keeps_total_area and method.may_keep_total_area)
+    assert method.keeps_total_area or not (method.keeps_only_total_area or method.has_tolerance)
+
+
+@pytest.mark.parametrize("name", ["", "Exact", None, ["exact"]])
+def test_an_unknown_method_is_refused(name):
+    with pytest.raises(InputError, match="There is no method"):
+        check_method(name, np.array([0, 1]))
