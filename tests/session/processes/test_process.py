@@ -331,69 +331,6 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
     assert empty.state.frame.converged
 
 
-@pytest.fixture
-def large(empty, altered):
-    """A session with a mesh that counts as large, painted."""
-    altered("from apd_viewer.session.processes import solver; solver._LARGE = 2500\n")
-    empty.show_now(Mesh(*box(20, 20, 40)))
-    empty.paint_ends()
-    empty.drag(pose(0.1))
-    empty.until(lambda: empty._worker._spare)
-    return empty
-
-
-def pid_of_spare(session: Driven) -> int:
-    return session._worker._spare._process.pid
-
-
-@linux
-def test_a_spare_process_takes_over_and_is_replaced(large):
-    for k in range(3):
-        spare = pid_of_spare(large)
-        kill(large)
-        assert pid_of(large) == spare
-        large.drag(pose(0.1 * k + 0.2))
-        next_frame(large, 10.0)
-        large.drag(pose(0.1 * k + 0.25))
-        large.until(lambda: large._worker._spare)
-        assert pid_of_spare(large) != spare
-    assert large.failed == []
-
-
-@linux
-def test_a_spare_process_that_dies_is_nobodys_business(large):
-    spare = large._worker._spare
-    os.kill(pid_of_spare(large), SIGKILL)
-    large.until(lambda: not spare.alive)
-    large.drag(pose(0.3))
-    next_frame(large, 10.0)
-    assert large._worker._spare is spare, "or one for which there is no memory would be started for ever"
-    assert large.failed == large.told == []
-    kill(large)
-    large.drag(pose(0.4))
-    next_frame(large, 10.0)
-    assert len(large.told) == 1
-    assert large.failed == []
-
-
-@linux
-def test_a_small_mesh_needs_no_spare(large):
-    spare = pid_of_spare(large)
-    large.show_now(bar())
-    large.paint_ends()
-    large.drag(BENT)
-    large.settle()
-    large.until(lambda: gone(spare))
-    assert large._worker._spare is None
-
-
-@linux
-def test_closing_ends_a_spare_process(large):
-    spare = pid_of_spare(large)
-    large.close()
-    large.until(lambda: gone(spare), 1.0)
-
-
 def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
     altered(
         """
