@@ -1,4 +1,4 @@
-"""Some hundred damaged files of all formats; ``python tests/files/fuzz.py`` tries as many as wanted."""
+"""Some hundred damaged files of all formats; ``python tests/support/fuzz.py`` tries as many as wanted."""
 
 from fuzz import NAMES, damaged, fuzz
 

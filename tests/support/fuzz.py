@@ -1,11 +1,11 @@
 """Damaged files of all formats: each opens, and can be inspected and written, or is refused in one sentence.
 
-    python tests/files/fuzz.py [count] [seed]
+    python tests/support/fuzz.py [count] [seed]
 
 A process of its own opens them, with little memory and a watch over its time: whatever stops it is one
 failure and not the end. Each failure is printed with what makes the same file again:
 
-    python tests/files/fuzz.py --one index seed
+    python tests/support/fuzz.py --one index seed
 """
 
 import json

@@ -1,6 +1,6 @@
 """A writer that is killed leaves the old file or the new one, never a part of it.
 
-    python tests/files/test_killed_writer.py [kills]
+    python tests/files/storage/test_killed_writer.py [kills]
 
 One process writes two versions of a mesh over each other without an end, and is killed at a random moment:
 every other time at one when there is a scratch file, which is rarely there.
