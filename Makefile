@@ -1,16 +1,17 @@
-# Everything needed to try the program and to work on it: `make help` lists it. Windows: see README.md.
-# The set-up lives in .venv and is redone only when pyproject.toml changes; a second start costs nothing.
+# Everything needed to try the program and to work on it; `make help` lists it. Windows: see README.md.
+# The environment is in .venv and is rebuilt only when pyproject.toml changes.
 
-# Tried in this order, as far as pyproject.toml allows. Another one: make clean, make PYTHON=/path/to/python3.12 run
+# Tried in this order, within the versions that pyproject.toml allows. To use another one:
+#   make clean; make PYTHON=/path/to/python3.12 run
 PYTHON = python3.13 python3.12 python3.11 python3.10 python3
 
-# What a bare Debian or Ubuntu lacks to open a window: to load Qt at all, to show it by X, to show it by Wayland.
+# Packages that a minimal Debian or Ubuntu lacks: to load Qt, to show windows under X, to show them under Wayland.
 packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 \
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
 test: packages += xvfb xauth
 
-# Where there is no display, `make run` does without a window what one would do in it. macOS always has one.
+# Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
 .PHONY: help run test lint format texts clean system-packages
@@ -20,7 +21,7 @@ display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
 
-run: .venv/.installed ## set up what is missing, then open the sample bottle
+run: .venv/.installed ## set up what is missing, then open the window on the sample bottle
 ifneq ($(display),)
 	@.venv/bin/apd-viewer
 else
@@ -28,16 +29,16 @@ else
 	@.venv/bin/apd-viewer deform resources/bottle.obj --selection resources/bottle.sel \
 	    --transform resources/bottle-twist-60.def \
 	    -o out/bottle.obj --report out/report.json --picture out/bottle.png
-	@echo "There is no display, so no window: the sample bottle was twisted by 60 degrees, its area kept, instead."
-	@echo "Its shape is in out/bottle.obj, a picture in out/bottle.png, the measurements in out/report.json."
+	@echo "No display found; the sample bottle was twisted by 60 degrees on the command line instead, with its area kept."
+	@echo "See out/bottle.obj (the mesh), out/bottle.png (a picture) and out/report.json (the measurements)."
 endif
 
-# pytest-xvfb starts displays of its own, but Qt would still prefer the one of a Wayland session.
+# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@echo "== pytest"
 	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
-lint: .venv/.tools ## the checks that do not run the program
+lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
 	@echo "== ruff check"
 	@.venv/bin/ruff check
 	@echo "== ruff format --check"
@@ -45,14 +46,14 @@ lint: .venv/.tools ## the checks that do not run the program
 	@echo "== mypy"
 	@.venv/bin/mypy
 
-format: .venv/.tools ## lay out the source and sort its imports
+format: .venv/.tools ## format the source and sort its imports
 	@.venv/bin/ruff check --fix --select I
 	@.venv/bin/ruff format
 
 languages = apd_viewer/languages
 catalogues = $(wildcard $(languages)/*/LC_MESSAGES/apd_viewer.po)
 
-texts: .venv/.tools ## collect the words to translate; language=de begins another language
+texts: .venv/.tools ## collect and compile translations; language=de starts a new one
 	@mkdir -p $(languages)
 	@.venv/bin/pybabel -q extract --no-default-keywords -k tr -k trn:1,2 -k trc:1c,2 --project apd-viewer \
 	    --add-location file -o $(languages)/apd_viewer.pot apd_viewer
@@ -61,29 +62,29 @@ texts: .venv/.tools ## collect the words to translate; language=de begins anothe
 	    .venv/bin/pybabel -q init -D apd_viewer -i $(languages)/apd_viewer.pot -d $(languages) -l $(language))
 	@$(if $(catalogues)$(language),.venv/bin/pybabel compile -D apd_viewer -d $(languages) --statistics)
 
-clean: ## remove the set-up and all caches; out/ stays
+clean: ## remove the environment and all caches, but not out/
 	rm -rf .venv build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/.tools: .venv/.installed
-	@echo "Installing the tools for development into .venv"
+	@echo "Installing the development tools into .venv"
 	@.venv/bin/python -m pip install --quiet --group dev
 	@touch $@
 
 .venv/.installed: .venv/bin/python pyproject.toml
-	@echo "Installing apd-viewer and its libraries into .venv (360 MB to fetch the first time)"
+	@echo "Installing apd-viewer and its libraries into .venv (a download of 360 MB the first time)"
 	@.venv/bin/python -m pip install --quiet --editable .
-	@echo "Compiling what the first drag would otherwise wait for (20 s)"
+	@echo "Compiling the kernels, so that the first drag does not wait for it (20 s)"
 	@.venv/bin/python -c 'from apd_viewer.geometry.warmup import warm_up; warm_up()'
 	@touch $@
 
-# pip 25.1 is the first to know dependency groups.
+# pip supports dependency groups since version 25.1.
 .venv/bin/python: | system-packages
 	@echo "Creating .venv with $(python)"
 	@$(python) -m venv --clear .venv
 	@.venv/bin/python -m pip install --quiet 'pip>=25.1'
 
-# Checked at every start, in a few milliseconds. Debian cuts what venv needs out of Python into a package of its own.
+# Checked at every start, which takes milliseconds. Debian packages the module venv separately from Python.
 system-packages:
 	@.ci/system-packages $(packages) $(if $(shell test -x .venv/bin/python && echo yes),,$(venv_package))
 

@@ -1,0 +1,111 @@
+"""The pages for readers: links lead somewhere, commands parse, snippets run, menus and rooms exist."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from pseudo import messages
+
+import apd_viewer.__main__ as command_line
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "resources" / "README.md"], key=str
+)
+TEXTS = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in PAGES}
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
+MENUS = r"File|Edit|Tools|Select|Handle|View|Help"
+
+
+def found(pattern, flags=re.DOTALL):
+    """Every match of a pattern in the pages: page and groups."""
+    return [(page, match.groups()) for page, text in TEXTS.items() for match in re.finditer(pattern, text, flags)]
+
+
+def blocks(language):
+    return [(page, code) for page, (code,) in found(rf"```{language}\n(.*?)```")]
+
+
+def anchors(text):
+    """Anchors of the headings of a page, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+COMMANDS = [
+    (page, line) for page, code in blocks("sh") for line in code.splitlines() if line.startswith("apd-viewer")
+]
+SNIPPETS = blocks("python")
+
+
+def test_the_readme_is_short():
+    assert len(TEXTS["README.md"].split()) <= 700
+
+
+def test_relative_links_lead_somewhere():
+    links = [(page, target) for page, (target,) in found(r"\]\(([^)\s]+)\)") if "://" not in target]
+    assert len(links) > 40, "the test is blind"
+    broken = []
+    for page, target in links:
+        path, _, anchor = target.partition("#")
+        there = (ROOT / page).parent / path if path else ROOT / page
+        if not there.exists() or (anchor and anchor not in anchors(there.read_text(encoding="utf-8"))):
+            broken.append((page, target))
+    assert broken == []
+
+
+@pytest.mark.parametrize(("page", "line"), COMMANDS)
+def test_commands_parse(page, line):
+    words = shlex.split(line, comments=True)[1:]
+    if words and words[0] in command_line._COMMANDS:
+        command_line._command_parser(words[0]).parse_args(words[1:])
+    else:
+        command_line._view_parser().parse_args(words)
+
+
+def test_commands_and_targets_of_make_exist():
+    assert len(COMMANDS) > 8
+    named = {name for _, (name,) in found(r"`apd-viewer ([a-z]+)")}
+    assert named <= set(command_line._COMMANDS)
+    targets = {name for _, (name,) in found(r"(?:^|`)make ([a-z]+)", re.MULTILINE)}
+    assert targets >= {"run", "test"}
+    assert [name for name in targets if not re.search(rf"(?m)^{name}:", MAKEFILE)] == []
+
+
+@pytest.mark.parametrize(("page", "code"), SNIPPETS, ids=[page for page, _ in SNIPPETS])
+def test_python_snippets_run(page, code, compiled, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code.replace('"resources/', f'"{ROOT.as_posix()}/resources/'), page, "exec"), {})
+
+
+def test_the_readme_names_the_system_packages_of_the_makefile():
+    (listed,) = re.findall(r"(?m)^packages = ((?:.*\\\n)*.*)$", MAKEFILE)
+    packages = listed.replace("\\", "").split()
+    assert len(packages) > 5
+    assert set(packages) <= set(re.findall(r"[\w.-]+", TEXTS["README.md"]))
+
+
+def test_menu_entries_exist():
+    named = found(rf"\*\*({MENUS}) > ([^*]+)\*\*")
+    assert len(named) > 5
+    texts = {
+        text.replace("&", "").rstrip("…")
+        for message, _ in messages()
+        for text in ((message,) if isinstance(message, str) else message)
+    }
+    assert [(page, menu, entry) for page, (menu, entry) in named if entry not in texts] == []
+
+
+def test_the_architecture_page_names_every_room():
+    page = TEXTS["docs/architecture.md"]
+    folders = [path.parent for path in (ROOT / "apd_viewer").glob("**/__init__.py")]
+    rooms = [folder.name for folder in folders if folder.name != "apd_viewer"]
+    assert len(rooms) > 30
+    assert [room for room in rooms if f"`{room}/`" not in page] == []
+
+
+def test_files_named_in_the_pages_exist():
+    named = found(r"`((?:apd_viewer|tests|docs|resources)/[\w/.-]*)`")
+    assert len(named) > 8
+    assert [(page, path) for page, (path,) in named if not (ROOT / path).exists()] == []
