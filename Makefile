@@ -14,7 +14,7 @@ test: packages += xvfb xauth
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
 
-.PHONY: help run test lint format texts clean system-packages
+.PHONY: help run test quick lint format texts clean system-packages
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -37,6 +37,15 @@ endif
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@echo "== pytest"
 	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
+
+# Broad and fast: the rules of the source, the pages, the numerics, the formats and the document.
+quick_tests = tests/test_architecture.py tests/test_documentation.py tests/test_language.py tests/test_package.py \
+              tests/geometry/energy tests/geometry/mesh tests/geometry/pose tests/files/formats \
+              tests/files/selections tests/presentation tests/session/model tests/session/quantities
+
+quick: lint ## run ruff, mypy and the tests that matter most, in less than a minute
+	@echo "== pytest, the quick tests"
+	@.venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
 
 lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
 	@echo "== ruff check"
