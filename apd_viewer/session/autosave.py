@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,11 +11,14 @@ from apd_viewer.session.model.document import Document, State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.autosave_writer import Backup, Copy
 from apd_viewer.session.storage.recovery import Leftover
-from apd_viewer.session.store import Activity, Listener, Stage
+from apd_viewer.session.store import Activity
 
 if TYPE_CHECKING:
+    from apd_viewer.session.file_jobs import Files
     from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.history import Entry
+    from apd_viewer.session.store import Store
 
 
 # A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
@@ -24,39 +26,22 @@ if TYPE_CHECKING:
 _MOMENT = 0.25  # s
 
 
-def watched(listener: Listener, look: Callable[[], object]) -> Listener:
-    """The listener, with ``look()`` called whenever it has been told of another state or activity."""
-
-    def changed(old: State | None, new: State) -> None:
-        listener.changed(old, new)
-        look()
-
-    def status_changed() -> None:
-        listener.status_changed()
-        look()
-
-    return replace(listener, changed=changed, status_changed=status_changed)
-
-
 class Autosave:
     """Hands on every finished step, and once more the shape that has settled after it; at first it is off.
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     gestures : Gestures
+    files : Files
     listener : Listener
-    open_ : callable
-        ``open_(name, work, kept=False)``: opens what ``work()`` returns, as one step that is in no file.
     """
 
-    def __init__(
-        self, stage: Stage, gestures: Gestures, listener: Listener, open_: Callable[..., None]
-    ) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, gestures: Gestures, files: Files, listener: Listener) -> None:
+        self._store = store
         self._gestures = gestures
         self._listener = listener
-        self._open = open_
+        self._files = files
         self._view: Callable[[], View] = View
         self._backup: Backup | None = None
         self._restored: list[Leftover] = []
@@ -73,11 +58,11 @@ class Autosave:
         """Open what a program has left that was killed, in the background; it counts as unsaved."""
         if left not in self._restored:
             self._restored.append(left)
-        self._open(left.name, left.read, kept=False)
+        self._files.open_with(left.name, left.read, written=False)
 
     def follow(self) -> None:
         """Look whether there is anything new to keep."""
-        state = self._stage.state
+        state = self._store.state
         if self._backup is None or state is None or self._gestures.before is not None:
             return
         shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
@@ -98,7 +83,7 @@ class Autosave:
         history = self._gestures.history
         if history.next_undo is None and history.next_redo is None:
             return False  # a mesh that was opened and looked at is in its own file
-        settled = self._stage.activity is not Activity.REFINING
+        settled = self._store.activity is not Activity.REFINING
         return state.document is not self._document or (settled and state.frame is not self._frame)
 
     def close(self) -> None:

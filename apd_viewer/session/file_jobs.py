@@ -1,4 +1,4 @@
-"""What is opened and written: one errand at a time, in the background."""
+"""Opening and writing files in the background."""
 
 from __future__ import annotations
 
@@ -14,11 +14,8 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.background_job import Errand, Errands
-from apd_viewer.session.model.baking import baked
 from apd_viewer.session.model.document import State, opened
 from apd_viewer.session.model.status_text import (
-    about_baking,
     about_export,
     about_findings,
     about_loaded_selection,
@@ -26,76 +23,71 @@ from apd_viewer.session.model.status_text import (
     about_session,
 )
 from apd_viewer.session.model.view import SUFFIX, View
-from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.store import Listener, Stage
+    from apd_viewer.session.jobs.background_job import Jobs
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
 
 
 class Files:
-    """The verbs of a session that take their time.
+    """Opens and writes meshes, sessions and selections, one at a time.
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     gestures : Gestures
+    jobs : Jobs
     listener : Listener
-
-    Attributes
-    ----------
-    unit : Unit
-        Of lengths, for what is told; the mesh that is open is in it.
     """
 
-    def __init__(self, stage: Stage, gestures: Gestures, listener: Listener) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+        self._store = store
         self._gestures = gestures
+        self._jobs = jobs
         self._listener = listener
-        self._errands = Errands(listener.wake, listener.failed)
-        self._kept: list[np.ndarray] = []
-        self.unit = Unit.NONE
-
-    @property
-    def errand(self) -> Errand | None:
-        """The file that is being opened or written."""
-        return self._errands.current
+        self._written: list[np.ndarray] = []
 
     def open(self, path: str | Path) -> None:
         """Open a mesh or a session, in the background; what is open stays until the new one is there."""
         path = Path(path)
         saved = path.suffix.lower() == SUFFIX
-        self._open(path.name, lambda: open_session(path) if saved else opened(open_mesh(path)))
+        self.open_with(path.name, lambda: open_session(path) if saved else opened(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        self._open(SAMPLES[name], lambda: opened(*open_sample(name)))
+        self.open_with(SAMPLES[name], lambda: opened(*open_sample(name)))
 
-    def show(self, mesh: Mesh) -> None:
+    def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh that is in memory already."""
-        self._open(mesh.name, lambda: opened(mesh))
+        self.open_with(mesh.name, lambda: opened(mesh))
 
-    def _open(self, name: str, work: Callable[[], State | tuple[State, View]], kept: bool = True) -> None:
-        self.send(tr("Opening {name}").format(name=name), work, lambda found: self._opened(found, name, kept))
+    def open_with(
+        self, name: str, work: Callable[[], State | tuple[State, View]], written: bool = True
+    ) -> None:
+        """Open the result of ``work()``, in the background; ``written``: its shape is in a file."""
+        title = tr("Opening {name}").format(name=name)
+        self._jobs.run(title, work, lambda found: self._opened(found, name, written))
 
-    def _opened(self, found: State | tuple[State, View], name: str, kept: bool) -> None:
+    def _opened(self, found: State | tuple[State, View], name: str, written: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
-        before, self._gestures.before = self._gestures.before or self._stage.state, None
+        before, self._gestures.before = self._gestures.before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
             if view is None:  # a session has settings of its own
                 state = state.at(state.document.with_settings_of(before.document))
-        self._stage.jump(state)
+        self._store.jump(state)
         if view is not None:
-            self._kept += [state.frame.U] if kept else []
+            self._written += [state.frame.U] if written else []
             self._listener.viewed(view)
         if findings := about_findings(state.inspection.findings):
             self._listener.told(findings)
 
     def export(self, path: str | Path) -> None:
         """Write the shape on screen, in the background."""
-        path, state, unit = Path(path), self._stage.required(), self.unit
+        path, state, unit = Path(path), self._store.required(), self._store.unit
 
         def write() -> str:
             file = save_mesh(state.document.mesh, state.frame.U, check_target(path))
@@ -105,7 +97,7 @@ class Files:
 
     def save(self, path: str | Path, view: View, embed: bool = False) -> None:
         """Save what was said and the shape as a session, in the background; no gesture that is under way."""
-        path, state = Path(path), self._gestures.before or self._stage.required()
+        path, state = Path(path), self._gestures.before or self._store.required()
 
         def write() -> str:
             return about_session(path.name, save_session(path, state, view, embed))
@@ -114,27 +106,27 @@ class Files:
 
     def load_selection(self, path: str | Path) -> None:
         """Paint the mesh as a file says, in the background; what was painted gives way."""
-        path, mesh = Path(path), self._stage.required().document.mesh
+        path, mesh = Path(path), self._store.required().document.mesh
 
         def loaded(selection: Selection) -> None:
             state = self._gestures.alone()
             if state.document.mesh is mesh:  # another one may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
-                self._stage.regrip(state.document, state.document.with_selection(selection))
+                self._store.regrip(state.document, state.document.with_selection(selection))
                 self._listener.told(about_loaded_selection(path.name, selection))
 
-        self.send(
+        self._jobs.run(
             tr("Loading {name}").format(name=path.name), lambda: read_selection_file(path, mesh), loaded
         )
 
     def save_selection(self, path: str | Path) -> None:
         """Write what is painted, in the background."""
-        path, document = Path(path), self._stage.required().document
+        path, document = Path(path), self._store.required().document
 
         def work() -> str:
             return about_selection(path.name, write_selection(path, document.mesh, document.selection))
 
-        self.send(
+        self._jobs.run(
             tr("Saving {name}").format(name=path.name), work, self._listener.told, can_be_cancelled=False
         )
 
@@ -142,44 +134,12 @@ class Files:
         """Do the ``work``, which says what it has done, and remember that the shape is in a file."""
 
         def written(said: str) -> None:
-            self._kept.append(state.frame.U)
+            self._written.append(state.frame.U)
             self._listener.told(said)
 
-        self.send(title, work, written, can_be_cancelled=False)
-
-    def send(
-        self,
-        title: str,
-        work: Callable[[], object],
-        done: Callable[..., object],
-        can_be_cancelled: bool = True,
-    ) -> None:
-        """Do ``work`` in the background, and call ``done`` with its value; a failure is told."""
-        self._errands.send(title, work, done, can_be_cancelled)
-        self._listener.status_changed()
-
-    def cancel_errand(self) -> None:
-        """Forget the file that is being opened; a file being written is left to finish, whole."""
-        if cancelled := self._errands.cancel():
-            self._listener.told(tr("{title}: cancelled.").format(title=cancelled.title))
-            self._listener.status_changed()
+        self._jobs.run(title, work, written, can_be_cancelled=False)
 
     @property
     def unsaved(self) -> list[Mesh]:
         """The meshes, on screen or a few undos away, whose latest shape is in no file."""
-        return self._gestures.history.unsaved(self._stage.state, self._kept)
-
-    def bake(self) -> None:
-        """Take the shape on screen for the rest shape, in the background: its area is 100 % from then on."""
-        shown = self._gestures.alone()
-
-        def done(at_rest: State) -> None:
-            state = self._gestures.alone()
-            if state.document is not shown.document:
-                self._listener.failed(tr("Something else has been asked for meanwhile; bake the new shape."))
-                return
-            self._gestures.record(tr("Bake as new rest"), state)
-            self._stage.jump(at_rest)
-            self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self.unit))
-
-        self.send(tr("Measuring the new rest shape"), lambda: baked(shown), done)
+        return self._gestures.history.unsaved(self._store.state, self._written)

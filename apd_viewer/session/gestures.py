@@ -10,19 +10,20 @@ from apd_viewer.session.model.history import History
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import State
-    from apd_viewer.session.store import Listener, Stage
+    from apd_viewer.session.store import Store
 
 # Presses of a key that follow each other within so many seconds are one step.
 _TOGETHER = 1.0
 
 
 class Gestures:
-    """Begins and ends gestures on a stage, and goes back and forth between them.
+    """Begins and ends gestures on a store, and goes back and forth between them.
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     listener : Listener
 
     Attributes
@@ -32,8 +33,8 @@ class Gestures:
     history : History
     """
 
-    def __init__(self, stage: Stage, listener: Listener) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, listener: Listener) -> None:
+        self._store = store
         self._listener = listener
         self._last = -_TOGETHER
         self.before: State | None = None
@@ -41,27 +42,27 @@ class Gestures:
 
     def begin(self) -> None:
         """Start what will be one step of undo."""
-        self.before = self._stage.required()
-        self._stage.begin_trace()
+        self.before = self._store.required()
+        self._store.begin_trace()
 
     def end(self, name: str) -> None:
         """Finish it; nothing is remembered where nothing was changed."""
         before, self.before = self.before, None
         if before is not None:
-            self._stage.trace.let_go()
-        if before is not None and before.document is not self._stage.required().document:
+            self._store.trace.let_go()
+        if before is not None and before.document is not self._store.required().document:
             self._remember(name, before)
 
     def cancel(self) -> None:
         """Go back to where it began."""
         if self.before is not None:
             before, self.before = self.before, None
-            self._stage.jump(before)
+            self._store.jump(before)
 
     def alone(self) -> State:
         """The state, after going back to where a gesture under way began."""
         self.cancel()
-        return self._stage.required()
+        return self._store.required()
 
     def record(self, name: str, before: State, repeats: bool = False) -> None:
         """Remember the state before a step that has just been made, or the first of those that repeat it."""
@@ -70,7 +71,7 @@ class Gestures:
         if repeats and follows and self.history.next_undo == name:
             self._listener.status_changed()
         else:
-            self._stage.begin_trace()
+            self._store.begin_trace()
             self._remember(name, before)
         self._last = now if repeats else -_TOGETHER
 
@@ -95,9 +96,9 @@ class Gestures:
         while len(self.history.done) < steps and (later := self.history.redo(target)):
             target = later
         if target is not state:
-            self._stage.jump(target)
+            self._store.jump(target)
 
     def _go(self, swap: Callable[[State], State | None]) -> None:
         target = swap(self.alone())
         if target is not None:
-            self._stage.jump(target)
+            self._store.jump(target)

@@ -13,7 +13,8 @@ from apd_viewer.session.model.names import new_name, next_name
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.store import Listener, Stage
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
 
 
 class Parts:
@@ -21,13 +22,13 @@ class Parts:
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     gestures : Gestures
     listener : Listener
     """
 
-    def __init__(self, stage: Stage, gestures: Gestures, listener: Listener) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
         self._gestures = gestures
         self._listener = listener
 
@@ -42,24 +43,24 @@ class Parts:
             return len(handles) - 1
         self._gestures.record(tr("Add handle"), state)
         name = next_name(tr("Handle"), [handle.name for handle in handles])
-        self._stage.note(state.document.with_handle(len(handles), Handle(name)))
+        self._store.set_document(state.document.with_handle(len(handles), Handle(name)))
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
         state = self._gestures.alone()
         self._gestures.record(tr("Remove handle"), state)
-        self._stage.regrip(state.document, state.document.without_handle(k))
+        self._store.regrip(state.document, state.document.without_handle(k))
 
     def rename_handle(self, k: int, name: str) -> None:
         """Give handle ``k`` a name of its own."""
-        handles = self._stage.required().document.handles
+        handles = self._store.required().document.handles
         name = new_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
             state = self._gestures.alone()
             self._gestures.record(tr("Rename"), state)
             handle = state.document.handles[k]
-            self._stage.note(state.document.with_handle(k, replace(handle, name=name)))
+            self._store.set_document(state.document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
         """One more region, without a vertex; its number, or that of the last where there can be no more."""
@@ -71,7 +72,7 @@ class Parts:
             )
             return len(regions) - 1
         self._gestures.record(tr("Add region"), state)
-        self._stage.note(state.document.with_next_region())
+        self._store.set_document(state.document.with_next_region())
         return len(regions)
 
     def remove_region(self, k: int) -> None:
@@ -79,14 +80,14 @@ class Parts:
         state = self._gestures.alone()
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
-        (self._stage.say if asked else self._stage.note)(state.document.without_region(k))
+        (self._store.solve if asked else self._store.set_document)(state.document.without_region(k))
 
     def rename_region(self, k: int, name: str) -> None:
         """Give region ``k`` a name of its own."""
-        regions = self._stage.required().document.regions
+        regions = self._store.required().document.regions
         name = new_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:
             state = self._gestures.alone()
             self._gestures.record(tr("Rename"), state)
             region = state.document.regions[k]
-            self._stage.note(state.document.with_region(k, replace(region, name=name)))
+            self._store.set_document(state.document.with_region(k, replace(region, name=name)))

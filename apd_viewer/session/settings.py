@@ -9,7 +9,8 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
-    from apd_viewer.session.store import Listener, Stage
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
 
 
 class Settings:
@@ -17,13 +18,13 @@ class Settings:
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     gestures : Gestures
     listener : Listener
     """
 
-    def __init__(self, stage: Stage, gestures: Gestures, listener: Listener) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
         self._gestures = gestures
         self._listener = listener
 
@@ -37,7 +38,7 @@ class Settings:
 
     def set_volume(self, percent: float | None) -> None:
         """Ask for a volume, in percent of the volume at rest; None leaves it free."""
-        why = self._stage.required().inspection.nothing_to_keep
+        why = self._store.required().inspection.nothing_to_keep
         if percent is not None and why:
             self._listener.failed(
                 tr("There is no volume to keep: {why}; leave the volume free.").format(why=why)
@@ -64,7 +65,7 @@ class Settings:
 
     def set_falloff(self, k: int, falloff: float) -> None:
         """Have handle ``k`` draw along what lies so near it along the surface, mesh units; 0 is nothing."""
-        document = self._stage.required().document
+        document = self._store.required().document
         handle = document.handles[k]
         if falloff != handle.falloff:
             handles = document.with_handle(k, replace(handle, falloff=falloff)).handles
@@ -72,7 +73,7 @@ class Settings:
 
     def set_region_area(self, k: int, percent: float | None) -> None:
         """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
-        document = self._stage.required().document
+        document = self._store.required().document
         region = document.regions[k]
         if percent != region.area:
             self._set(
@@ -80,7 +81,7 @@ class Settings:
             )
 
     def _set(self, gesture: str, **what: object) -> None:
-        state = self._stage.required()
+        state = self._store.required()
         if all(getattr(state.document, name) == value for name, value in what.items()):
             return
         before = self._gestures.before
@@ -88,4 +89,4 @@ class Settings:
             # What a stroke has painted is not gripped yet, and would leap.
             state = self._gestures.alone()
             self._gestures.record(gesture, state)
-        self._stage.say(replace(state.document, **what))  # type: ignore[arg-type]
+        self._store.solve(replace(state.document, **what))  # type: ignore[arg-type]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.session.processes.shape_checker import Examiner, Shape
-from apd_viewer.session.store import Activity, Listener, Stage
+from apd_viewer.session.store import Activity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,14 +13,16 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
 
 
-class Examining:
-    """Follows the stage, and tells the listener when more or less is known.
+class ShapeChecks:
+    """Follows the store, and tells the listener when more or less is known.
 
     Parameters
     ----------
-    stage : Stage
+    store : Store
     gestures : Gestures
     listener : Listener
 
@@ -32,8 +34,8 @@ class Examining:
         Of the mesh as it was opened.
     """
 
-    def __init__(self, stage: Stage, gestures: Gestures, listener: Listener) -> None:
-        self._stage = stage
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
         self._gestures = gestures
         self._listener = listener
         self._examiner = Examiner(listener.wake)
@@ -50,13 +52,13 @@ class Examining:
 
     def follow(self) -> None:
         """Look whether there is another shape on screen, and whether it rests."""
-        state = self._stage.state
+        state = self._store.state
         if state is None:
             return
         mesh, U = state.document.mesh, state.frame.U
         if mesh is not self._mesh:
             self._mesh, self.at_rest = mesh, None
-        rests = self._gestures.before is None and self._stage.activity is not Activity.REFINING
+        rests = self._gestures.before is None and self._store.activity is not Activity.REFINING
         found = self._known(U)
         wanted = U if found is None and rests else None
         if found is not self.found or wanted is not self._wanted:

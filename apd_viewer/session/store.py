@@ -6,15 +6,15 @@ tells the one listener what was and what is; it compares by identity and shows w
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document, State
 from apd_viewer.session.model.trace import Trace
-from apd_viewer.session.model.view import View
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.worker import Worker
+from apd_viewer.session.quantities.units import Unit
 
 
 class Activity(Enum):
@@ -26,38 +26,7 @@ class Activity(Enum):
     UNREACHED = "not reached"
 
 
-@dataclass(frozen=True)
-class Listener:
-    """Whom a session tells what happens. ``wake`` is called on other threads, the rest on the owner's.
-
-    Attributes
-    ----------
-    wake : callable
-        Something waits to be received: call :meth:`Session.receive` on the owner's thread.
-    changed : callable
-        ``changed(old, new)``: the state was replaced; old is None the first time.
-    status_changed : callable
-        Activity, errand or history may differ.
-    told : callable
-        ``told(sentence)``: something the user should read.
-    failed : callable
-        ``failed(sentence)``: something the user asked for was not done, and why.
-    viewed : callable
-        ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
-    examined : callable
-        More is known about the shape on screen, or less, because it is another one.
-    """
-
-    wake: Callable[[], object]
-    changed: Callable[[State | None, State], object]
-    status_changed: Callable[[], object]
-    told: Callable[[str], object]
-    failed: Callable[[str], object]
-    viewed: Callable[[View], object] = lambda _: None
-    examined: Callable[[], object] = lambda: None
-
-
-class Stage:
+class Store:
     """The state that is shown, and what the worker is doing about it.
 
     Parameters
@@ -73,6 +42,8 @@ class Stage:
     seconds_per_iteration : float
     trace : Trace
         The readings on the way to the shape on screen.
+    unit : Unit
+        Of the lengths of the mesh.
     """
 
     def __init__(self, listener: Listener, worker: Worker) -> None:
@@ -80,6 +51,7 @@ class Stage:
         self.trace = Trace()
         self.activity = Activity.IDLE
         self.seconds_per_iteration = 0.0
+        self.unit = Unit.NONE
         self._listener = listener
         self._worker = worker
         self._generation = 0
@@ -114,24 +86,22 @@ class Stage:
             self.begin_trace()
         else:
             self.trace.begin(state)
-        self.show(state)
-        self._ask(iterate=not state.frame.settled)
+        self._ask_and_show(state, iterate=not state.frame.settled)
 
-    def note(self, document: Document) -> None:
-        """Replace the document by one that the worker would answer with the same shape."""
+    def set_document(self, document: Document) -> None:
+        """Replace the document by one that has the same shape."""
         self.show(self.required().at(document))
 
-    def say(self, document: Document) -> None:
-        """Replace the document; the worker answers, unless all is at rest and nothing else is asked."""
+    def solve(self, document: Document) -> None:
+        """Replace the document and have the solver answer, unless all is at rest and no target is unmet."""
         state = self.required().at(document)
         at_rest = state.frame.U is document.mesh.V and not document.posed and not state.lacks
         iterate = self.activity is Activity.REFINING or not at_rest
-        self.show(state.unsettled() if iterate else state)
-        self._ask(iterate)
+        self._ask_and_show(state.unsettled() if iterate else state, iterate)
 
-    def unsay(self, document: Document) -> None:
-        """Go back to a document of which the worker may have heard nothing but that."""
-        (self.note if document is self._asked else self.say)(document)
+    def revert(self, document: Document) -> None:
+        """Go back to a document; the solver needs to hear of it unless it was asked for that one last."""
+        (self.set_document if document is self._asked else self.solve)(document)
 
     def begin_trace(self) -> None:
         """Whatever else is asked from now on begins another trace, which leads from here."""
@@ -187,10 +157,12 @@ class Stage:
             return replace(state, frame=reply.frame)
         return state.at(frame=reply.frame)
 
-    def _ask(self, iterate: bool) -> None:
-        state = self.required()
+    def _ask_and_show(self, state: State, iterate: bool) -> None:
+        """Ask the solver first: it works while the listener repaints."""
+        old, self.state = self.state, state
         iterate = iterate and state.document.problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
         self._worker.ask(Request(state.document, self._generation, state.frame.U, iterate))
+        self._listener.changed(old, state)
         self._listener.status_changed()

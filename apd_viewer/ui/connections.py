@@ -30,9 +30,9 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))
     gestures = tr("Change area"), tr("Change volume"), tr("Change stiffness"), tr("Change falloff")
     for dial, gesture in zip(panel.dials, gestures, strict=True):
-        dial.sweep_began.connect(session.begin_gesture)
-        dial.sweep_ended.connect(partial(session.end_gesture, gesture))
-        dial.sweep_given_up.connect(session.cancel_gesture)
+        dial.sweep_began.connect(session.gestures.begin)
+        dial.sweep_ended.connect(partial(session.gestures.end, gesture))
+        dial.sweep_given_up.connect(session.gestures.cancel)
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
@@ -48,7 +48,7 @@ def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
 
 
 def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
-    state = session.state
+    state = session.store.state
     if state is not None:
         session.settings.set_falloff(parts.handle, percent / 100.0 * float(max(state.inspection.size)))
 
@@ -68,10 +68,10 @@ def connect_hand(
     assert isinstance(loop, ClickSelector)
     loop.missed.connect(lambda: tell(tr("This surface is closed: it has no border to choose.")))
     canvas.picker.asks.connect(prompt)
-    canvas.painted.connect(session.paint)
-    canvas.region_painted.connect(session.paint_region)
-    canvas.drag_began.connect(session.begin_gesture)
-    canvas.handle_moved.connect(lambda pose: session.move_handle(pose, parts.handle))
-    canvas.drag_ended.connect(partial(session.end_gesture, tr("Move handle")))
-    canvas.gesture_cancelled.connect(session.cancel_gesture)
+    canvas.painted.connect(session.painting.paint)
+    canvas.region_painted.connect(session.painting.paint_region)
+    canvas.drag_began.connect(session.gestures.begin)
+    canvas.handle_moved.connect(lambda pose: session.handles.drag(pose, parts.handle))
+    canvas.drag_ended.connect(partial(session.gestures.end, tr("Move handle")))
+    canvas.gesture_cancelled.connect(session.gestures.cancel)
     canvas.handle_chosen.connect(parts.choose_handle)

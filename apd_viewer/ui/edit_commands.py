@@ -54,16 +54,16 @@ class Editing:
     def verbs(self) -> dict[str, Callable[..., None]]:
         """What can be done, by name; in the middle of a drag most of them take that back, and no more."""
         free: dict[str, Callable[..., object]] = {
-            "undo": lambda session, _: session.undo(),
-            "redo": lambda session, _: session.redo(),
-            "travel": lambda session, _, steps: session.travel(steps),
-            "reshape": lambda session, _, change: session.reshape(self._canvas.part, change),
-            "bake": lambda session, _: session.bake(),
-            "put_back": lambda session, parts: session.put_back_handle(parts.handle),
+            "undo": lambda session, _: session.gestures.undo(),
+            "redo": lambda session, _: session.gestures.redo(),
+            "travel": lambda session, _, steps: session.gestures.travel(steps),
+            "reshape": lambda session, _, change: session.painting.reshape(self._canvas.part, change),
+            "bake": lambda session, _: session.rest_shape.bake(),
+            "put_back": lambda session, parts: session.handles.reset(parts.handle),
             "nudge": self._nudge,
             "pick_pivot": self._pick_pivot,
             "pick_line": self._pick_line,
-            "centre_pivot": lambda session, parts: session.set_pivot(None, parts.handle),
+            "centre_pivot": lambda session, parts: session.handles.set_pivot(None, parts.handle),
         }
         any_time: dict[str, Callable[..., object]] = {
             "reset": self._reset,
@@ -81,7 +81,7 @@ class Editing:
         }
 
     def _do(self, verb: Callable[..., object], waits: bool, *what: object) -> None:
-        if self._at_work is None or self._at_work[0].state is None or (waits and self.give_up()):
+        if self._at_work is None or self._at_work[0].store.state is None or (waits and self.give_up()):
             return
         verb(*self._at_work, *what)
 
@@ -91,7 +91,7 @@ class Editing:
 
     def _reset(self, session: Session, _: ActiveParts) -> None:
         self.give_up()
-        session.reset_handle()
+        session.rest_shape.restore()
 
     def _add_handle(self, _: Session, parts: ActiveParts) -> None:
         parts.add_handle()
@@ -104,7 +104,7 @@ class Editing:
     def _move_by(self, session: Session, parts: ActiveParts, motion: str, text: str) -> None:
         field = self._panel.handles.motion
         try:
-            session.type_motion(motion, text, parts.handle, self._canvas.line)
+            session.handles.move_by(motion, text, parts.handle, self._canvas.line)
         except InputError as error:
             field.refuse(str(error))
         else:
@@ -114,7 +114,7 @@ class Editing:
         self._take(Tool.MOVE)
         self._canvas.picker.ask(
             1,
-            lambda points: session.set_pivot(points[0], parts.handle),
+            lambda points: session.handles.set_pivot(points[0], parts.handle),
             tr("Click the point of the mesh that the handle is to turn about; Esc calls it off"),
         )
 
@@ -140,4 +140,4 @@ class Editing:
     def _nudge(self, session: Session, parts: ActiveParts, step: tuple[int, int, int]) -> None:
         pose = self._canvas.nudged(step)
         if pose is not None:
-            session.pose_handle(pose, parts.handle, tr("Nudge handle"), repeats=True)
+            session.handles.pose(pose, parts.handle, tr("Nudge handle"), repeats=True)

@@ -129,7 +129,8 @@ class Window(QMainWindow):
         if self._closed:
             return
         # Here, because it takes longer to import than all that a first picture of the window needs.
-        from apd_viewer.session.session import Listener, Session
+        from apd_viewer.session.listener import Listener
+        from apd_viewer.session.session import Session
 
         self.session = Session(
             Listener(
@@ -145,7 +146,7 @@ class Window(QMainWindow):
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         self.parts = ActiveParts(self.session, self)
         self.parts.changed.connect(self._parts_changed)
-        self.status.cancel_asked.connect(self.session.cancel_errand)
+        self.status.cancel_asked.connect(self.session.jobs.cancel)
         self._connect_canvas()
         self._connect_panel()
         self.plots.start(self.session)
@@ -220,7 +221,7 @@ class Window(QMainWindow):
 
     @property
     def _state(self) -> State | None:
-        return self.session.state if self._started else None
+        return self.session.store.state if self._started else None
 
     def take(self, tool: Tool) -> None:
         """Put a tool into the hand."""
@@ -239,11 +240,11 @@ class Window(QMainWindow):
 
     def _begin_stroke(self) -> None:
         if self._state is not None:
-            self.session.begin_gesture()
+            self.session.gestures.begin()
             self.invitation.say("")
 
     def _end_stroke(self, gesture: str) -> None:
-        self.session.end_stroke(gesture)
+        self.session.painting.end_stroke(gesture)
         self._invite()
 
     def _type_motion(self) -> None:
@@ -253,19 +254,19 @@ class Window(QMainWindow):
     def _studied(self) -> tuple[State, int, View] | None:
         if self._state is None:
             return None
-        return self._state, self.parts.handle, self.canvas.view(self.session.unit.value)
+        return self._state, self.parts.handle, self.canvas.view(self.session.store.unit.value)
 
     def _choose_unit(self, unit: Unit) -> None:
         if (state := self._state) is not None:
             self._units.choose(state.document.mesh, unit)
-            self.session.unit = unit
+            self.session.store.unit = unit
             self.looks.measure_in(unit)
             self.comparing.measure_in(unit)
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.status.show_session(self.session)
 
     def _say_brush(self) -> None:
-        self.status.say_brush(self.canvas.painter, self.session.unit)
+        self.status.say_brush(self.canvas.painter, self.session.store.unit)
 
     # Showing
 
@@ -292,14 +293,14 @@ class Window(QMainWindow):
     def _look_as(self, view: View) -> None:
         self.canvas.look_as(view)
         self.measuring.look_as(view)
-        self._choose_unit(type(self.session.unit)(view.unit))
+        self._choose_unit(type(self.session.store.unit)(view.unit))
         self.filing.viewed()
         self.actions_.fill_recent(self._memory.recent)
 
     def _parts_changed(self) -> None:
         self.canvas.choose(self.parts.handle, self.parts.region)
-        if self.session.state is not None:
-            self.panel.show_parts(self.session.state, self.parts.handle, self.parts.region)
+        if self.session.store.state is not None:
+            self.panel.show_parts(self.session.store.state, self.parts.handle, self.parts.region)
         self._invite()
 
     def _welcome(self, state: State) -> None:
@@ -308,26 +309,25 @@ class Window(QMainWindow):
         self.setWindowFilePath(str(mesh.path or ""))
         self.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.take(Tool.BASE if state.document.problem else Tool.MOVE)
-        self.session.unit = self.panel.unit = self._units.of(mesh)
+        self.session.store.unit = self.panel.unit = self._units.of(mesh)
         self.measuring.welcome(mesh)
-        self.looks.measure_in(self.session.unit)
+        self.looks.measure_in(self.session.store.unit)
         self.filing.opened(state)
         self.actions_.fill_recent(self._memory.recent)
 
     def _status_changed(self) -> None:
-        session = self.session
-        history = session.history
+        session, history = self.session, self.session.gestures.history
         self.actions_.show_history(history.next_undo, history.next_redo)
         self._history.show_steps(history.done, history.undone)
-        self._show_state(session.state)
-        self._empty.setVisible(session.state is None and session.errand is None)
+        self._show_state(session.store.state)
+        self._empty.setVisible(session.store.state is None and session.jobs.current is None)
         self.status.show_session(session)
         self.recovery.follow(session)
         self.help.follow(session)
 
     def _show_state(self, state: State | None) -> None:
         """Offer what can be done with what is open, and say what the worker does about it."""
-        moved = state is not None and self.session.moved
+        moved = state is not None and not state.is_at_rest
         for action in self.actions_.of_a_mesh:
             action.setEnabled(state is not None)
         for action in (self.actions_.reset, self.actions_.bake):

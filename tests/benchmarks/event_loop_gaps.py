@@ -22,7 +22,8 @@ from meshes import rotation, sample_bottle
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.session import Listener, Session
+from apd_viewer.session.listener import Listener
+from apd_viewer.session.session import Session
 from apd_viewer.ui.application import SWITCH_INTERVAL
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
@@ -117,13 +118,13 @@ def main() -> None:
     session = loop.session
     mesh = Mesh(V, F)
     loop.run("nothing")
-    session.show(mesh)
-    loop.run("open", lambda: session.errand is None, events=0)
+    session.files.open_mesh(mesh)
+    loop.run("open", lambda: session.jobs.current is None, events=0)
 
     def stroke(ids, label):
-        session.begin_gesture()
-        session.paint(ids, label)
-        session.end_stroke("Paint")
+        session.gestures.begin()
+        session.painting.paint(ids, label)
+        session.painting.end_stroke("Paint")
 
     def twisted(angle):
         pose = np.eye(4)
@@ -132,14 +133,14 @@ def main() -> None:
 
     stroke(np.flatnonzero(labels == BASE), BASE)
     stroke(np.flatnonzero(labels == HANDLE), HANDLE)
-    session.begin_gesture()
+    session.gestures.begin()
     loop.run(
         "drag: start, factor, first frame",
-        lambda: session.state.frame.iteration,
-        lambda k: session.move_handle(twisted(0.002 * k)),
+        lambda: session.store.state.frame.iteration,
+        lambda k: session.handles.drag(twisted(0.002 * k)),
     )
-    loop.run("drag: iterate", event=lambda k: session.move_handle(twisted(0.2 + 0.002 * k)))
-    session.end_gesture("Move handle")
+    loop.run("drag: iterate", event=lambda k: session.handles.drag(twisted(0.2 + 0.002 * k)))
+    session.gestures.end("Move handle")
     loop.run("iterate", events=8 * EVENTS)
     pid = session._worker._child._process.pid
     children = Path(f"/proc/{pid}/task/{pid}/children")
@@ -151,21 +152,21 @@ def main() -> None:
     )
 
     def paint(k):
-        session.paint(brush[k % len(brush)], BASE)
+        session.painting.paint(brush[k % len(brush)], BASE)
 
-    session.begin_gesture()
+    session.gestures.begin()
     loop.run("paint while it is iterated", event=paint)
-    session.end_stroke("Paint")
-    session.begin_gesture()
+    session.painting.end_stroke("Paint")
+    session.gestures.begin()
     loop.run("paint while it is factored", event=paint)
-    session.cancel_gesture()
+    session.gestures.cancel()
     session.settings.set_method("local")
     session.settings.set_method("exact")
-    session.begin_gesture()
-    session.move_handle(twisted(0.5))
-    session.end_gesture("Move handle")
-    first = session.state.frame
-    loop.run("factor again, iterate", lambda: session.state.frame is not first)
+    session.gestures.begin()
+    session.handles.drag(twisted(0.5))
+    session.gestures.end("Move handle")
+    first = session.store.state.frame
+    loop.run("factor again, iterate", lambda: session.store.state.frame is not first)
     print(f"peak memory: {peak('self')} here, {peak(pid)} where it is solved, {factor} where it is factored")
     session.close()
     loop.sleeper.communicate()

@@ -78,7 +78,7 @@ class Bench:
         self.window = Window(QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat))
         self.window.start()
         self.window.session._worker.close()
-        self.worker = self.window.session._stage._worker = self.window.session._worker = Silent()
+        self.worker = self.window.session.store._worker = self.window.session._worker = Silent()
         self.view = self.window.canvas.viewport
         self.surface = self.window.canvas.surface
         self.window.show()
@@ -88,8 +88,8 @@ class Bench:
         pace = Pace()
         started = time.perf_counter()
         mesh = Mesh(V, F)
-        self.window.session._open("bottle", lambda: opened(mesh, frozen(labels)))
-        self.until(lambda: self.window.session.state is not None and not self.view._stale)
+        self.window.session.files.open_with("bottle", lambda: opened(mesh, frozen(labels)))
+        self.until(lambda: self.window.session.store.state is not None and not self.view._stale)
         took = time.perf_counter() - started
         self.settle()
         print(f"opening took {took:.2f} s; gaps over 50 ms of the event loop, in ms: {pace.over(0.05)}")
@@ -130,11 +130,11 @@ class Bench:
     def move(self) -> None:
         pose = np.eye(4)
         pose[0, 3] = 0.001 * self.next
-        self.window.session.move_handle(pose, 0)
+        self.window.session.handles.drag(pose, 0)
 
     def frame(self) -> None:
         self.next += 1
-        state, request = self.window.session.state, self.worker.request
+        state, request = self.window.session.store.state, self.worker.request
         frame = replace(
             state.frame,
             U=self.shapes[self.next % len(self.shapes)],
@@ -191,7 +191,7 @@ def redraws(bench):
 
 def dragging(bench, title, profile):
     bench.window.take(Tool.MOVE)
-    bench.window.session.begin_gesture()
+    bench.window.session.gestures.begin()
     bench.move()
     kinds = {
         "frame of a drag": bench.frame,
@@ -201,7 +201,7 @@ def dragging(bench, title, profile):
     watched = ("move and frame", cProfile.Profile()) if profile else None
     report(title, rounds(bench, redraws(bench) | kinds, watched))
     show(watched)
-    bench.window.session.end_gesture("Move handle")
+    bench.window.session.gestures.end("Move handle")
 
 
 def overlays(bench):
@@ -210,7 +210,7 @@ def overlays(bench):
     Where others use the machine too, these say more than the time until the picture is there.
     """
     heat, turns = bench.window.looks.heat, [None, *Measure]
-    bench.window.session.begin_gesture()
+    bench.window.session.gestures.begin()
     bench.move()
     heat.choose(Measure.AREA)
     bench.until(lambda: heat.values is not None)
@@ -226,7 +226,7 @@ def overlays(bench):
                 if k:  # the first one makes the shader too
                     times[measure].append(time.process_time() - started)
     heat.choose(None)
-    bench.window.session.end_gesture("Move handle")
+    bench.window.session.gestures.end("Move handle")
     without = np.median(times[None][WARM_UP:])
     print(f"\n{'frame of a drag':34} {'CPU ms':>9} {'x without':>10}")
     for measure, taken in times.items():
@@ -277,15 +277,15 @@ def main() -> None:
     session = bench.window.session
     for low, high in ((2.0, 6.0), (8.0, 12.0)):
         k = session.parts.add_region()
-        session.begin_gesture()
-        session.paint_region(np.flatnonzero((V[:, 1] > low) & (V[:, 1] < high)), k + 1)
-        session.end_stroke("Paint region")
+        session.gestures.begin()
+        session.painting.paint_region(np.flatnonzero((V[:, 1] > low) & (V[:, 1] < high)), k + 1)
+        session.painting.end_stroke("Paint region")
         session.settings.set_region_area(k, 100.0)
     dragging(bench, "drag, two regions kept", profile)
     stroking(bench, profile)
     if "--picture" in sys.argv:
         bench.window.grab().save("frame_cost.png")
-    bench.window.session._kept.append(bench.window.session.state.frame.U)
+    bench.window.session.files._written.append(bench.window.session.store.state.frame.U)
     bench.window.close()
 
 

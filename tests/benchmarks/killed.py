@@ -37,7 +37,7 @@ class Hand:
         self.angle += SPEED / RATE
         pose = np.eye(4)
         pose[:3, :3] = rotation([0, 1, 0], self.angle)
-        self.session.move_handle(pose)
+        self.session.handles.drag(pose)
         self.session.receive()
         time.sleep(1.0 / RATE)
 
@@ -57,7 +57,7 @@ class Hand:
             self.move()
             if self.session.U is not shown:
                 shown, frames, now = self.session.U, frames + 1, time.monotonic()
-                worst = max(worst, abs(self.session.state.frame.area_error))
+                worst = max(worst, abs(self.session.store.state.frame.area_error))
                 longest, last = max(longest, now - last), now
         print(
             f"drag: {frames / seconds:4.1f} shapes a second, at most {longest:.2f} s apart, area {worst:.0e}"
@@ -78,17 +78,17 @@ def main(edge: float = 0.141, kills: int = 10) -> None:
     session.stroke(np.flatnonzero(labels == BASE), BASE)
     session.listen(8.0)  # the second stroke comes later than the first
     session.stroke(np.flatnonzero(labels == HANDLE), HANDLE)
-    session.begin_gesture()
+    session.gestures.begin()
     hand, before = Hand(session), session.U
     print(f"first shape after {hand.move_until(lambda: session.U is not before):.2f} s")
     for _ in range(2):
         hand.drag(4.0)
     took = []
     for k in range(kills):
-        document, pid = session.state.document, pid_of(session)
+        document, pid = session.store.state.document, pid_of(session)
         os.kill(pid, signal.SIGKILL)
         since = time.monotonic()
-        assert session.state.document is document
+        assert session.store.state.document is document
         hand.move_until(lambda pid=pid: pid_of(session) not in (pid, None))
         session.listen(0.05)  # what the last one had said already
         before = session.U
@@ -100,14 +100,17 @@ def main(edge: float = 0.141, kills: int = 10) -> None:
             hand.drag(2.0)
     if took:
         print(f"goes on after {np.median(took):.2f} s (median), {max(took):.2f} s at most")
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
     rested, shown = time.monotonic(), session.U
-    while time.monotonic() - rested < 30.0 and not session.state.frame.settled:
+    while time.monotonic() - rested < 30.0 and not session.store.state.frame.settled:
         session.listen(0.01)
         if session.U is not shown:
             step, shown = np.abs(session.U - shown).max() / length, session.U
             at_rest = time.monotonic() - rested
-            print(f"  {at_rest:5.2f} s at rest: moved {step:.4f}, area {session.state.frame.area_error:.0e}")
+            print(
+                f"  {at_rest:5.2f} s at rest: moved {step:.4f}, "
+                f"area {session.store.state.frame.area_error:.0e}"
+            )
     session.close()
 
 

@@ -67,7 +67,7 @@ class Hand:
 
     @property
     def document(self):
-        return self.window.session.state.document
+        return self.window.session.store.state.document
 
     def work(self) -> Iterator[float]:
         self.journal.write("opened", digest(self.document))
@@ -111,7 +111,7 @@ class Hand:
         """What is wrong with the shape that has been restored; empty where nothing is."""
         import numpy as np
 
-        frame, mesh = self.window.session.state.frame, self.document.mesh
+        frame, mesh = self.window.session.store.state.frame, self.document.mesh
         if frame.U.shape != mesh.V.shape or not np.isfinite(frame.U).all():
             return "no shape of the mesh"
         size = np.ptp(mesh.V, axis=0).max()
@@ -129,7 +129,7 @@ class Hand:
 
         tools = Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE
         self.window.actions_.tools[self.chance.choice(tools)].trigger()
-        view, U = self.window.canvas.viewport, self.window.session.state.frame.U
+        view, U = self.window.canvas.viewport, self.window.session.store.state.frame.U
         x, y = view.project(U[[self.chance.randrange(len(U))]])[0]
         points = [(x + dx, y) for dx in np.linspace(0.0, self.chance.uniform(-60.0, 60.0), 6)]
         self.mouse.press(points[0])
@@ -215,7 +215,7 @@ def play(journal: Path, seed: int) -> None:
         if not deeds:
             window = next((w for w in application.topLevelWidgets() if hasattr(w, "canvas")), None)
             session = getattr(window, "session", None)
-            if session is None or session.state is None or session.errand is not None:
+            if session is None or session.store.state is None or session.jobs.current is not None:
                 timer.start(10)
                 return
             deeds.append(Hand(window, Journal(journal), random.Random(seed)).work())

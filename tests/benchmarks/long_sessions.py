@@ -34,18 +34,18 @@ def drag(events: int) -> None:
     session.show_now(Mesh(V, F))
     for label in (BASE, HANDLE):
         session.stroke(np.flatnonzero(labels == label), label)
-    session.begin_gesture()
+    session.gestures.begin()
     pose = np.eye(4)
     for k in range(events + 1):
         pose[:3, :3] = rotation([0, 1, 0], np.sin(0.02 * k))
-        session.move_handle(pose)
+        session.handles.drag(pose)
         session.receive()
         del session.changes[:]
         time.sleep(0.003)
         if k % (events // 10) == 0:
             pid = session._worker._child._process.pid
             print(f"{k:7,} events: {resident('self'):7.1f} + {resident(pid):7.1f} MiB", flush=True)
-    session.cancel_gesture()
+    session.gestures.cancel()
     session.close()
 
 

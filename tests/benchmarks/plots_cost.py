@@ -35,11 +35,11 @@ def main() -> None:
     for button in plots.choices.values():
         button.setChecked(True)
     bench.window.docks["plots"].show()
-    bench.window.session.begin_gesture()
+    bench.window.session.gestures.begin()
     bench.move()
-    trace = bench.window.session.trace
+    trace = bench.window.session.store.trace
     while len(trace) < MOST // 2:
-        trace.add(bench.worker.request.document, bench.window.session.state.frame)
+        trace.add(bench.worker.request.document, bench.window.session.store.state.frame)
     bench.settle()
     follow, view, seconds = plots.follow, plots.views["local"], []
     make = view.chart
@@ -87,7 +87,7 @@ def main() -> None:
     print(f"with all of them a frame takes {ratio:.2f} times one without; at most {ALLOWED} is allowed")
     if "--picture" in sys.argv:
         bench.window.grab().save("plots_cost.png")
-    bench.window.session._kept.append(bench.window.session.state.frame.U)
+    bench.window.session.files._written.append(bench.window.session.store.state.frame.U)
     bench.window.close()
     sys.exit(int(ratio > ALLOWED))
 

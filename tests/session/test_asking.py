@@ -11,29 +11,29 @@ from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, MOST_HANDLES
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 
 def layers(session: Driven, lowest: float, highest: float) -> np.ndarray:
     """The vertices between two heights."""
-    z = session.state.document.mesh.V[:, 2]
+    z = session.store.state.document.mesh.V[:, 2]
     return np.flatnonzero((lowest <= z) & (z <= highest))
 
 
 def region_stroke(session: Driven, ids: np.ndarray, number: int) -> None:
-    session.begin_gesture()
-    session.paint_region(ids, number)
-    session.end_stroke("Paint region")
+    session.gestures.begin()
+    session.painting.paint_region(ids, number)
+    session.painting.end_stroke("Paint region")
 
 
 def region_shares(session: Driven) -> np.ndarray:
     """Area of each region, against its area at rest."""
-    state = session.state
+    state = session.store.state
     return np.array(state.frame.regions) / state.document.region_areas(state.document.mesh.V)
 
 
 def volume_share(session: Driven) -> float:
-    return session.state.frame.volume / session.state.inspection.volume
+    return session.store.state.frame.volume / session.store.state.inspection.volume
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def parted(session):
     """The bar with a region around its middle and a second handle, half of its upper end."""
     top = layers(session, 6, 6)
     session.parts.add_handle()
-    session.stroke(top[session.state.document.mesh.V[top, 0] == 0.0], HANDLE + 1)
+    session.stroke(top[session.store.state.document.mesh.V[top, 0] == 0.0], HANDLE + 1)
     session.parts.add_region()
     region_stroke(session, layers(session, 2, 4), 1)
     return session
@@ -60,7 +60,7 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Change area": lambda session: session.settings.set_area(110.0),
     "Change volume": lambda session: session.settings.set_volume(100.0),
     "Change stiffness": lambda session: session.settings.set_stiffness(0.01),
-    "Reset handle": Driven.reset_handle,
+    "Reset handle": lambda session: session.rest_shape.restore(),
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),
@@ -74,18 +74,18 @@ def test_every_verb_is_one_entry_and_undone_exactly(parted, name):
     gesture, verb = ALIASES.get(name) or (name, VERBS[name])
     parted.drag(BENT)
     parted.settle()
-    before, entries = parted.state, len(parted.history.past)
+    before, entries = parted.store.state, len(parted.gestures.history.past)
     verb(parted)
     parted.settle()
-    after = parted.state
-    assert parted.history.next_undo == gesture
-    assert len(parted.history.past) == entries + 1
-    parted.undo()
-    assert parted.state is before
-    parted.redo()
-    assert parted.state is after
+    after = parted.store.state
+    assert parted.gestures.history.next_undo == gesture
+    assert len(parted.gestures.history.past) == entries + 1
+    parted.gestures.undo()
+    assert parted.store.state is before
+    parted.gestures.redo()
+    assert parted.store.state is after
     parted.listen(0.02)
-    assert parted.state is after
+    assert parted.store.state is after
     assert parted.failed == []
 
 
@@ -101,48 +101,48 @@ SETTERS: dict[str, tuple[Callable[[Driven, float], None], list[float]]] = {
 @pytest.mark.parametrize("what", SETTERS)
 def test_a_sweep_is_one_entry_and_single_settings_are_one_each(parted, what):
     setter, values = SETTERS[what]
-    before, entries = parted.state, len(parted.history.past)
-    parted.begin_gesture()
+    before, entries = parted.store.state, len(parted.gestures.history.past)
+    parted.gestures.begin()
     for value in values:
         setter(parted, value)
         parted.listen(0.005)
-    parted.end_gesture("Sweep")
-    assert len(parted.history.past) == entries + 1
+    parted.gestures.end("Sweep")
+    assert len(parted.gestures.history.past) == entries + 1
     parted.settle()
-    parted.undo()
-    assert parted.state is before
+    parted.gestures.undo()
+    assert parted.store.state is before
     for value in values:
         setter(parted, value)
         setter(parted, value)
-    assert len(parted.history.past) == entries + len(values)
+    assert len(parted.gestures.history.past) == entries + len(values)
 
 
 def test_a_cancelled_sweep_leaves_no_trace(parted):
-    before, undo = parted.state, parted.history.next_undo
-    parted.begin_gesture()
+    before, undo = parted.store.state, parted.gestures.history.next_undo
+    parted.gestures.begin()
     parted.settings.set_area(120.0)
     parted.settings.set_volume(110.0)
-    parted.until(lambda: parted.state.frame.iteration)
-    parted.cancel_gesture()
-    assert parted.state is before
-    assert parted.history.next_undo == undo
+    parted.until(lambda: parted.store.state.frame.iteration)
+    parted.gestures.cancel()
+    assert parted.store.state is before
+    assert parted.gestures.history.next_undo == undo
     parted.listen(0.03)
-    assert parted.state is before
+    assert parted.store.state is before
 
 
 def test_a_setting_within_a_region_stroke_takes_the_stroke_back(parted):
-    before = parted.state
-    parted.begin_gesture()
-    parted.paint_region(layers(parted, 0, 6), 0)
+    before = parted.store.state
+    parted.gestures.begin()
+    parted.painting.paint_region(layers(parted, 0, 6), 0)
     parted.settings.set_stiffness(0.01)
-    parted.end_stroke("Paint region")
-    assert parted.state.document.member is before.document.member
-    parted.undo()
-    assert parted.state is before
+    parted.painting.end_stroke("Paint region")
+    assert parted.store.state.document.member is before.document.member
+    parted.gestures.undo()
+    assert parted.store.state is before
 
 
 def test_a_setting_that_is_the_same_does_nothing(parted):
-    state, changes = parted.state, len(parted.changes)
+    state, changes = parted.store.state, len(parted.changes)
     document = state.document
     parted.settings.set_area(100)
     parted.settings.hold_area(False)
@@ -155,7 +155,7 @@ def test_a_setting_that_is_the_same_does_nothing(parted):
     parted.settings.set_region_area(0, None)
     parted.parts.rename_handle(0, " ")
     parted.parts.rename_region(0, "Region 1")
-    assert parted.state is state
+    assert parted.store.state is state
     assert len(parted.changes) == changes
 
 
@@ -164,35 +164,35 @@ def test_a_setting_that_is_the_same_does_nothing(parted):
 
 def test_two_handles_go_each_to_its_own_pose(parted):
     poses = pose(0.3, (0.5, 0.0, 0.0)), pose(-0.2, (0.0, 0.4, 0.3))
-    parted.begin_gesture()
+    parted.gestures.begin()
     for which, there in enumerate(poses):
-        parted.move_handle(there, which)
-    parted.end_gesture("Move handle")
+        parted.handles.drag(there, which)
+    parted.gestures.end("Move handle")
     parted.settle()
-    document = parted.state.document
+    document = parted.store.state.document
     for which, there in enumerate(poses):
         mine = document.labels == HANDLE + which
         expected = document.mesh.V[mine] @ there[:3, :3].T + there[:3, 3]
         assert np.allclose(parted.U[mine], expected, rtol=0, atol=1e-12)
-    assert parted.state.frame.handle_drift < 1e-12
+    assert parted.store.state.frame.handle_drift < 1e-12
     base = document.labels == BASE
     assert np.array_equal(parted.U[base], document.mesh.V[base])
 
 
 def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
-    parted.begin_gesture()
-    parted.move_handle(BENT, 0)
-    parted.move_handle(pose(0.5, (0.3, 0.2, 0.4)), 1)
-    parted.end_gesture("Move handle")
+    parted.gestures.begin()
+    parted.handles.drag(BENT, 0)
+    parted.handles.drag(pose(0.5, (0.3, 0.2, 0.4)), 1)
+    parted.gestures.end("Move handle")
     parted.settle()
-    U, labels = parted.U, parted.state.document.labels
+    U, labels = parted.U, parted.store.state.document.labels
     parted.parts.remove_handle(0)
     assert parted.U is U
-    document = parted.state.document
+    document = parted.store.state.document
     assert not document.posed
     assert [handle.name for handle in document.handles] == ["Handle 2"]
     assert (document.labels[labels == HANDLE] == FREE).all()
-    assert parted.activity is Activity.IDLE
+    assert parted.store.activity is Activity.IDLE
     parted.drag(pose(0.0, (0.0, 0.0, 0.1)))
     parted.settle()
     other = labels == HANDLE + 1
@@ -201,13 +201,13 @@ def test_a_removed_handle_lets_go_and_the_others_stay_where_they_are(parted):
 
 def test_the_last_handle_can_be_removed_and_painted_again(session):
     session.parts.remove_handle(0)
-    assert [handle.name for handle in session.state.document.handles] == ["Handle 1"]
+    assert [handle.name for handle in session.store.state.document.handles] == ["Handle 1"]
     session.drag(BENT)
-    assert session.activity is Activity.IDLE
-    session.stroke(ends(session.state.document.mesh.V)[1], HANDLE)
+    assert session.store.activity is Activity.IDLE
+    session.stroke(ends(session.store.state.document.mesh.V)[1], HANDLE)
     session.drag(BENT)
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 @pytest.mark.parametrize(
@@ -228,13 +228,15 @@ def test_the_last_handle_can_be_removed_and_painted_again(session):
 def test_there_are_only_so_many(session, add, most, remove):
     numbers = [add(session) for _ in range(most)]
     assert numbers == list(range(numbers[0], numbers[0] + most))
-    state = session.state
+    state = session.store.state
     assert add(session) == numbers[-1]
-    assert session.state is state
+    assert session.store.state is state
     assert len(session.failed) == 1
     remove(session, 3)
     assert add(session) == numbers[-1]
-    names = [each.name for each in (*session.state.document.handles, *session.state.document.regions)]
+    names = [
+        each.name for each in (*session.store.state.document.handles, *session.store.state.document.regions)
+    ]
     assert len(set(names)) == len(names)
 
 
@@ -243,40 +245,40 @@ def test_names_are_not_worth_a_word_to_the_worker(parted, slow, factored):
     factored.count = 0
     there = parted.U
     parted.drag(BENT)
-    parted.until(lambda: parted.U is not there and parted.state.frame.iteration >= 2)
-    iteration = parted.state.frame.iteration
+    parted.until(lambda: parted.U is not there and parted.store.state.frame.iteration >= 2)
+    iteration = parted.store.state.frame.iteration
     parted.parts.rename_handle(1, "Neck")
     parted.parts.rename_handle(0, "Neck")
     parted.parts.rename_region(0, "Waist")
-    parted.until(lambda: parted.state.frame.iteration > iteration)
+    parted.until(lambda: parted.store.state.frame.iteration > iteration)
     parted.settle()
-    document = parted.state.document
+    document = parted.store.state.document
     assert [handle.name for handle in document.handles] == ["Neck 2", "Neck"]
     assert [region.name for region in document.regions] == ["Waist"]
     assert document.posed
-    assert parted.activity is Activity.SETTLED
-    assert parted.state.frame.converged
+    assert parted.store.activity is Activity.SETTLED
+    assert parted.store.state.frame.converged
     assert factored.count == 0
 
 
 def test_a_new_name_in_the_middle_of_a_drag_keeps_nothing_of_the_drag(parted):
-    before = parted.state.document.handles[0]
-    parted.begin_gesture()
-    parted.move_handle(BENT)
+    before = parted.store.state.document.handles[0]
+    parted.gestures.begin()
+    parted.handles.drag(BENT)
     parted.parts.rename_handle(0, "Neck")
-    named = parted.state.document.handles[0]
+    named = parted.store.state.document.handles[0]
     assert named.name == "Neck"
     np.testing.assert_array_equal(named.pose, before.pose)
-    parted.undo()
-    assert parted.state.document.handles[0] is before
+    parted.gestures.undo()
+    assert parted.store.state.document.handles[0] is before
 
 
 def test_a_name_that_stays_as_it_is_ends_no_drag(parted):
-    parted.begin_gesture()
-    parted.move_handle(BENT)
-    parted.parts.rename_handle(0, parted.state.document.handles[0].name)
-    np.testing.assert_array_equal(parted.state.document.handles[0].pose, BENT)
-    parted.end_gesture("Move handle")
+    parted.gestures.begin()
+    parted.handles.drag(BENT)
+    parted.parts.rename_handle(0, parted.store.state.document.handles[0].name)
+    np.testing.assert_array_equal(parted.store.state.document.handles[0].pose, BENT)
+    parted.gestures.end("Move handle")
 
 
 # Regions
@@ -288,11 +290,11 @@ def test_a_region_with_a_target_has_it_while_a_pose_is_held(parted):
     there = parted.handle_at
     for percent in (100.0, 90.0, 107.0):
         parted.settings.set_region_area(0, percent)
-        assert parted.activity is Activity.REFINING
+        assert parted.store.activity is Activity.REFINING
         parted.settle()
-        assert parted.activity is Activity.SETTLED
+        assert parted.store.activity is Activity.SETTLED
         assert abs(region_shares(parted)[0] - percent / 100.0) < 1e-9
-        assert abs(parted.state.frame.area_error) < 1e-9
+        assert abs(parted.store.state.frame.area_error) < 1e-9
         assert np.allclose(parted.handle_at, there, rtol=0, atol=1e-12)
 
 
@@ -302,21 +304,21 @@ def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, 
     parted.drag(BENT)
     parted.settle()
     factored.count = 0
-    before, document = parted.U, parted.state.document
-    parted.begin_gesture()
+    before, document = parted.U, parted.store.state.document
+    parted.gestures.begin()
     for top in (4.0, 4.5, 5.0):
-        parted.paint_region(layers(parted, 2, top), 1)
-        assert len(parted.state.frame.regions) == 1
+        parted.painting.paint_region(layers(parted, 2, top), 1)
+        assert len(parted.store.state.frame.regions) == 1
         parted.listen(0.005)
-    parted.end_stroke("Paint region")
+    parted.painting.end_stroke("Paint region")
     parted.settle()
-    now = parted.state.document
+    now = parted.store.state.document
     assert (now.labels, now.grip) == (document.labels, document.grip)
     assert all(a.pose is b.pose for a, b in zip(now.handles, document.handles, strict=True))
     assert factored.count == 0
     if target is None:
         assert parted.U is before
-        assert parted.activity is Activity.SETTLED
+        assert parted.store.activity is Activity.SETTLED
     else:
         assert abs(region_shares(parted)[0] - 1.0) < 1e-9
         assert np.abs(parted.U - before).max() > 1e-6, "the shape follows"
@@ -326,35 +328,35 @@ def test_a_region_stroke_neither_factors_nor_moves_the_handle(parted, factored, 
 
 def test_a_region_that_is_painted_at_rest_is_measured_at_once(session):
     session.parts.add_region()
-    assert session.state.frame.regions == (0.0,)
+    assert session.store.state.frame.regions == (0.0,)
     region_stroke(session, layers(session, 0, 2), 1)
-    assert session.state.frame.regions == pytest.approx((2 * 2 + 4 * 2 * 2,))
+    assert session.store.state.frame.regions == pytest.approx((2 * 2 + 4 * 2 * 2,))
     session.parts.add_region()
     region_stroke(session, layers(session, 0, 1), 2)
     # Of the strip between the two no triangle has all its corners in one of them.
-    assert session.state.frame.regions == pytest.approx((0.0, 2 * 2 + 4 * 2 * 1))
+    assert session.store.state.frame.regions == pytest.approx((0.0, 2 * 2 + 4 * 2 * 1))
     region_stroke(session, layers(session, 0, 6), 0)
-    assert session.state.frame.regions == (0.0, 0.0)
+    assert session.store.state.frame.regions == (0.0, 0.0)
     session.parts.remove_region(0)
-    assert session.state.frame.regions == (0.0,)
-    assert session.activity is Activity.IDLE
-    assert session.U is session.state.document.mesh.V
+    assert session.store.state.frame.regions == (0.0,)
+    assert session.store.activity is Activity.IDLE
+    assert session.U is session.store.state.document.mesh.V
 
 
 def test_the_first_stroke_makes_its_region_and_is_one_step(session):
-    before = session.state
+    before = session.store.state
     region_stroke(session, layers(session, 0, 2), 1)
-    assert [region.name for region in session.state.document.regions] == ["Region 1"]
-    assert session.history.next_undo == "Paint region"
-    session.undo()
-    assert session.state is before
+    assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
+    assert session.gestures.history.next_undo == "Paint region"
+    session.gestures.undo()
+    assert session.store.state is before
 
 
 def test_every_frame_tells_the_regions_of_its_document(parted, slow):
-    parted.begin_gesture()
-    parted.move_handle(BENT)
-    parted.until(lambda: parted.state.frame.iteration)
-    parted.end_gesture("Move handle")
+    parted.gestures.begin()
+    parted.handles.drag(BENT)
+    parted.until(lambda: parted.store.state.frame.iteration)
+    parted.gestures.end("Move handle")
     parted.parts.add_region()
     parted.listen(0.03)
     region_stroke(parted, layers(parted, 0, 1), 2)
@@ -370,26 +372,28 @@ def test_every_frame_tells_the_regions_of_its_document(parted, slow):
 def test_a_target_of_a_region_without_a_triangle_waits_for_one(session):
     session.parts.add_region()
     session.settings.set_region_area(0, 120.0)
-    assert session.activity is Activity.IDLE
+    assert session.store.activity is Activity.IDLE
     region_stroke(session, layers(session, 0, 0)[:1], 1)
-    assert session.activity is Activity.IDLE
+    assert session.store.activity is Activity.IDLE
     region_stroke(session, layers(session, 2, 4), 1)
-    assert session.activity is Activity.REFINING
+    assert session.store.activity is Activity.REFINING
     session.settle()
     assert abs(region_shares(session)[0] - 1.2) < 1e-9
     region_stroke(session, layers(session, 0, 6), 0)
     session.settle()
     assert session.failed == []
-    assert np.allclose(session.U, session.state.document.mesh.V, rtol=0, atol=1e-3), "nothing is asked for"
+    assert np.allclose(session.U, session.store.state.document.mesh.V, rtol=0, atol=1e-3), (
+        "nothing is asked for"
+    )
 
 
 def test_a_removed_region_asks_for_nothing(parted):
     parted.settings.set_region_area(0, 120.0)
     parted.settle()
-    assert np.abs(parted.U - parted.state.document.mesh.V).max() > 1e-2
+    assert np.abs(parted.U - parted.store.state.document.mesh.V).max() > 1e-2
     parted.parts.remove_region(0)
     parted.settle()
-    assert np.allclose(parted.U, parted.state.document.mesh.V, rtol=0, atol=1e-3)
+    assert np.allclose(parted.U, parted.store.state.document.mesh.V, rtol=0, atol=1e-3)
 
 
 # Area and volume
@@ -399,24 +403,24 @@ def test_a_removed_region_asks_for_nothing(parted):
 def test_another_area_is_had_at_once_without_a_pose(session, factored, method):
     session.settings.set_method(method)
     ready(session)
-    session.reset_handle()
+    session.rest_shape.restore()
     factored.count = 0
-    assert not session.moved
+    assert session.store.state.is_at_rest
     session.settings.set_area(120.0)
-    assert session.activity is Activity.REFINING
-    assert session.moved
+    assert session.store.activity is Activity.REFINING
+    assert not session.store.state.is_at_rest
     session.settle()
-    assert session.activity is Activity.SETTLED
-    within = 1.2 * session.state.document.tolerance if method == "paper" else 1e-9
-    assert abs(session.state.frame.area_error - 0.2) < within
-    assert not session.state.document.posed
-    session.reset_handle()
-    assert session.U is session.state.document.mesh.V
-    assert session.state.document.area == 100.0
-    assert not session.moved
+    assert session.store.activity is Activity.SETTLED
+    within = 1.2 * session.store.state.document.tolerance if method == "paper" else 1e-9
+    assert abs(session.store.state.frame.area_error - 0.2) < within
+    assert not session.store.state.document.posed
+    session.rest_shape.restore()
+    assert session.U is session.store.state.document.mesh.V
+    assert session.store.state.document.area == 100.0
+    assert session.store.state.is_at_rest
     session.listen(0.02)
-    assert session.activity is Activity.IDLE
-    assert session.U is session.state.document.mesh.V
+    assert session.store.activity is Activity.IDLE
+    assert session.U is session.store.state.document.mesh.V
     assert factored.count == 0
 
 
@@ -426,21 +430,24 @@ def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.settings.set_area(105.0)
     parted.drag(BENT)
     parted.settle()
-    parted.reset_handle()
-    assert parted.state.document.targets == (100.0, None, 100.0, None)
-    assert parted.state.frame.regions == parted.state.document.region_areas(parted.U)
+    parted.rest_shape.restore()
+    assert parted.store.state.document.targets == (100.0, None, 100.0, None)
+    assert parted.store.state.frame.regions == parted.store.state.document.region_areas(parted.U)
     parted.settings.set_volume(110.0)
-    parted.reset_handle()
-    assert parted.state.document.volume == 100.0
-    assert not parted.moved
-    undo = parted.history.next_undo
-    parted.reset_handle()
-    assert (parted.history.next_undo, len(parted.history.past)) == (undo, len(parted.history.past))
+    parted.rest_shape.restore()
+    assert parted.store.state.document.volume == 100.0
+    assert parted.store.state.is_at_rest
+    undo = parted.gestures.history.next_undo
+    parted.rest_shape.restore()
+    assert (parted.gestures.history.next_undo, len(parted.gestures.history.past)) == (
+        undo,
+        len(parted.gestures.history.past),
+    )
 
 
 def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
     ready(parted)
-    parted.reset_handle()
+    parted.rest_shape.restore()
     for verb in (
         lambda: parted.settings.set_volume(100.0),
         lambda: parted.settings.set_region_area(0, 100.0),
@@ -457,12 +464,12 @@ def test_at_rest_with_100_percent_of_everything_nothing_moves(parted):
         lambda: region_stroke(parted, layers(parted, 1, 5), 1),
     ):
         verb()
-        assert parted.activity is Activity.IDLE
-        assert parted.U is parted.state.document.mesh.V
-    assert parted.moved, "the area is asked for as soon as another method can have it"
+        assert parted.store.activity is Activity.IDLE
+        assert parted.U is parted.store.state.document.mesh.V
+    assert not parted.store.state.is_at_rest, "the area is asked for as soon as another method can have it"
     parted.settings.set_method("exact")
     parted.settle()
-    assert parted.state.frame.area_error == pytest.approx(0.3)
+    assert parted.store.state.frame.area_error == pytest.approx(0.3)
     assert abs(volume_share(parted) - 1.0) < 1e-9
     assert abs(region_shares(parted)[0] - 1.0) < 1e-9
 
@@ -475,7 +482,7 @@ def test_the_volume_is_kept_while_it_is_asked_for(session):
     session.settings.set_volume(100.0)
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
-    assert abs(session.state.frame.area_error) < 1e-9
+    assert abs(session.store.state.frame.area_error) < 1e-9
     session.drag(pose(-0.4, (0.3, 0.0, 0.0)))
     session.settle()
     assert abs(volume_share(session) - 1.0) < 1e-9
@@ -492,14 +499,14 @@ def test_what_is_no_longer_asked_for_is_let_go_without_a_pose(session):
     assert abs(volume_share(session) - 1.3) < 1e-9
     session.settings.set_volume(None)
     session.settle()
-    assert np.allclose(session.U, session.state.document.mesh.V, rtol=0, atol=1e-2)
+    assert np.allclose(session.U, session.store.state.document.mesh.V, rtol=0, atol=1e-2)
 
 
 def test_an_open_mesh_has_no_volume_to_keep(empty):
     empty.show_now(Mesh(*grid(3, 3)))
-    state = empty.state
+    state = empty.store.state
     empty.settings.set_volume(100.0)
-    assert empty.state is state
+    assert empty.store.state is state
     assert "no volume" in empty.failed[0]
     assert "open" in empty.failed[0]
     empty.settings.set_volume(None)
@@ -510,32 +517,32 @@ def test_an_open_mesh_has_no_volume_to_keep(empty):
 def test_what_is_out_of_reach_is_said_and_can_be_taken_back(parted, verb):
     parted.drag(BENT)
     parted.settle()
-    before = parted.state
+    before = parted.store.state
     if verb == "area":
         parted.settings.set_area(20.0)
     else:
         parted.stroke(layers(parted, 2, 4), BASE)
         parted.settings.set_region_area(0, 150.0)
     parted.settle()
-    assert parted.activity is Activity.UNREACHED
-    frame = parted.state.frame
+    assert parted.store.activity is Activity.UNREACHED
+    frame = parted.store.state.frame
     assert frame.settled
     assert not frame.converged
     assert ("the area" if verb == "area" else "Region 1") in frame.unreached
     assert frame.unreached.endswith(".")
     assert np.isfinite(parted.U).all()
     assert parted.failed == []
-    unreached = parted.state
-    parted.undo()
-    parted.redo()
+    unreached = parted.store.state
+    parted.gestures.undo()
+    parted.gestures.redo()
     parted.listen(0.03)
-    assert parted.state is unreached, "it is not tried again"
-    while parted.state is not before:
-        parted.undo()
+    assert parted.store.state is unreached, "it is not tried again"
+    while parted.store.state is not before:
+        parted.gestures.undo()
     parted.settings.set_area(101.0)
     parted.settle()
-    assert parted.activity is Activity.SETTLED
-    assert parted.state.frame.unreached is None
+    assert parted.store.activity is Activity.SETTLED
+    assert parted.store.state.frame.unreached is None
 
 
 def test_another_method_deforms_the_pose_that_is_held(session):
@@ -544,23 +551,23 @@ def test_another_method_deforms_the_pose_that_is_held(session):
     for method in ("exact", "arap", "local", "paper", "exact"):
         session.settings.set_method(method)
         session.settle()
-        assert session.activity is Activity.SETTLED
+        assert session.store.activity is Activity.SETTLED
         shapes[method] = session.U
         if method == "exact":
-            assert abs(session.state.frame.area_error) < 1e-9
+            assert abs(session.store.state.frame.area_error) < 1e-9
     pairs = [(a, b) for a in shapes for b in shapes if a < b]
     assert all(np.abs(shapes[a] - shapes[b]).max() > 1e-3 for a, b in pairs)
-    assert session.state.document.posed
+    assert session.store.state.document.posed
 
 
 def test_the_local_method_holds_the_total_area_on_demand(session):
     session.settings.set_method("local")
     session.drag(BENT)
     session.settle()
-    assert abs(session.state.frame.area_error) > 1e-9
+    assert abs(session.store.state.frame.area_error) > 1e-9
     session.settings.hold_area(True)
     session.settle()
-    assert abs(session.state.frame.area_error) < 1e-9
+    assert abs(session.store.state.frame.area_error) < 1e-9
 
 
 # Factorizations
@@ -613,14 +620,14 @@ def test_only_what_differs_is_told_to_the_solver(session, monkeypatch):
 def test_what_is_asked_before_anything_is_painted_is_answered_afterwards(empty):
     empty.show_now(bar())
     empty.settings.set_area(110.0)
-    assert empty.activity is Activity.IDLE
-    base, handle = ends(empty.state.document.mesh.V)
+    assert empty.store.activity is Activity.IDLE
+    base, handle = ends(empty.store.state.document.mesh.V)
     empty.stroke(base, BASE)
-    assert empty.activity is Activity.IDLE
+    assert empty.store.activity is Activity.IDLE
     empty.stroke(handle, HANDLE)
-    assert empty.activity is Activity.REFINING
+    assert empty.store.activity is Activity.REFINING
     empty.settle()
-    assert empty.state.frame.area_error == pytest.approx(0.1, abs=1e-9)
+    assert empty.store.state.frame.area_error == pytest.approx(0.1, abs=1e-9)
 
 
 def test_painting_on_an_inflated_shape_moves_nothing(session):
@@ -630,7 +637,7 @@ def test_painting_on_an_inflated_shape_moves_nothing(session):
     session.stroke(layers(session, 1, 1), BASE)
     session.listen(0.03)
     assert session.U is U
-    assert session.activity is Activity.IDLE
+    assert session.store.activity is Activity.IDLE
 
 
 # Another mesh
@@ -644,10 +651,10 @@ def test_another_mesh_keeps_the_settings_and_drops_the_parts(parted):
     parted.settings.set_area(110.0)
     parted.settings.set_volume(100.0)
     parted.show_now(bar())
-    document = parted.state.document
+    document = parted.store.state.document
     assert (document.method, document.tolerance, document.stiffness) == ("local", 0.01, 0.02)
     assert (document.area_stiffness, document.shear_stiffness) == (10.0, 0.5)
     assert document.targets == (100.0, None)
     assert [handle.name for handle in document.handles] == ["Handle 1"]
     assert not document.member.any()
-    assert parted.activity is Activity.IDLE
+    assert parted.store.activity is Activity.IDLE

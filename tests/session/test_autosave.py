@@ -84,7 +84,7 @@ def check_kept(folder: Path, session: Driven) -> None:
     while True:
         try:
             found, view = open_session(kept(folder) or folder)
-            check_equal(found, session.state)
+            check_equal(found, session.store.state)
         except (AssertionError, InputError):
             if time.monotonic() - since > SLOW:
                 raise
@@ -112,7 +112,12 @@ def test_every_step_is_in_the_file_soon(session, folder):
     session.drag(BENT)
     session.settle()
     check_kept(folder, session)
-    for step in (session.undo, session.redo, lambda: session.travel(1), lambda: session.travel(3)):
+    for step in (
+        session.gestures.undo,
+        session.gestures.redo,
+        lambda: session.gestures.travel(1),
+        lambda: session.gestures.travel(3),
+    ):
         step()
         session.settle()
         check_kept(folder, session)
@@ -127,21 +132,21 @@ def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder,
     written = []
     monkeypatch.setattr(backup_module.Backup, "put", lambda _, copy, __: written.append(copy.state))
     session.drag(*(pose(k / 50) for k in range(1, 30)))
-    assert [state.document for state in written] == [session.state.document]
+    assert [state.document for state in written] == [session.store.state.document]
     session.settle()
     assert len(written) == 2, "and once more, not with every frame"
-    assert written[1] is session.state
+    assert written[1] is session.store.state
 
 
 def test_what_is_not_finished_is_not_kept(session, folder):
     check_kept(folder, session)
-    before = session.state
-    session.begin_gesture()
-    session.move_handle(BENT)
+    before = session.store.state
+    session.gestures.begin()
+    session.handles.drag(BENT)
     session.listen(0.2)
     found = open_session(kept(folder))[0]
     check_equal(found, before)
-    session.cancel_gesture()
+    session.gestures.cancel()
     session.settle()
     check_kept(folder, session)
 
@@ -211,11 +216,11 @@ def test_a_key_that_is_held_down_waits_for_no_file(session, folder, monkeypatch)
 
     monkeypatch.setattr(backup_module.Backup, "put", noted)
     for k in range(1, 6):
-        session.pose_handle(pose(k / 50), 0, "Nudge handle", repeats=True)
+        session.handles.pose(pose(k / 50), 0, "Nudge handle", repeats=True)
     assert awaited[0]
     assert not any(awaited[1:])
     check_kept(folder, session)
-    session.undo()
+    session.gestures.undo()
     assert awaited[-1]
 
 
@@ -382,19 +387,19 @@ def test_how_long_ago_in_words():
 def test_restoring_is_one_step_and_is_kept_again_before_the_file_goes(session, folder, bar):
     session.drag(BENT)
     session.settle()
-    before = session.state
+    before = session.store.state
     path = left_behind(folder, bar)
     (left,) = leftovers(folder)
     saved = open_session(path)[0]
     session.autosave.restore(left)
-    session.until(lambda: session.errand is None)
+    session.until(lambda: session.jobs.current is None)
     assert left.taken
-    check_equal(session.state, saved)
-    assert session.history.next_undo == "Open bar.obj"
+    check_equal(session.store.state, saved)
+    assert session.gestures.history.next_undo == "Open bar.obj"
     session.until(lambda: not path.exists() and not lock_path(path).exists())
     check_kept(folder, session)
-    session.undo()
-    assert session.state is before
+    session.gestures.undo()
+    assert session.store.state is before
     assert session.failed == []
 
 
@@ -403,12 +408,12 @@ def test_what_was_restored_counts_as_unsaved(session, folder, bar):
     session.settle()
     check_kept(folder, session)
     path = folder / "1-1.apd"
-    save_session(path, session.state, VIEW)
+    save_session(path, session.store.state, VIEW)
     (left,) = leftovers(folder)
     again = Driven()
     again.autosave.restore(left)
-    again.until(lambda: again.errand is None)
-    assert again.unsaved == [again.state.document.mesh]
+    again.until(lambda: again.jobs.current is None)
+    assert again.files.unsaved == [again.store.state.document.mesh]
     assert path.exists(), "as long as it is not kept anywhere else"
     again.close()
     left.release()
@@ -424,12 +429,12 @@ def test_what_is_damaged_is_refused_in_a_sentence_and_stays(session, folder, bar
         content = path.read_bytes()
         path.write_bytes(b"nonsense" if damage == "nonsense" else content[: len(content) // 2])
     (left,) = leftovers(folder)
-    state = session.state
+    state = session.store.state
     session.autosave.restore(left)
     session.until(lambda: session.failed)
     name = "bar.obj" if damage == "no mesh" else "a damaged session"
     assert session.failed[0].startswith(f"What was left of {name} cannot be restored: ")
-    assert session.state is state
+    assert session.store.state is state
     assert not left.taken
     session.close()
     assert path.exists()
@@ -467,15 +472,15 @@ def play(folder: Path) -> None:
     session.autosave.keep_in(folder / "recovery", lambda: VIEW)
     session.show_now(open_mesh(folder / "bar.obj"))
     session.paint_ends()
-    n = len(session.state.document.mesh.V)
+    n = len(session.store.state.document.mesh.V)
     things = [
         lambda: session.stroke(np.array(chance.sample(range(n), 3)), chance.randrange(3)),
         lambda: session.drag(*(pose(chance.uniform(-1.0, 1.0)) for _ in range(5))),
         lambda: session.settings.set_tolerance(chance.uniform(0.001, 0.1)),
         lambda: session.settings.set_method(chance.choice(["local", "exact", "arap"])),
-        session.undo,
-        session.redo,
-        session.reset_handle,
+        session.gestures.undo,
+        session.gestures.redo,
+        session.rest_shape.restore,
     ]
     with (folder / "log").open("w") as log:
         for number in range(1_000_000):

@@ -205,45 +205,49 @@ def session():
 
 def both_ways(session: Driven, before: Document, steps: int) -> None:
     """A change was one step, and undo and redo go to the very same documents."""
-    after = session.state.document
+    after = session.store.state.document
     assert after is not before
-    assert len(session.history.past) == steps + 1
-    session.undo()
-    assert session.state.document is before
-    session.redo()
-    assert session.state.document is after
-    session.undo()
+    assert len(session.gestures.history.past) == steps + 1
+    session.gestures.undo()
+    assert session.store.state.document is before
+    session.gestures.redo()
+    assert session.store.state.document is after
+    session.gestures.undo()
 
 
 @pytest.mark.parametrize("change", [Change.GROW, Change.SMOOTH, Change.INVERT, *MIRRORS])
 @pytest.mark.parametrize("part", PARTS[:2])
 def test_a_change_is_one_step_and_has_its_name(session, part, change):
-    before, steps, shape = session.state.document, len(session.history.past), session.state.frame.U
-    session.reshape(part, change.name)
-    assert session.state.frame.U is shape
-    if session.state.document is before:
-        assert len(session.history.past) == steps
+    before, steps, shape = (
+        session.store.state.document,
+        len(session.gestures.history.past),
+        session.store.state.frame.U,
+    )
+    session.painting.reshape(part, change.name)
+    assert session.store.state.frame.U is shape
+    if session.store.state.document is before:
+        assert len(session.gestures.history.past) == steps
         assert change is not Change.GROW
         return
-    assert session.history.next_undo == change.value.title
+    assert session.gestures.history.next_undo == change.value.title
     both_ways(session, before, steps)
 
 
 def test_inverting_makes_the_first_region_of_everything(session):
-    before, steps = session.state.document, len(session.history.past)
-    session.reshape(Part(1, is_region=True), "INVERT")
-    assert [region.name for region in session.state.document.regions] == ["Region 1"]
-    assert (session.state.document.member == 1).all()
-    assert session.state.frame.regions == pytest.approx([session.state.inspection.area])
+    before, steps = session.store.state.document, len(session.gestures.history.past)
+    session.painting.reshape(Part(1, is_region=True), "INVERT")
+    assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
+    assert (session.store.state.document.member == 1).all()
+    assert session.store.state.frame.regions == pytest.approx([session.store.state.inspection.area])
     both_ways(session, before, steps)
 
 
 def test_a_change_takes_a_gesture_under_way_back(session):
-    before, steps = session.state.document, len(session.history.past)
-    session.begin_gesture()
-    session.paint(np.arange(100), BASE)
-    session.reshape(Part(HANDLE), "GROW")
-    assert session.history.past[-1].document is before
+    before, steps = session.store.state.document, len(session.gestures.history.past)
+    session.gestures.begin()
+    session.painting.paint(np.arange(100), BASE)
+    session.painting.reshape(Part(HANDLE), "GROW")
+    assert session.gestures.history.past[-1].document is before
     both_ways(session, before, steps)
 
 
@@ -252,13 +256,13 @@ def test_a_bent_shape_stays_when_a_part_of_it_changes(session):
     pose[0, 3] = 0.4
     session.drag(pose)
     session.settle()
-    shape = session.state.frame.U
-    assert not np.allclose(shape, session.state.document.mesh.V, atol=0.01)
-    session.reshape(Part(HANDLE), "GROW")
+    shape = session.store.state.frame.U
+    assert not np.allclose(shape, session.store.state.document.mesh.V, atol=0.01)
+    session.painting.reshape(Part(HANDLE), "GROW")
     session.settle()
-    assert session.state.frame.U is shape
-    assert session.state.document.grip is shape
-    assert not session.state.document.posed
-    session.undo()
-    np.testing.assert_array_equal(session.state.document.handles[0].pose, pose)
-    assert session.state.frame.U is shape
+    assert session.store.state.frame.U is shape
+    assert session.store.state.document.grip is shape
+    assert not session.store.state.document.posed
+    session.gestures.undo()
+    np.testing.assert_array_equal(session.store.state.document.handles[0].pose, pose)
+    assert session.store.state.frame.U is shape

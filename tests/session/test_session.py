@@ -14,31 +14,31 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.history import History
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 # Undo and redo
 
 
 def test_undo_and_redo_bring_back_the_very_objects(session):
-    before = session.state
+    before = session.store.state
     session.drag(pose(0.2), pose(0.4), BENT)
     session.settle()
-    after = session.state
+    after = session.store.state
     copy = after.frame.U.copy()
-    session.undo()
-    assert session.state is before
-    session.redo()
-    assert session.state is after
+    session.gestures.undo()
+    assert session.store.state is before
+    session.gestures.redo()
+    assert session.store.state is after
     assert np.array_equal(session.U, copy)
     session.listen(0.03)
-    assert session.state is after
+    assert session.store.state is after
 
 
 def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
     return {
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
         "Move handle": lambda: session.drag(*(pose(k / 50) for k in range(30))),
-        "Reset handle": session.reset_handle,
+        "Reset handle": session.rest_shape.restore,
         "Change method": lambda: session.settings.set_method("arap"),
         "Change tolerance": lambda: session.settings.set_tolerance(0.01),
         "Open mesh": lambda: session.show_now(bar()),
@@ -51,169 +51,173 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
 def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
     session.drag(BENT)
     session.settle()
-    before = session.state
+    before = session.store.state
     _gestures(session, tmp_path)[name]()
     session.settle()
-    after = session.state
-    assert session.history.next_undo == name
-    session.undo()
-    assert session.state is before
-    assert session.history.next_redo == name
-    session.redo()
-    assert session.state is after
+    after = session.store.state
+    assert session.gestures.history.next_undo == name
+    session.gestures.undo()
+    assert session.store.state is before
+    assert session.gestures.history.next_redo == name
+    session.gestures.redo()
+    assert session.store.state is after
 
 
 def test_a_new_gesture_forgets_what_could_be_redone(session):
     session.drag(BENT)
-    session.undo()
-    assert session.history.next_redo == "Move handle"
+    session.gestures.undo()
+    assert session.gestures.history.next_redo == "Move handle"
     session.settings.set_tolerance(0.02)
-    assert session.history.next_redo is None
+    assert session.gestures.history.next_redo is None
 
 
 @pytest.mark.parametrize("kind", ["stroke", "drag"])
 def test_a_cancelled_gesture_leaves_no_trace(session, kind):
     session.drag(pose(0.1))
     session.settle()
-    session.undo()
-    before, undo, redo = session.state, session.history.next_undo, session.history.next_redo
-    session.begin_gesture()
+    session.gestures.undo()
+    before, undo, redo = (
+        session.store.state,
+        session.gestures.history.next_undo,
+        session.gestures.history.next_redo,
+    )
+    session.gestures.begin()
     if kind == "stroke":
-        session.paint(np.arange(20), HANDLE)
+        session.painting.paint(np.arange(20), HANDLE)
     else:
-        session.move_handle(BENT)
-        session.until(lambda: session.state.frame is not before.frame)
-    session.cancel_gesture()
-    assert session.state is before
-    assert (session.history.next_undo, session.history.next_redo) == (undo, redo)
+        session.handles.drag(BENT)
+        session.until(lambda: session.store.state.frame is not before.frame)
+    session.gestures.cancel()
+    assert session.store.state is before
+    assert (session.gestures.history.next_undo, session.gestures.history.next_redo) == (undo, redo)
     session.listen(0.03)
-    assert session.state is before
+    assert session.store.state is before
 
 
 def test_an_empty_gesture_leaves_no_entry(session):
-    undo = session.history.next_undo, session.state.document
-    session.begin_gesture()
-    session.end_gesture("Move handle")
-    session.begin_gesture()
-    session.end_stroke("Paint")
-    session.cancel_gesture()
-    assert (session.history.next_undo, session.state.document) == undo
+    undo = session.gestures.history.next_undo, session.store.state.document
+    session.gestures.begin()
+    session.gestures.end("Move handle")
+    session.gestures.begin()
+    session.painting.end_stroke("Paint")
+    session.gestures.cancel()
+    assert (session.gestures.history.next_undo, session.store.state.document) == undo
 
 
 def test_a_stroke_that_changes_nothing_leaves_the_document(session):
-    document, undo = session.state.document, session.history.next_undo
+    document, undo = session.store.state.document, session.gestures.history.next_undo
     session.stroke(np.flatnonzero(document.labels == BASE), BASE)
-    assert session.history.next_undo == undo
-    assert session.state.document is document
+    assert session.gestures.history.next_undo == undo
+    assert session.store.state.document is document
 
 
 def test_a_part_that_is_replaced_by_itself_is_no_step(session):
-    before, undo = session.state.document, session.history.next_undo
+    before, undo = session.store.state.document, session.gestures.history.next_undo
     ids = np.flatnonzero(before.labels == BASE)
-    session.begin_gesture()
-    session.paint(ids, FREE)
-    session.paint(ids, BASE)
-    session.end_stroke("Paint base")
-    assert session.state.document is before
-    assert session.history.next_undo == undo
+    session.gestures.begin()
+    session.painting.paint(ids, FREE)
+    session.painting.paint(ids, BASE)
+    session.painting.end_stroke("Paint base")
+    assert session.store.state.document is before
+    assert session.gestures.history.next_undo == undo
 
 
 def test_a_region_that_is_replaced_by_itself_is_no_step_and_is_still_kept(session):
-    ids = np.flatnonzero(session.state.document.labels == FREE)
-    session.begin_gesture()
-    session.paint_region(ids, 1)
-    session.end_stroke("Paint region")
+    ids = np.flatnonzero(session.store.state.document.labels == FREE)
+    session.gestures.begin()
+    session.painting.paint_region(ids, 1)
+    session.painting.end_stroke("Paint region")
     session.settings.set_region_area(0, 103.0)
     session.drag(BENT)
     session.settle()
-    before, steps = session.state.document, len(session.history.done)
-    session.begin_gesture()
-    session.paint_region(ids, 0)
+    before, steps = session.store.state.document, len(session.gestures.history.done)
+    session.gestures.begin()
+    session.painting.paint_region(ids, 0)
     session.settle()  # as it is without what was asked
-    session.paint_region(ids, 1)
-    session.end_stroke("Paint region")
-    assert session.state.document is before
-    assert len(session.history.done) == steps
+    session.painting.paint_region(ids, 1)
+    session.painting.end_stroke("Paint region")
+    assert session.store.state.document is before
+    assert len(session.gestures.history.done) == steps
     session.settle()
-    assert session.state.frame.regions[0] == pytest.approx(1.03 * before.rest_areas[0], rel=1e-6)
+    assert session.store.state.frame.regions[0] == pytest.approx(1.03 * before.rest_areas[0], rel=1e-6)
 
 
 def test_a_drag_settles_that_ends_while_a_stroke_without_effect_is_painted(session):
     ready(session)
     session.drag(BENT)
-    session.begin_gesture()
-    session.paint(np.flatnonzero(session.state.document.labels == BASE), BASE)
-    session.until(lambda: session.state.frame.converged and session.state.frame.iteration)
-    session.end_stroke("Paint")
+    session.gestures.begin()
+    session.painting.paint(np.flatnonzero(session.store.state.document.labels == BASE), BASE)
+    session.until(lambda: session.store.state.frame.converged and session.store.state.frame.iteration)
+    session.painting.end_stroke("Paint")
     assert session.wait_idle(1.0)
 
 
 def test_old_states_are_forgotten_by_their_bytes_but_one_stays(session):
-    session._gestures.history = History(most_bytes=1)
+    session.gestures.history = History(most_bytes=1)
     for angle in (0.1, 0.2, 0.3):
         session.drag(pose(angle))
     session.settle()
-    session.undo()
-    assert session.history.next_undo is None
-    assert np.array_equal(session.state.document.handles[0].pose, pose(0.2))
+    session.gestures.undo()
+    assert session.gestures.history.next_undo is None
+    assert np.array_equal(session.store.state.document.handles[0].pose, pose(0.2))
 
 
 @pytest.mark.parametrize("kind", ["stroke", "drag"])
 def test_undo_within_a_gesture_cancels_it_first(session, kind):
     session.drag(pose(0.1))
     session.settle()
-    previous = session.state
+    previous = session.store.state
     session.settings.set_tolerance(0.5)
     session.settle()
-    session.begin_gesture()
+    session.gestures.begin()
     if kind == "stroke":
-        session.paint(np.arange(20), HANDLE)
+        session.painting.paint(np.arange(20), HANDLE)
     else:
-        session.move_handle(BENT)
-    session.undo()
-    assert session.state is previous
-    session.end_gesture("Move handle")
-    session.end_stroke("Paint")
-    assert session.state is previous
-    assert session.history.next_redo == "Change tolerance"
+        session.handles.drag(BENT)
+    session.gestures.undo()
+    assert session.store.state is previous
+    session.gestures.end("Move handle")
+    session.painting.end_stroke("Paint")
+    assert session.store.state is previous
+    assert session.gestures.history.next_redo == "Change tolerance"
 
 
 def test_a_stroke_that_undo_has_ended_paints_no_more_unless_it_can_be_undone(session):
-    session.begin_gesture()
-    session.paint(np.arange(8), BASE)
-    session.undo()
-    document = session.state.document
-    session.paint(np.arange(20), BASE)
-    session.end_stroke("Paint")
-    assert session.state.document is document or session.history.next_redo is None
+    session.gestures.begin()
+    session.painting.paint(np.arange(8), BASE)
+    session.gestures.undo()
+    document = session.store.state.document
+    session.painting.paint(np.arange(20), BASE)
+    session.painting.end_stroke("Paint")
+    assert session.store.state.document is document or session.gestures.history.next_redo is None
 
 
 def test_what_was_undone_before_it_had_settled_goes_on_when_redone(session, slow):
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration >= 2)
-    unfinished = session.state
+    session.until(lambda: session.store.state.frame.iteration >= 2)
+    unfinished = session.store.state
     assert not unfinished.frame.converged
-    session.undo()
-    assert session.activity is Activity.IDLE
-    session.redo()
-    assert session.state is unfinished
-    assert session.activity is Activity.REFINING
+    session.gestures.undo()
+    assert session.store.activity is Activity.IDLE
+    session.gestures.redo()
+    assert session.store.state is unfinished
+    assert session.store.activity is Activity.REFINING
     session.settle()
-    assert session.activity is Activity.SETTLED
-    assert session.state.document is unfinished.document
-    assert session.state.frame.converged
+    assert session.store.activity is Activity.SETTLED
+    assert session.store.state.document is unfinished.document
+    assert session.store.state.frame.converged
 
 
 def test_undo_to_a_shape_that_had_not_settled_goes_on(session):
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration >= 1)
-    document = session.state.document
+    session.until(lambda: session.store.state.frame.iteration >= 1)
+    document = session.store.state.document
     session.drag(pose(-0.6))
-    session.undo()
-    assert session.state.document is document
+    session.gestures.undo()
+    assert session.store.state.document is document
     session.settle()
-    assert session.state.document is document
-    assert session.state.frame.converged
+    assert session.store.state.document is document
+    assert session.store.state.frame.converged
 
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel", "setting"])
@@ -222,68 +226,68 @@ def test_a_drag_without_a_frame_yet_reaches_its_pose_after_a_detour(session, slo
     ready(session)
     session.drag(BENT if detour != "setting" else np.eye(4))
     if detour == "undo and redo":
-        session.undo()
-        session.redo()
+        session.gestures.undo()
+        session.gestures.redo()
     elif detour == "cancel":
-        session.begin_gesture()
-        session.cancel_gesture()
+        session.gestures.begin()
+        session.gestures.cancel()
     else:
         session.settings.set_tolerance(0.5)
     session.settle()
-    held = session.state.document.constraints()
+    held = session.store.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("detour", ["undo and redo", "cancel"])
 def test_a_shape_at_rest_after_a_stroke_stays_at_rest(session, slow, detour):
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration)
-    session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
+    session.until(lambda: session.store.state.frame.iteration)
+    session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
     U = session.U
     if detour == "undo and redo":
-        session.undo()
-        session.redo()
+        session.gestures.undo()
+        session.gestures.redo()
     else:
-        session.begin_gesture()
-        session.cancel_gesture()
+        session.gestures.begin()
+        session.gestures.cancel()
     session.listen(0.05)
     assert session.U is U
 
 
 def test_nothing_to_undo_or_redo_is_no_error(empty):
     empty.show_now(bar())
-    state = empty.state
-    empty.undo()
-    empty.redo()
-    assert empty.state is state
+    state = empty.store.state
+    empty.gestures.undo()
+    empty.gestures.redo()
+    assert empty.store.state is state
 
 
 @pytest.mark.parametrize("name", ["Change tolerance", "Change method", "Reset handle"])
 def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_path, name):
     ready(session)
-    session.begin_gesture()
-    before = session.state
-    session.move_handle(BENT)
-    session.until(lambda: session.state.frame.iteration)
+    session.gestures.begin()
+    before = session.store.state
+    session.handles.drag(BENT)
+    session.until(lambda: session.store.state.frame.iteration)
     _gestures(session, tmp_path)[name]()
-    session.end_gesture("Move handle")
-    poses = [session.state.document.handles[0].pose]
-    while session.state.document is not before.document and session.history.next_undo:
-        session.undo()
-        poses.append(session.state.document.handles[0].pose)
+    session.gestures.end("Move handle")
+    poses = [session.store.state.document.handles[0].pose]
+    while session.store.state.document is not before.document and session.gestures.history.next_undo:
+        session.gestures.undo()
+        poses.append(session.store.state.document.handles[0].pose)
     # After the state before the drag comes nothing that was made in it.
-    session.undo()
-    assert not np.array_equal(session.state.document.handles[0].pose, BENT)
+    session.gestures.undo()
+    assert not np.array_equal(session.store.state.document.handles[0].pose, BENT)
 
 
 def test_a_setting_changed_within_a_stroke_does_not_let_the_painted_vertices_leap(session):
     session.settings.set_method("arap")
     session.drag(BENT)
     session.settle()
-    middle = np.flatnonzero(session.state.document.mesh.V[:, 2] == 4.0)
+    middle = np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 4.0)
     U = session.U[middle]
-    session.begin_gesture()
-    session.paint(middle, BASE)
+    session.gestures.begin()
+    session.painting.paint(middle, BASE)
     session.settings.set_tolerance(0.5)
     session.listen(0.1)
     assert np.abs(session.U[middle] - U).max() < 1e-3
@@ -292,12 +296,12 @@ def test_a_setting_changed_within_a_stroke_does_not_let_the_painted_vertices_lea
 def test_a_mesh_that_arrives_within_a_gesture_can_be_undone_to_a_whole_state(session):
     session.drag(BENT)
     session.settle()
-    before = session.state
-    session.begin_gesture()
-    session.paint(np.flatnonzero(session.state.document.mesh.V[:, 2] == 4.0), BASE)
+    before = session.store.state
+    session.gestures.begin()
+    session.painting.paint(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 4.0), BASE)
     session.show_now(bar())
-    session.undo()
-    assert session.state is before
+    session.gestures.undo()
+    assert session.store.state is before
 
 
 # Factorizations
@@ -306,11 +310,11 @@ def test_a_mesh_that_arrives_within_a_gesture_can_be_undone_to_a_whole_state(ses
 def test_dragging_never_factors(session, factored):
     ready(session)
     factored.count = 0
-    session.begin_gesture()
+    session.gestures.begin()
     for k in range(50):
-        session.move_handle(pose(k / 60))
+        session.handles.drag(pose(k / 60))
         session.listen(0.003)
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
     session.settle()
     assert factored.count == 0
 
@@ -328,9 +332,9 @@ def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
     known = []
     monkeypatch.setattr("apd_viewer.session.processes.solver.make_ready", known.append)
     empty.show_now(bar())
-    assert empty.state.document.problem
+    assert empty.store.state.document.problem
     empty.until(lambda: known)
-    assert np.array_equal(known[0].V, empty.state.document.mesh.V)
+    assert np.array_equal(known[0].V, empty.store.state.document.mesh.V)
     empty.stroke(np.arange(2), BASE)
     empty.listen(0.1)
     assert len({id(rest) for rest in known}) == 1, "once for all strokes"
@@ -339,20 +343,20 @@ def test_a_mesh_is_got_to_know_while_it_is_painted(empty, monkeypatch):
 def test_until_the_first_shape_it_is_preparing(empty):
     empty.show_now(bar())
     empty.paint_ends()
-    assert not empty.preparing, "nobody waits for it yet"
-    empty.begin_gesture()
-    empty.move_handle(pose(0.1))
-    assert empty.preparing
-    empty.until(lambda: not empty.preparing)
-    assert empty.state.frame.iteration >= 1
-    empty.move_handle(pose(0.2))
-    assert not empty.preparing
-    empty.end_gesture("Move handle")
+    assert not empty.store.preparing, "nobody waits for it yet"
+    empty.gestures.begin()
+    empty.handles.drag(pose(0.1))
+    assert empty.store.preparing
+    empty.until(lambda: not empty.store.preparing)
+    assert empty.store.state.frame.iteration >= 1
+    empty.handles.drag(pose(0.2))
+    assert not empty.store.preparing
+    empty.gestures.end("Move handle")
     empty.settle()
     empty.settings.set_method("arap")
-    assert empty.preparing, "another method is factored for"
+    assert empty.store.preparing, "another method is factored for"
     empty.settle()
-    assert not empty.preparing
+    assert not empty.store.preparing
 
 
 def test_settings_undo_and_reset_do_not_factor(session, factored):
@@ -362,9 +366,9 @@ def test_settings_undo_and_reset_do_not_factor(session, factored):
     session.settle()
     session.drag(BENT)
     session.settle()
-    session.undo()
-    session.redo()
-    session.reset_handle()
+    session.gestures.undo()
+    session.gestures.redo()
+    session.rest_shape.restore()
     session.drag(BENT)
     session.settle()
     assert factored.count == 0
@@ -375,7 +379,7 @@ def test_other_labels_another_method_and_another_mesh_factor(session, factored, 
     ready(session)
     factored.count = 0
     if what == "labels":
-        session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
+        session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
     elif what == "method":
         session.settings.set_method("arap")
     else:
@@ -397,24 +401,24 @@ def test_of_a_burst_of_poses_few_are_aimed_at_and_the_last_one_settles(session, 
     session.drag(*(pose(k / 400, (k / 200, 0.0, 0.0)) for k in range(200)))
     session.settle()
     assert len(aimed) < 60
-    held = session.state.document.constraints()
+    held = session.store.state.document.constraints()
     assert np.array_equal(aimed[-1], held.targets)
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 def test_while_poses_arrive_faster_than_a_step_frames_are_shown(session, slow):
     ready(session)
     shown = len(session.changes)
-    session.begin_gesture()
+    session.gestures.begin()
     frames = set()
     end = time.monotonic() + 0.4
     while time.monotonic() < end:
-        session.move_handle(pose(0.3 * (end - time.monotonic())))
+        session.handles.drag(pose(0.3 * (end - time.monotonic())))
         session.receive()
-        frames.add(id(session.state.frame))
+        frames.add(id(session.store.state.frame))
         time.sleep(0.001)
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
     session.settle()
     assert len(frames) > 10
     assert len(session.changes) > shown
@@ -429,27 +433,27 @@ def test_while_poses_arrive_faster_than_they_can_be_aimed_at_frames_are_shown(se
         real(self, *args)
 
     monkeypatch.setattr(Deformation, "aim", aim)
-    session.begin_gesture()
-    first, frames = session.state.frame, set()
+    session.gestures.begin()
+    first, frames = session.store.state.frame, set()
     end = time.monotonic() + 0.5
     while time.monotonic() < end:
-        session.move_handle(pose(0.3 * (end - time.monotonic())))
+        session.handles.drag(pose(0.3 * (end - time.monotonic())))
         session.receive()
-        frames.add(session.state.frame)
+        frames.add(session.store.state.frame)
         time.sleep(0.001)
-    session.cancel_gesture()
+    session.gestures.cancel()
     assert len(frames - {first}) >= 12
 
 
 def test_the_listener_is_woken_by_the_worker_once_for_what_it_has_not_taken(session):
     ready(session)
     session.woken.clear()
-    session.begin_gesture()
-    session.move_handle(BENT)
+    session.gestures.begin()
+    session.handles.drag(BENT)
     time.sleep(0.1)
     assert session.woken == ["answers"]
     session.settle()
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
 
 
 # Frames of the time before a jump
@@ -457,15 +461,15 @@ def test_the_listener_is_woken_by_the_worker_once_for_what_it_has_not_taken(sess
 
 def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
     def stroke() -> None:
-        session.end_gesture("Move handle")
-        document = session.state.document
+        session.gestures.end("Move handle")
+        document = session.store.state.document
         ring = np.flatnonzero(document.mesh.V[:, 2] == 3.0)
         session.stroke(ring, FREE if document.labels[ring[0]] == BASE else BASE)
 
     return {
-        "undo": lambda: (session.end_gesture("Move handle"), session.undo()),
-        "cancel": session.cancel_gesture,
-        "reset": lambda: (session.end_gesture("Move handle"), session.reset_handle()),
+        "undo": lambda: (session.gestures.end("Move handle"), session.gestures.undo()),
+        "cancel": session.gestures.cancel,
+        "reset": lambda: (session.gestures.end("Move handle"), session.rest_shape.restore()),
         "stroke": stroke,
     }
 
@@ -474,33 +478,33 @@ def _jumps(session: Driven) -> dict[str, Callable[[], None]]:
 def test_no_frame_from_before_a_jump_is_shown_after_it(session, slow, jump):
     session.settings.set_method("arap")
     for k in range(8):
-        session.begin_gesture()
-        session.move_handle(pose(0.3, (1.0, 0.0, 0.0)))
+        session.gestures.begin()
+        session.handles.drag(pose(0.3, (1.0, 0.0, 0.0)))
         count = len(session.changes)
         session.until(lambda count=count: len(session.changes) > count)
-        session.move_handle(pose(0.5, (2.0, 0.0, 0.0)))
+        session.handles.drag(pose(0.5, (2.0, 0.0, 0.0)))
         session.listen(0.004 * (k % 4))
         _jumps(session)[jump]()
-        state, changes = session.state, len(session.changes)
+        state, changes = session.store.state, len(session.changes)
         session.listen(0.04)
-        assert session.state is state
+        assert session.store.state is state
         assert len(session.changes) == changes
-        session.reset_handle()
+        session.rest_shape.restore()
 
 
 def test_a_jump_to_an_unsettled_shape_shows_its_own_frames_only(session, slow):
     session.settings.set_method("arap")
     session.drag(pose(0.4, (-1.0, 0.0, 0.0)))
-    session.until(lambda: session.state.frame.iteration)
-    session.begin_gesture()
-    session.move_handle(pose(0.5, (2.0, 0.0, 0.0)))
+    session.until(lambda: session.store.state.frame.iteration)
+    session.gestures.begin()
+    session.handles.drag(pose(0.5, (2.0, 0.0, 0.0)))
     session.until(lambda: session.handle_at[0] > 2.5)
     changes = len(session.changes)
-    session.undo()
-    session.undo()
-    session.redo()
+    session.gestures.undo()
+    session.gestures.undo()
+    session.gestures.redo()
     session.settle()
-    document = session.state.document
+    document = session.store.state.document
     for _, state in session.changes[changes + 1 :]:
         x = state.frame.U[document.labels == HANDLE].mean(axis=0)[0]
         assert x < 1.0 + 1e-9, "a frame of the undone pose was shown"
@@ -510,7 +514,7 @@ def test_frames_of_an_older_mesh_never_arrive(session, slow):
     small = Mesh(*box(1, 1, 3))
     for mesh in (small, bar(), small, bar()):
         session.drag(pose(0.5))
-        session.until(lambda: session.state.frame.iteration)
+        session.until(lambda: session.store.state.frame.iteration)
         session.show_now(mesh)
         session.listen(0.03)
         assert session.U is mesh.V
@@ -531,12 +535,12 @@ def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
         time.sleep(0.05)
     session.drag(BENT)
     session.receive()
-    assert session.state.frame.iteration
-    assert not session.state.frame.settled
-    session.undo()
-    session.redo()
+    assert session.store.state.frame.iteration
+    assert not session.store.state.frame.settled
+    session.gestures.undo()
+    session.gestures.redo()
     session.settle()
-    held = session.state.document.constraints()
+    held = session.store.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
 
 
@@ -548,20 +552,20 @@ def test_the_end_of_an_older_pose_is_not_the_end_of_this_one(session, slow):
 def test_painting_after_a_drag_moves_nothing(session, method, settled):
     session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
-    session.until(lambda: session.state.frame.iteration >= 3)
+    session.until(lambda: session.store.state.frame.iteration >= 3)
     if settled:
         session.settle()
-    grey = np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0)
-    session.begin_gesture()
-    session.paint(grey, BASE)
+    grey = np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0)
+    session.gestures.begin()
+    session.painting.paint(grey, BASE)
     U = session.U
-    session.end_stroke("Paint")
+    session.painting.end_stroke("Paint")
     session.listen(0.05)
     assert session.U is U
-    assert session.state.document.grip is U
-    assert np.array_equal(session.state.document.handles[0].pose, np.eye(4))
-    assert session.state.frame.handle_drift == 0.0
-    assert session.activity is Activity.IDLE
+    assert session.store.state.document.grip is U
+    assert np.array_equal(session.store.state.document.handles[0].pose, np.eye(4))
+    assert session.store.state.frame.handle_drift == 0.0
+    assert session.store.activity is Activity.IDLE
 
 
 @pytest.mark.parametrize(("method", "most"), [("arap", 1e-3), ("paper", 1e-2)])
@@ -570,13 +574,13 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
     session.settings.set_method(method)
     session.drag(pose(0.9, (1.0, 0.0, 0.5)))
     session.settle()
-    session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
+    session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
     U, changes = session.U, len(session.changes)
     session.drag(pose(1e-4))
     session.settle()
     moved = [np.abs(state.frame.U - U).max() for _, state in session.changes[changes:]]
     assert max(moved) < most
-    base = session.state.document.labels == BASE
+    base = session.store.state.document.labels == BASE
     assert np.array_equal(session.U[base], U[base])
 
 
@@ -590,7 +594,7 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
 def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, capfd, error, said):
     session.drag(BENT)
     session.settle()
-    before = session.state
+    before = session.store.state
     real, calls = linear_solver.LinearSolver, []
 
     def failing_once(A):
@@ -605,15 +609,15 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
     assert len(session.failed) == 1
     assert said in session.failed[0]
     assert session.failed[0].endswith(".")
-    assert session.activity is Activity.UNREACHED
+    assert session.store.activity is Activity.UNREACHED
     assert type(error).__name__ in capfd.readouterr().err
     assert session.U is before.frame.U
     session.drag(pose(0.2))
     session.settle()
-    assert session.activity is Activity.SETTLED
-    session.undo()
-    session.undo()
-    assert session.state is before
+    assert session.store.activity is Activity.SETTLED
+    session.gestures.undo()
+    session.gestures.undo()
+    assert session.store.state is before
     assert len(session.failed) == 1
 
 
@@ -636,48 +640,48 @@ def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):
     empty.paint_ends()
     empty.until(lambda: empty.failed)
     monkeypatch.undo()
-    state = empty.state
+    state = empty.store.state
     empty.drag(BENT)
     empty.settle()
-    assert empty.activity is Activity.SETTLED
-    empty.undo()
-    assert empty.state is state
+    assert empty.store.activity is Activity.SETTLED
+    empty.gestures.undo()
+    assert empty.store.state is state
 
 
 def test_a_pose_that_is_not_finite_is_told_and_can_be_undone(session):
-    before = session.state
+    before = session.store.state
     session.drag(np.full((4, 4), np.nan))
     session.until(lambda: session.failed)
     session.settle()
-    session.undo()
-    assert session.state is before
+    session.gestures.undo()
+    assert session.store.state is before
     session.drag(BENT)
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 def test_a_listener_may_undo_when_told_of_a_failure(session, capfd, monkeypatch):
-    before = session.state
+    before = session.store.state
 
     def failing(*_):
         raise ValueError("broken")
 
-    session.on_failed = session.undo
+    session.on_failed = session.gestures.undo
     monkeypatch.setattr(Deformation, "iterate", failing)
     session.drag(BENT)
     session.until(lambda: session.failed)
     monkeypatch.undo()
-    assert session.state is before
+    assert session.store.state is before
     session.drag(BENT)
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 def test_a_listener_may_receive_when_told_of_a_change(session):
     session.on_changed = session.receive
     session.drag(*(pose(k / 50) for k in range(40)))
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 # What the worker is doing
@@ -685,19 +689,19 @@ def test_a_listener_may_receive_when_told_of_a_change(session):
 
 def test_idle_after_opening_and_painting_refining_on_drag_settled_in_the_end(empty, slow):
     empty.show_now(bar())
-    assert empty.activity is Activity.IDLE
+    assert empty.store.activity is Activity.IDLE
     empty.paint_ends()
-    assert empty.activity is Activity.IDLE
-    empty.begin_gesture()
-    empty.move_handle(BENT)
-    assert empty.activity is Activity.REFINING
-    empty.end_gesture("Move handle")
+    assert empty.store.activity is Activity.IDLE
+    empty.gestures.begin()
+    empty.handles.drag(BENT)
+    assert empty.store.activity is Activity.REFINING
+    empty.gestures.end("Move handle")
     empty.settle()
-    assert empty.activity is Activity.SETTLED
-    state = empty.state
+    assert empty.store.activity is Activity.SETTLED
+    state = empty.store.state
     assert state.frame.converged
     assert abs(state.frame.area_error) <= state.document.tolerance
-    assert empty.seconds_per_iteration > 0.0
+    assert empty.store.seconds_per_iteration > 0.0
 
 
 def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
@@ -705,8 +709,8 @@ def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
     for tolerance in (0.05, 1e-2, 1e-4):
         session.settings.set_tolerance(tolerance)
         session.settle()
-        assert session.activity is Activity.SETTLED
-        assert abs(session.state.frame.area_error) <= tolerance
+        assert session.store.activity is Activity.SETTLED
+        assert abs(session.store.state.frame.area_error) <= tolerance
 
 
 def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
@@ -714,30 +718,30 @@ def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
     monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 30)
     session.drag(BENT)
     session.settle()
-    assert session.activity is Activity.UNREACHED
-    assert session.state.frame.iteration == 30
+    assert session.store.activity is Activity.UNREACHED
+    assert session.store.state.frame.iteration == 30
 
 
 @pytest.mark.parametrize("painted", [(), (BASE,), (HANDLE,)])
 def test_moving_without_base_or_handle_moves_nothing(empty, painted):
     empty.show_now(bar())
-    ids = dict(zip((BASE, HANDLE), ends(empty.state.document.mesh.V), strict=True))
+    ids = dict(zip((BASE, HANDLE), ends(empty.store.state.document.mesh.V), strict=True))
     for label in painted:
         empty.stroke(ids[label], label)
     empty.drag(pose(0.1), BENT)
-    assert empty.activity is Activity.IDLE
+    assert empty.store.activity is Activity.IDLE
     empty.listen(0.02)
-    assert empty.activity is Activity.IDLE
-    assert empty.U is empty.state.document.mesh.V
+    assert empty.store.activity is Activity.IDLE
+    assert empty.U is empty.store.state.document.mesh.V
     assert empty.failed == []
 
 
 def test_everything_held_moves_nothing(session):
     session.stroke(np.arange(len(session.U)), BASE)
-    session.stroke(ends(session.state.document.mesh.V)[1], HANDLE)
+    session.stroke(ends(session.store.state.document.mesh.V)[1], HANDLE)
     session.drag(BENT)
     session.settle()
-    assert session.activity is Activity.IDLE
+    assert session.store.activity is Activity.IDLE
     assert session.failed == []
 
 
@@ -755,9 +759,9 @@ def test_a_settled_worker_sleeps(session):
 
 def test_verbs_without_a_mesh_say_so(empty):
     for verb in (
-        empty.begin_gesture,
-        empty.undo,
-        empty.reset_handle,
+        empty.gestures.begin,
+        empty.gestures.undo,
+        empty.rest_shape.restore,
         lambda: empty.settings.set_method("arap"),
     ):
         with pytest.raises(RuntimeError, match="no mesh is open"):
@@ -768,33 +772,33 @@ def test_poses_are_copied_and_what_is_kept_is_read_only(session):
     mine = BENT.copy()
     session.drag(mine)
     mine[:] = 0.0
-    assert np.array_equal(session.state.document.handles[0].pose, BENT)
+    assert np.array_equal(session.store.state.document.handles[0].pose, BENT)
     session.settle()
-    document = session.state.document
+    document = session.store.state.document
     for array in (document.labels, document.grip, document.handles[0].pose, session.U):
         assert not array.flags.writeable
-    session.undo()
-    assert not session.state.document.handles[0].pose.flags.writeable
+    session.gestures.undo()
+    assert not session.store.state.document.handles[0].pose.flags.writeable
 
 
 def test_reset_brings_back_the_rest_shape_and_keeps_the_paint(session):
-    labels = session.state.document.labels
+    labels = session.store.state.document.labels
     session.drag(BENT)
     session.settle()
-    session.stroke(np.flatnonzero(session.state.document.mesh.V[:, 2] == 1.0), BASE)
-    kept = session.state.document.labels
+    session.stroke(np.flatnonzero(session.store.state.document.mesh.V[:, 2] == 1.0), BASE)
+    kept = session.store.state.document.labels
     assert kept is not labels
-    session.reset_handle()
-    state = session.state
+    session.rest_shape.restore()
+    state = session.store.state
     assert state.frame.U is state.document.mesh.V
     assert state.document.grip is state.document.mesh.V
     assert state.document.labels is kept
     assert (state.frame.area_error, state.frame.handle_drift) == (0.0, 0.0)
-    undo = session.history.next_undo
-    session.undo()
-    session.redo()
-    session.reset_handle()
-    assert session.history.next_undo == undo, "a second reset has nothing to do"
+    undo = session.gestures.history.next_undo
+    session.gestures.undo()
+    session.gestures.redo()
+    session.rest_shape.restore()
+    assert session.gestures.history.next_undo == undo, "a second reset has nothing to do"
 
 
 def test_a_tolerance_that_cannot_be_met_is_refused(session):
@@ -804,9 +808,9 @@ def test_a_tolerance_that_cannot_be_met_is_refused(session):
 
 
 def test_what_is_set_in_the_middle_of_a_stroke_outlives_a_stroke_that_paints_nothing(session):
-    session.begin_gesture()
+    session.gestures.begin()
     session.settings.set_volume(95.0)
-    session.end_stroke("Paint")
-    assert session.state.document.volume == 95.0
-    session.undo()
-    assert session.state.document.volume is None
+    session.painting.end_stroke("Paint")
+    assert session.store.state.document.volume == 95.0
+    session.gestures.undo()
+    assert session.store.state.document.volume is None

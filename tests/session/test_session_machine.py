@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.part_operations import Change
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 from apd_viewer.session.typed_motion import Motion
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
@@ -35,7 +35,7 @@ def _dragging(machine) -> bool:
 
 
 def _with_regions(machine) -> bool:
-    return bool(machine.session.state.document.regions)
+    return bool(machine.session.store.state.document.regions)
 
 
 NUMBERS = st.integers(0, 7)
@@ -57,9 +57,9 @@ class Use(RuleBasedStateMachine):
     @initialize(size=st.sampled_from(SIZES))
     def open_first(self, size) -> None:
         self.session.show_now(Mesh(*box(*size)))
-        z = self.session.state.document.mesh.V[:, 2]
+        z = self.session.store.state.document.mesh.V[:, 2]
         for label, ids in ((BASE, z == 0), (HANDLE, z == z.max())):
-            before = self.session.state
+            before = self.session.store.state
             self.session.stroke(np.flatnonzero(ids), label)
             self._recorded(before)
         for verb in (
@@ -68,14 +68,14 @@ class Use(RuleBasedStateMachine):
             self.session.parts.add_region,
             lambda: self._region_stroke(np.flatnonzero(z <= 2)),
         ):
-            before = self.session.state
+            before = self.session.store.state
             verb()
             self._recorded(before)
 
     def _region_stroke(self, ids) -> None:
-        self.session.begin_gesture()
-        self.session.paint_region(ids, 1)
-        self.session.end_stroke("Paint region")
+        self.session.gestures.begin()
+        self.session.painting.paint_region(ids, 1)
+        self.session.painting.end_stroke("Paint region")
 
     def _recorded(self, before) -> None:
         self.undos.append(before)
@@ -86,25 +86,27 @@ class Use(RuleBasedStateMachine):
     @precondition(_at_rest)
     @rule(kind=st.sampled_from(["stroke", "drag", "drag", "sweep"]))
     def begin(self, kind) -> None:
-        self.session.begin_gesture()
-        self.gesture, self.before = kind, self.session.state
+        self.session.gestures.begin()
+        self.gesture, self.before = kind, self.session.store.state
 
     @precondition(_painting)
     @rule(layer=st.integers(0, 4), label=st.sampled_from([BASE, FREE, FREE, HANDLE]), k=NUMBERS)
     def paint(self, layer, label, k) -> None:
-        document = self.session.state.document
+        document = self.session.store.state.document
         if label == HANDLE:
             label += k % len(document.handles)
         z = document.mesh.V[:, 2]
-        self.session.paint(np.flatnonzero(z == min(layer, z.max())), label)
+        self.session.painting.paint(np.flatnonzero(z == min(layer, z.max())), label)
 
     @precondition(_painting)
     @rule(layer=st.integers(0, 4), k=NUMBERS)
     def paint_region(self, layer, k) -> None:
-        document = self.session.state.document
+        document = self.session.store.state.document
         z, poses = document.mesh.V[:, 2], [handle.pose for handle in document.handles]
-        self.session.paint_region(np.flatnonzero(abs(z - layer) <= 1), k % (len(document.regions) + 1))
-        now = self.session.state.document
+        self.session.painting.paint_region(
+            np.flatnonzero(abs(z - layer) <= 1), k % (len(document.regions) + 1)
+        )
+        now = self.session.store.state.document
         assert all(a is handle.pose for a, handle in zip(poses, now.handles, strict=True))
         assert now.labels is document.labels
 
@@ -117,25 +119,25 @@ class Use(RuleBasedStateMachine):
         which=NUMBERS,
     )
     def drag(self, angle, shift, steps, seconds, which) -> None:
-        which %= len(self.session.state.document.handles)
+        which %= len(self.session.store.state.document.handles)
         for k in range(1, steps + 1):
             pose = np.eye(4)
             pose[:3, :3] = rotation((0, 0, 1), angle * k / steps)
             pose[:3, 3] = np.array(shift) * k / steps
-            self.session.move_handle(pose, which)
+            self.session.handles.drag(pose, which)
             time.sleep(seconds)
 
     @precondition(_painting)
     @rule()
     def end_stroke(self) -> None:
-        before, now = self.before, self.session.state
-        self.session.end_stroke("Paint")
+        before, now = self.before, self.session.store.state
+        self.session.painting.end_stroke("Paint")
         if np.array_equal(before.document.labels, now.document.labels):
-            assert self.session.state.document is now.document
+            assert self.session.store.state.document is now.document
         else:
             assert self.session.U is now.frame.U
-            assert self.session.state.document.grip is now.frame.U
-            assert not self.session.state.document.posed
+            assert self.session.store.state.document.grip is now.frame.U
+            assert not self.session.store.state.document.posed
         if before.document is not now.document:
             self._recorded(before)
         self.gesture = None
@@ -143,31 +145,31 @@ class Use(RuleBasedStateMachine):
     @precondition(lambda machine: machine.gesture in ("drag", "sweep"))
     @rule()
     def end_gesture(self) -> None:
-        self.session.end_gesture("Move handle")
-        if self.session.state.document is not self.before.document:
+        self.session.gestures.end("Move handle")
+        if self.session.store.state.document is not self.before.document:
             self._recorded(self.before)
         self.gesture = None
 
     @rule()
     def cancel(self) -> None:
-        self.session.cancel_gesture()
+        self.session.gestures.cancel()
         if self.gesture:
-            assert self.session.state is self.before
+            assert self.session.store.state is self.before
         self.gesture = None
 
     # Single acts, which take back the gesture that they come in the middle of.
 
     def _before_act(self):
-        before = self.before if self.gesture else self.session.state
+        before = self.before if self.gesture else self.session.store.state
         self.gesture = None
         return before
 
     @rule()
     def reset(self) -> None:
         before = self._before_act()
-        self.session.reset_handle()
+        self.session.rest_shape.restore()
         assert self.session.U is before.document.mesh.V
-        if self.session.state is not before:
+        if self.session.store.state is not before:
             self._recorded(before)
 
     @rule(of=st.sampled_from(["handle", "region"]))
@@ -175,7 +177,7 @@ class Use(RuleBasedStateMachine):
         before = self._before_act()
         count = len(getattr(before.document, f"{of}s"))
         number = getattr(self.session.parts, f"add_{of}")()
-        assert number == len(getattr(self.session.state.document, f"{of}s")) - 1
+        assert number == len(getattr(self.session.store.state.document, f"{of}s")) - 1
         if number == count:
             self._recorded(before)
         else:
@@ -185,40 +187,40 @@ class Use(RuleBasedStateMachine):
 
     @rule(of=st.sampled_from(["handle", "handle", "region"]), k=NUMBERS)
     def remove(self, of, k) -> None:
-        document = self.session.state.document
+        document = self.session.store.state.document
         count = len(getattr(self.before.document if self.gesture else document, f"{of}s"))
         if count:
             before = self._before_act()
             getattr(self.session.parts, f"remove_{of}")(k % count)
             self._recorded(before)
-            now = self.session.state.document
+            now = self.session.store.state.document
             assert len(getattr(now, f"{of}s")) == (max(1, count - 1) if of == "handle" else count - 1)
             assert now.labels.max() < HANDLE + len(now.handles)
             assert now.member.max() <= len(now.regions)
 
     @rule(k=NUMBERS, name=st.sampled_from(["Neck", " ", "Handle 1"]))
     def rename(self, k, name) -> None:
-        k %= len(self.session.state.document.handles)
-        before, now = self.before if self.gesture else self.session.state, self.session.state
+        k %= len(self.session.store.state.document.handles)
+        before, now = self.before if self.gesture else self.session.store.state, self.session.store.state
         self.session.parts.rename_handle(k, name)
-        assert all(handle.name for handle in self.session.state.document.handles)
-        if self.session.state is not now:
+        assert all(handle.name for handle in self.session.store.state.document.handles)
+        if self.session.store.state is not now:
             self.gesture = None
             self._recorded(before)
 
     def _acted(self, before, gesture=None) -> None:
         """After an act that is a step of its own, or a part of the one before, or nothing."""
-        if self.session.state.document is before.document:
-            assert len(self.session.history.done) == len(self.undos)
-        elif len(self.session.history.done) > len(self.undos):
+        if self.session.store.state.document is before.document:
+            assert len(self.session.gestures.history.done) == len(self.undos)
+        elif len(self.session.gestures.history.done) > len(self.undos):
             self._recorded(before)
         else:
-            assert self.session.history.next_undo == gesture == "Nudge handle"
+            assert self.session.gestures.history.next_undo == gesture == "Nudge handle"
             assert self.redos == []
 
     @rule(k=NUMBERS, of=st.sampled_from(["base", "handle", "region"]), change=st.sampled_from(list(Change)))
     def reshape(self, k, of, change) -> None:
-        document = (self.before if self.gesture else self.session.state).document
+        document = (self.before if self.gesture else self.session.store.state).document
         if of == "region" and not document.regions:
             return
         before = self._before_act()
@@ -227,10 +229,10 @@ class Use(RuleBasedStateMachine):
         else:
             part = Part(BASE if of == "base" else HANDLE + k % len(document.handles))
         others = ~part.of(document) & (part.codes(document) != part.nothing)
-        self.session.reshape(part, change.name)
-        now = self.session.state.document
+        self.session.painting.reshape(part, change.name)
+        now = self.session.store.state.document
         assert np.array_equal(part.codes(now)[others], part.codes(document)[others])
-        assert len(self.session.history.done) == len(self.undos) + (now is not document)
+        assert len(self.session.gestures.history.done) == len(self.undos) + (now is not document)
         if now is not document:
             self._recorded(before)
 
@@ -238,7 +240,7 @@ class Use(RuleBasedStateMachine):
     def type_motion(self, k, motion, text) -> None:
         before = self._before_act()
         with contextlib.suppress(InputError):
-            self.session.type_motion(motion.name, text, k % len(before.document.handles))
+            self.session.handles.move_by(motion.name, text, k % len(before.document.handles))
         self._problem_was_said(before)
         self._acted(before)
 
@@ -247,34 +249,34 @@ class Use(RuleBasedStateMachine):
         before = self._before_act()
         k %= len(before.document.handles)
         for _ in range(times):
-            self.session.cancel_gesture()
-            pose = self.session.state.document.handles[k].pose.copy()
+            self.session.gestures.cancel()
+            pose = self.session.store.state.document.handles[k].pose.copy()
             pose[0, 3] += 0.02
-            self.session.pose_handle(pose, k, "Nudge handle", repeats=True)
+            self.session.handles.pose(pose, k, "Nudge handle", repeats=True)
             self._problem_was_said(before)
         self._acted(before, "Nudge handle")
 
     @rule(k=NUMBERS)
     def put_back(self, k) -> None:
         before = self._before_act()
-        self.session.put_back_handle(k % len(before.document.handles))
+        self.session.handles.reset(k % len(before.document.handles))
         self._problem_was_said(before)
         self._acted(before)
 
     def _problem_was_said(self, before) -> None:
-        if self.session.state.document.problem:
-            assert self.session.state.document is before.document
+        if self.session.store.state.document.problem:
+            assert self.session.store.state.document is before.document
             assert set(self.session.failed) <= {before.document.problem}
             self.session.failed.clear()
 
     # Settings, which become part of a gesture, but take back a stroke that they come in the middle of.
 
     def _set(self, verb, *values) -> None:
-        now = self.session.state
+        now = self.session.store.state
         painted = self.gesture and not now.document.painted_like(self.before.document)
         before = self.before if painted else now
         getattr(self.session.settings, verb)(*values)
-        if self.session.state.document is now.document:
+        if self.session.store.state.document is now.document:
             return
         if painted or not self.gesture:
             self.gesture = None
@@ -303,22 +305,22 @@ class Use(RuleBasedStateMachine):
     @rule(falloff=st.sampled_from([0.0, 0.7, 1.5]), k=NUMBERS)
     def set_falloff(self, falloff, k) -> None:
         # The handle must be there also after a stroke has been taken back.
-        self._set("set_falloff", k % len(self.session.state.document.handles), falloff)
+        self._set("set_falloff", k % len(self.session.store.state.document.handles), falloff)
 
     @precondition(_with_regions)
     @rule(percent=st.none() | PERCENT, k=NUMBERS)
     def set_region_area(self, percent, k) -> None:
         # The region must be there also after a stroke has been taken back.
-        self._set("set_region_area", k % len(self.session.state.document.regions), percent)
+        self._set("set_region_area", k % len(self.session.store.state.document.regions), percent)
 
     @precondition(_at_rest)
     @rule(size=st.sampled_from(SIZES))
     def open(self, size) -> None:
         self.session.receive()
-        self.session.show(Mesh(*box(*size)))
-        before = self.session.state
-        while self.session.errand is not None:
-            before = self.session.state
+        self.session.files.open_mesh(Mesh(*box(*size)))
+        before = self.session.store.state
+        while self.session.jobs.current is not None:
+            before = self.session.store.state
             self.session.receive()
         self._recorded(before)
 
@@ -326,48 +328,48 @@ class Use(RuleBasedStateMachine):
     @rule()
     def bake(self) -> None:
         self.session.receive()
-        before = shown = self.session.state
-        self.session.bake()
-        while self.session.errand is not None:
-            before = self.session.state
+        before = shown = self.session.store.state
+        self.session.rest_shape.bake()
+        while self.session.jobs.current is not None:
+            before = self.session.store.state
             self.session.receive()
-        now = self.session.state.document
+        now = self.session.store.state.document
         assert now.mesh.V is shown.frame.U
         assert now.mesh.F is shown.document.mesh.F
         assert now.labels is shown.document.labels
-        assert not self.session.moved
+        assert self.session.store.state.is_at_rest
         self._recorded(before)
 
     # Going back
 
     def _expected(self, target, now) -> None:
-        document = self.session.state.document
-        assert self.session.state is (target or now)
+        document = self.session.store.state.document
+        assert self.session.store.state is (target or now)
         assert document.mesh.V.shape == self.session.U.shape
-        assert len(self.session.state.frame.regions) == len(document.regions)
+        assert len(self.session.store.state.frame.regions) == len(document.regions)
         self.gesture = None
 
     @rule()
     def undo(self) -> None:
-        now = self.before if self.gesture else self.session.state
+        now = self.before if self.gesture else self.session.store.state
         target = self.undos.pop() if self.undos else None
         if target:
             self.redos.append(now)
-        self.session.undo()
+        self.session.gestures.undo()
         self._expected(target, now)
 
     @rule()
     def redo(self) -> None:
-        now = self.before if self.gesture else self.session.state
+        now = self.before if self.gesture else self.session.store.state
         target = self.redos.pop() if self.redos else None
         if target:
             self.undos.append(now)
-        self.session.redo()
+        self.session.gestures.redo()
         self._expected(target, now)
 
     @rule(share=st.floats(0.0, 1.0))
     def travel(self, share) -> None:
-        now = self.before if self.gesture else self.session.state
+        now = self.before if self.gesture else self.session.store.state
         steps = round(share * (len(self.undos) + len(self.redos)))
         target = now
         while len(self.undos) > steps:
@@ -376,8 +378,8 @@ class Use(RuleBasedStateMachine):
         while len(self.undos) < steps:
             self.undos.append(target)
             target = self.redos.pop()
-        self.session.travel(steps)
-        assert len(self.session.history.done) == steps
+        self.session.gestures.travel(steps)
+        assert len(self.session.gestures.history.done) == steps
         self._expected(target, now)
 
     # Time
@@ -391,11 +393,11 @@ class Use(RuleBasedStateMachine):
     @rule()
     def settle(self) -> None:
         self.session.settle()
-        state = self.session.state
+        state = self.session.store.state
         document, U = state.document, state.frame.U
         assert U.shape == document.mesh.V.shape
         assert np.isfinite(U).all()
-        if self.session.activity is Activity.SETTLED:
+        if self.session.store.activity is Activity.SETTLED:
             held = document.constraints()
             moving = np.isin(held.fixed, np.concatenate(held.handles))
             assert np.array_equal(U[held.fixed][~moving], held.targets[~moving])
@@ -409,19 +411,19 @@ class Use(RuleBasedStateMachine):
     @rule()
     def there_and_back(self) -> None:
         """Undo everything, then do it all again."""
-        last, undos, redos = self.session.state, list(self.undos), list(self.redos)
+        last, undos, redos = self.session.store.state, list(self.undos), list(self.redos)
         while self.undos:
             self.undo()
         if undos:
-            assert self.session.state is undos[0]
+            assert self.session.store.state is undos[0]
         while len(self.undos) < len(undos):
             self.redo()
-        assert self.session.state is last
+        assert self.session.store.state is last
         assert all(a is b for a, b in zip(self.redos, redos, strict=True))
 
     def teardown(self) -> None:
         try:
-            self.session.cancel_gesture()
+            self.session.gestures.cancel()
             self.gesture = None
             self.there_and_back()
             assert self.session.failed == []

@@ -14,10 +14,11 @@ from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.processes.shape_checker import Examiner, Shape
-from apd_viewer.session.session import Listener, Session
+from apd_viewer.session.session import Session
 
 LONG = 30.0
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
@@ -136,7 +137,7 @@ def session():
             changed=lambda *_: None,
             told=print,
             failed=pytest.fail,
-            examined=lambda: told.append((session.examining.under_way, session.examining.found)),
+            examined=lambda: told.append((session.shape_checks.under_way, session.shape_checks.found)),
         )
     )
     session.said = told
@@ -147,11 +148,11 @@ def session():
 def known(session):
     end = time.monotonic() + LONG
     assert session.wait_idle(LONG)
-    while session.examining.found is None:
+    while session.shape_checks.found is None:
         assert time.monotonic() < end
         session.receive()
         time.sleep(0.002)
-    return session.examining.found
+    return session.shape_checks.found
 
 
 def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
@@ -161,27 +162,27 @@ def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
     labels[V[:, 2] < 0.5] = BASE
     labels[V[:, 2] > 3.5] = HANDLE
     mesh = Mesh(V, F)
-    session._open("tube", lambda: opened(mesh, labels))
+    session.files.open_with("tube", lambda: opened(mesh, labels))
     first = known(session)
-    assert first is session.examining.at_rest
+    assert first is session.shape_checks.at_rest
     assert len(first.crossing) == 0
     assert session.said[0] == (True, None)
-    session.begin_gesture()
-    assert session.examining.found is first, "nothing has moved"
+    session.gestures.begin()
+    assert session.shape_checks.found is first, "nothing has moved"
     pose = np.eye(4)
     pose[:3, 3] = 0.7, 0.0, -6.0  # through the base
-    session.move_handle(pose)
+    session.handles.drag(pose)
     session.wait_idle(LONG)
-    assert session.examining.found is None
-    assert not session.examining.under_way, "the gesture is not over"
-    session.end_gesture("Move handle")
-    assert session.examining.under_way
+    assert session.shape_checks.found is None
+    assert not session.shape_checks.under_way, "the gesture is not over"
+    session.gestures.end("Move handle")
+    assert session.shape_checks.under_way
     crossed = known(session)
-    U = session.state.frame.U
+    U = session.store.state.frame.U
     assert np.array_equal(crossed.crossing, crossings(U, mesh.joined_F))
     assert len(crossed.crossing) > 10
     assert crossed.packed == pytest.approx(packed_volume(U), rel=1e-9)
-    assert session.examining.at_rest is first
-    session.undo()
-    assert session.examining.found is first, "it is known already"
-    assert not session.examining.under_way
+    assert session.shape_checks.at_rest is first
+    session.gestures.undo()
+    assert session.shape_checks.found is first, "it is known already"
+    assert not session.shape_checks.under_way

@@ -15,7 +15,7 @@ AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
 
 
 def centres(session: Driven) -> tuple[np.ndarray, np.ndarray]:
-    document = session.state.document
+    document = session.store.state.document
     base = document.grip[document.labels == 0].mean(axis=0)
     gripped = document.grip[document.labels == 2].mean(axis=0)
     return base, transform(document.handles[0].pose, gripped[None])[0]
@@ -23,8 +23,8 @@ def centres(session: Driven) -> tuple[np.ndarray, np.ndarray]:
 
 def by(session: Driven) -> np.ndarray:
     """What the last motion did after the pose that was there before."""
-    before = session.history.past[-1].document.handles[0].pose
-    return session.state.document.handles[0].pose @ np.linalg.inv(before)
+    before = session.gestures.history.past[-1].document.handles[0].pose
+    return session.store.state.document.handles[0].pose @ np.linalg.inv(before)
 
 
 @pytest.fixture
@@ -35,9 +35,9 @@ def bent(session):
 
 @pytest.mark.parametrize("letter", "XYZ")
 def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
-    bent.type_motion(f"MOVE_{letter}", "0.15L + 0.1", 0)
+    bent.handles.move_by(f"MOVE_{letter}", "0.15L + 0.1", 0)
     expected = np.eye(4)
-    expected[:3, 3] = (0.15 * max(bent.state.inspection.size) + 0.1) * np.array(AXES[letter])
+    expected[:3, 3] = (0.15 * max(bent.store.state.inspection.size) + 0.1) * np.array(AXES[letter])
     np.testing.assert_allclose(by(bent), expected, atol=1e-12)
 
 
@@ -45,7 +45,7 @@ def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
 def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, letter):
     for kind, which in (("TURN", 1), ("BEND", 0)):
         fixed = centres(bent)[which]
-        bent.type_motion(f"{kind}_{letter}", "30deg", 0)
+        bent.handles.move_by(f"{kind}_{letter}", "30deg", 0)
         motion = by(bent)
         np.testing.assert_allclose(motion[:3, :3], rotation(AXES[letter], np.pi / 6), atol=1e-12)
         np.testing.assert_allclose(transform(motion, fixed[None])[0], fixed, atol=1e-12)
@@ -53,7 +53,7 @@ def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, 
 
 def test_a_twist_turns_about_the_line_between_the_centres(bent):
     base, handle = centres(bent)
-    bent.type_motion("TWIST", "1/6 turn", 0)
+    bent.handles.move_by("TWIST", "1/6 turn", 0)
     motion = by(bent)
     for point in (base, handle, 2 * handle - base):
         np.testing.assert_allclose(transform(motion, point[None])[0], point, atol=1e-11)
@@ -62,33 +62,33 @@ def test_a_twist_turns_about_the_line_between_the_centres(bent):
 
 def test_a_factor_scales_about_the_centre(bent):
     _, handle = centres(bent)
-    bent.type_motion("SCALE", "80%", 0)
+    bent.handles.move_by("SCALE", "80%", 0)
     np.testing.assert_allclose(by(bent)[:3, :3], 0.8 * np.eye(3), atol=1e-12)
     np.testing.assert_allclose(centres(bent)[1], handle, atol=1e-12)
 
 
 def test_a_motion_is_one_step_and_the_shape_follows(bent):
-    before, steps = bent.state, len(bent.history.done)
-    bent.type_motion("TWIST", "20", 0)
-    assert bent.history.done[steps:] == ["Twist"]
+    before, steps = bent.store.state, len(bent.gestures.history.done)
+    bent.handles.move_by("TWIST", "20", 0)
+    assert bent.gestures.history.done[steps:] == ["Twist"]
     bent.settle()
-    held = bent.state.document.constraints()
+    held = bent.store.state.document.constraints()
     np.testing.assert_allclose(bent.U[held.fixed], held.targets, rtol=0, atol=1e-12)
-    bent.undo()
-    assert bent.state is before
+    bent.gestures.undo()
+    assert bent.store.state is before
 
 
 @pytest.mark.parametrize("text", ["", "60mm", "L", "1/0", "sixty"])
 def test_what_is_no_angle_is_refused_in_a_sentence_and_nothing_moves(bent, text):
-    before = bent.state.document
+    before = bent.store.state.document
     with pytest.raises(InputError, match=r"\.$"):
-        bent.type_motion("TWIST", text, 0)
-    assert bent.state.document is before
+        bent.handles.move_by("TWIST", text, 0)
+    assert bent.store.state.document is before
 
 
 def test_a_length_with_a_unit_is_converted_to_the_meshs(bent):
-    assert amount_of(Motion.MOVE_X, "25mm", bent.state, Unit.CENTIMETRE) == pytest.approx(2.5)
-    names = names_of(bent.state)
+    assert amount_of(Motion.MOVE_X, "25mm", bent.store.state, Unit.CENTIMETRE) == pytest.approx(2.5)
+    names = names_of(bent.store.state)
     assert names["L"] == max(names["X"], names["Y"], names["Z"])
     assert names["D"] == pytest.approx(np.linalg.norm([names[side] for side in "XYZ"]), rel=1e-12)
 
@@ -96,59 +96,59 @@ def test_a_length_with_a_unit_is_converted_to_the_meshs(bent):
 def test_without_a_base_or_a_handle_it_is_said_what_to_paint(empty):
     empty.show_now(bar())
     with pytest.raises(InputError, match="paint it first"):
-        moved(empty.state.document, 0, Motion.TWIST, 1.0)
+        moved(empty.store.state.document, 0, Motion.TWIST, 1.0)
 
 
 def test_presses_that_follow_each_other_are_one_step(bent):
-    steps = len(bent.history.done)
+    steps = len(bent.gestures.history.done)
     for _ in range(5):
-        pose = bent.state.document.handles[0].pose.copy()
+        pose = bent.store.state.document.handles[0].pose.copy()
         pose[0, 3] += 0.01
-        bent.pose_handle(pose, 0, "Nudge handle", repeats=True)
-    assert len(bent.history.done) == steps + 1
-    shifted = bent.state.document
-    bent.undo()
-    assert len(bent.history.done) == steps
-    bent.redo()
-    assert bent.state.document is shifted
+        bent.handles.pose(pose, 0, "Nudge handle", repeats=True)
+    assert len(bent.gestures.history.done) == steps + 1
+    shifted = bent.store.state.document
+    bent.gestures.undo()
+    assert len(bent.gestures.history.done) == steps
+    bent.gestures.redo()
+    assert bent.store.state.document is shifted
     bent.settings.set_stiffness(0.01)
     pose[0, 3] += 0.01
-    bent.pose_handle(pose, 0, "Nudge handle", repeats=True)
-    assert bent.history.done[steps:] == ["Nudge handle", "Change stiffness", "Nudge handle"]
+    bent.handles.pose(pose, 0, "Nudge handle", repeats=True)
+    assert bent.gestures.history.done[steps:] == ["Nudge handle", "Change stiffness", "Nudge handle"]
 
 
 def test_a_press_after_an_undo_is_a_step_of_its_own(bent):
-    pose = bent.state.document.handles[0].pose.copy()
+    pose = bent.store.state.document.handles[0].pose.copy()
     for shift in (0.01, 0.02):
         pose[0, 3] += shift
-        bent.pose_handle(pose, 0, "Nudge handle", repeats=True)
-    bent.undo()
-    before = bent.state
-    bent.pose_handle(pose, 0, "Nudge handle", repeats=True)
-    bent.undo()
-    assert bent.state is before
+        bent.handles.pose(pose, 0, "Nudge handle", repeats=True)
+    bent.gestures.undo()
+    before = bent.store.state
+    bent.handles.pose(pose, 0, "Nudge handle", repeats=True)
+    bent.gestures.undo()
+    assert bent.store.state is before
 
 
 def test_one_handle_is_put_back_and_the_paint_stays(bent):
-    labels = bent.state.document.labels
-    bent.put_back_handle(0)
-    assert not bent.state.document.posed
-    assert bent.state.document.labels is labels
-    assert bent.history.next_undo == "Put handle back"
-    steps = len(bent.history.done)
-    bent.put_back_handle(0)
-    assert len(bent.history.done) == steps, "it is back already"
+    labels = bent.store.state.document.labels
+    bent.handles.reset(0)
+    assert not bent.store.state.document.posed
+    assert bent.store.state.document.labels is labels
+    assert bent.gestures.history.next_undo == "Put handle back"
+    steps = len(bent.gestures.history.done)
+    bent.handles.reset(0)
+    assert len(bent.gestures.history.done) == steps, "it is back already"
 
 
 def test_travelling_leads_to_the_very_states_that_were_there(bent):
-    states = [bent.state]
-    start = len(bent.history.done)
+    states = [bent.store.state]
+    start = len(bent.gestures.history.done)
     for angle in (5, 10, 15):
-        bent.type_motion("TWIST", f"{angle}", 0)
+        bent.handles.move_by("TWIST", f"{angle}", 0)
         bent.settle()
-        states.append(bent.state)
+        states.append(bent.store.state)
     for steps in (1, 3, 0, 2, 2, 3, 0):
-        bent.travel(start + steps)
-        assert bent.state is states[steps]
-        assert bent.history.done[start:] == ["Twist"] * steps
-        assert bent.history.undone == ["Twist"] * (3 - steps)
+        bent.gestures.travel(start + steps)
+        assert bent.store.state is states[steps]
+        assert bent.gestures.history.done[start:] == ["Twist"] * steps
+        assert bent.gestures.history.undone == ["Twist"] * (3 - steps)

@@ -74,7 +74,7 @@ class Sight:
     _seen: dict[tuple, np.ndarray] = {}  # noqa: RUF012 - it is slow, and the same views come again
 
     def __init__(self, window):
-        state, self.eye = window.session.state, window.canvas.viewport.eye
+        state, self.eye = window.session.store.state, window.canvas.viewport.eye
         mesh = state.document.mesh
         _, first, place = np.unique(mesh.V, axis=0, return_index=True, return_inverse=True)
         self.place = place.ravel()
@@ -292,12 +292,12 @@ class Scene:
         self.qtbot, self.window, self.name = qtbot, window, name
         self.canvas, self.view = window.canvas, window.canvas.viewport
         mesh = Mesh(*MESHES[name]())
-        window.session.show(mesh)
+        window.session.files.open_mesh(mesh)
         idle(qtbot, window)
         if name != "bare":
             self._make_up(mesh)
         idle(qtbot, window)
-        self.state, self.eye = window.session.state, self.view.eye
+        self.state, self.eye = window.session.store.state, self.view.eye
 
     def _make_up(self, mesh):
         """Ends to bend it by, and a pattern in which every stroke finds some of all."""
@@ -310,16 +310,16 @@ class Scene:
             qtbot.wait(30)
             drag(qtbot, window, arrow_grip(window, 0), (70, -20), steps=4)
             idle(qtbot, window)
-            assert not np.allclose(window.session.state.frame.U, mesh.V, atol=0.05)
+            assert not np.allclose(window.session.store.state.frame.U, mesh.V, atol=0.05)
         self.paint(np.sin(9 * x + 4 * z) < -0.5, BASE)
         self.paint(np.sin(9 * x + 4 * z) > 0.5, HANDLE)
-        self.paint(np.sin(12 * y - 3 * x) > 0.0, 1, window.session.paint_region)
+        self.paint(np.sin(12 * y - 3 * x) > 0.0, 1, window.session.painting.paint_region)
 
     def paint(self, member, code, how=None):
         session = self.window.session
-        session.begin_gesture()
-        (how or session.paint)(np.flatnonzero(member), code)
-        session.end_stroke("Paint")
+        session.gestures.begin()
+        (how or session.painting.paint)(np.flatnonzero(member), code)
+        session.painting.end_stroke("Paint")
 
     def reset(self, qtbot, tool=Tool.HANDLE, way=Way.BRUSH):
         """All as it was, with another tool in the hand."""
@@ -343,12 +343,12 @@ class Scene:
 
     @property
     def document(self):
-        return self.window.session.state.document
+        return self.window.session.store.state.document
 
     @property
     def steps(self):
         """Number of the steps that can be undone."""
-        return len(self.window.session.history.past)
+        return len(self.window.session.gestures.history.past)
 
     @property
     def colors(self):
@@ -379,8 +379,8 @@ class Scene:
         np.testing.assert_array_equal(self.colors, self.own_colors)
 
     def assert_nothing_has_changed(self):
-        assert self.window.session.state is self.state
-        assert self.window.session.history.next_redo is None
+        assert self.window.session.store.state is self.state
+        assert self.window.session.gestures.history.next_redo is None
 
 
 def painted(document, chosen, tool, modifiers):

@@ -12,9 +12,10 @@ from meshes import box, ends, rotation
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import Document, State, opened
 from apd_viewer.session.model.view import Standpoint, View
-from apd_viewer.session.session import Listener, Session
+from apd_viewer.session.session import Session
 
 LONG = 20.0  # seconds; nothing here should come near it
 
@@ -73,33 +74,33 @@ class Driven(Session):
             time.sleep(0.001)
 
     def show_now(self, mesh: Mesh) -> None:
-        self.show(mesh)
-        self.until(lambda: self.errand is None)
+        self.files.open_mesh(mesh)
+        self.until(lambda: self.jobs.current is None)
 
     def stroke(self, ids: np.ndarray, label: int) -> None:
-        self.begin_gesture()
-        self.paint(ids, label)
-        self.end_stroke("Paint")
+        self.gestures.begin()
+        self.painting.paint(ids, label)
+        self.painting.end_stroke("Paint")
 
     def paint_ends(self) -> None:
-        base, handle = ends(self.state.document.mesh.V)
+        base, handle = ends(self.store.state.document.mesh.V)
         self.stroke(base, BASE)
         self.stroke(handle, HANDLE)
 
     def drag(self, *poses: np.ndarray) -> None:
-        self.begin_gesture()
+        self.gestures.begin()
         for pose in poses:
-            self.move_handle(pose)
-        self.end_gesture("Move handle")
+            self.handles.drag(pose)
+        self.gestures.end("Move handle")
 
     @property
     def U(self) -> np.ndarray:
-        return self.state.frame.U
+        return self.store.state.frame.U
 
     @property
     def handle_at(self) -> np.ndarray:
         """Centroid of the handle on screen."""
-        return self.U[self.state.document.labels == HANDLE].mean(axis=0)
+        return self.U[self.store.state.document.labels == HANDLE].mean(axis=0)
 
 
 def pose(angle: float = 0.0, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:

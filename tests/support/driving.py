@@ -5,7 +5,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QGuiApplication, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT = Qt.MouseButton.LeftButton
@@ -92,16 +92,17 @@ def idle(qtbot, window, timeout=60_000):
     """Let the event loop run until nothing is opened, written or refined any more."""
     session = window.session
     qtbot.waitUntil(
-        lambda: session.errand is None and session.activity is not Activity.REFINING, timeout=timeout
+        lambda: session.jobs.current is None and session.store.activity is not Activity.REFINING,
+        timeout=timeout,
     )
 
 
 def document(window):
-    return window.session.state.document
+    return window.session.store.state.document
 
 
 def on_screen(window, vertex):
-    return window.canvas.viewport.project(window.session.state.frame.U[[vertex]])[0]
+    return window.canvas.viewport.project(window.session.store.state.frame.U[[vertex]])[0]
 
 
 def stroke(qtbot, window, middle, half_width=30):

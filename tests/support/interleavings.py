@@ -9,7 +9,7 @@ from meshes import box
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 MESHES = Mesh(*box(2, 2, 6)), Mesh(*box(4, 4, 12))
 METHODS = ("exact", "arap", "local")  # these have the handle exactly where it was put
@@ -30,7 +30,7 @@ class User(Driven):
         self.allowed: set[float] = set()
 
     def look(self) -> None:
-        state = self.state
+        state = self.store.state
         V, U = state.document.mesh.V, state.frame.U
         assert U.shape == V.shape, "a frame of the wrong mesh"
         if self.allowed and not state.document.problem:
@@ -43,15 +43,15 @@ class User(Driven):
 
     def jumped(self) -> None:
         """From here on only what is on screen and what is asked may be seen."""
-        document = self.state.document
+        document = self.store.state.document
         target = document.grip[-1, 0] + document.handles[0].pose[0, 3]
         self.allowed = {self.handle_x(self.U), float(target)}
 
     def act(self, verb) -> None:
-        before, generation = self.allowed, self._stage._generation
+        before, generation = self.allowed, self.store._generation
         self.allowed = set()
         verb()
-        if self._stage._generation == generation:
+        if self.store._generation == generation:
             self.allowed = before  # there was nothing to go back to
         else:
             self.jumped()
@@ -63,24 +63,24 @@ class User(Driven):
         self.act(self.paint_ends)
 
     def ring(self) -> None:
-        z = self.state.document.mesh.V[:, 2]
+        z = self.store.state.document.mesh.V[:, 2]
         ring = np.flatnonzero(z == 1.0)
-        label = FREE if self.state.document.labels[ring[0]] == BASE else BASE
+        label = FREE if self.store.state.document.labels[ring[0]] == BASE else BASE
         self.act(lambda: self.stroke(ring, label))
 
     def drag_on(self) -> None:
-        self.begin_gesture()
+        self.gestures.begin()
         for _ in range(self.random.randint(1, 15)):
             self.poses += 1
             pose = np.eye(4)
             pose[0, 3] = 1e-3 * self.poses % 2.0
-            self.allowed.add(float(self.state.document.grip[-1, 0] + pose[0, 3]))
-            self.move_handle(pose)
+            self.allowed.add(float(self.store.state.document.grip[-1, 0] + pose[0, 3]))
+            self.handles.drag(pose)
             self.listen(self.random.choice([0.0, 0.0, 0.002, 0.01]))
         if self.random.random() < 0.2:
-            self.act(self.cancel_gesture)
+            self.act(self.gestures.cancel)
         else:
-            self.end_gesture("Move handle")
+            self.gestures.end("Move handle")
 
     def other_method(self) -> None:
         self.settings.set_method(self.random.choice(METHODS))
@@ -100,15 +100,15 @@ class User(Driven):
                     self.ring,
                     self.other_method,
                     self.pause,
-                    lambda: self.act(self.undo),
-                    lambda: self.act(self.redo),
-                    lambda: self.act(self.reset_handle),
+                    lambda: self.act(self.gestures.undo),
+                    lambda: self.act(self.gestures.redo),
+                    lambda: self.act(self.rest_shape.restore),
                     self.open_mesh,
                 ]
             )()
         self.settle()
-        state = self.state
-        if self.activity is Activity.SETTLED:
+        state = self.store.state
+        if self.store.activity is Activity.SETTLED:
             held = state.document.constraints()
             assert np.allclose(self.U[held.fixed], held.targets, rtol=0, atol=1e-9)
         assert self.failed == []
@@ -123,7 +123,7 @@ def play(times: int, seed: int = 1) -> int:
         for k in range(times):
             user.play()
             assert time.monotonic() - began < LONG * (k + 1), "it hangs"
-        assert (HANDLE in user.state.document.labels) or user.state.document.problem
+        assert (HANDLE in user.store.state.document.labels) or user.store.state.document.problem
         return user.frames
     finally:
         user.close()

@@ -30,8 +30,8 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
-from apd_viewer.session.session import Activity
 from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
@@ -153,7 +153,7 @@ class Driver:
 
     def idle(self):
         session = self.window.session
-        self.wait(lambda: session.errand is None and session.activity is not Activity.REFINING)
+        self.wait(lambda: session.jobs.current is None and session.store.activity is not Activity.REFINING)
 
     def scene(self, name, *things):
         """Read everything, or some things only, and take a picture if that is wanted."""
@@ -202,9 +202,9 @@ def settings(driver):
     _write_bar(driver.folder)
     driver.window.filing.open_path(driver.folder / "bar.obj")
     driver.idle()
-    session.load_selection(driver.folder / "bar.sel")
+    session.files.load_selection(driver.folder / "bar.sel")
     driver.idle()
-    session.type_motion("TWIST", "30", 0)
+    session.handles.move_by("TWIST", "30", 0)
     driver.idle()
     for method in ("exact", "local", "paper", "arap"):
         session.settings.set_method(method)
@@ -215,8 +215,8 @@ def settings(driver):
     session.settings.set_volume(40.0)
     driver.idle()
     driver.scene("out of reach")
-    session.undo()
-    session.undo()
+    session.gestures.undo()
+    session.gestures.undo()
     driver.idle()
     driver.scene("undone")
 
@@ -320,7 +320,7 @@ def help_(driver):
     sheet.back.click()
     driver.scene("standard keys")
     window.help.close()
-    window.session.open_sample("bottle")
+    window.session.files.open_sample("bottle")
     driver.idle()
     window.help.begin_tour()
     driver.wait(lambda: window.help.tour.active)
@@ -334,21 +334,21 @@ def files(driver):
     file_dialogs.about(window)
     file_dialogs.ask_before_losing(window)
     file_dialogs.ask_for_mesh(window, folder)
-    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)
-    file_dialogs.ask_where_to_put_selection(window, folder, session.state.document.mesh)
-    file_dialogs.ask_for_target(window, folder, session.state.document.mesh)
-    file_dialogs.ask_where_to_report(window, folder, session.state.document.mesh)
-    file_dialogs.ask_where_to_put_picture(window, folder, session.state.document.mesh)
+    file_dialogs.ask_where_to_put_selection(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_for_target(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_report(window, folder, session.store.state.document.mesh)
+    file_dialogs.ask_where_to_put_picture(window, folder, session.store.state.document.mesh)
     (folder / "there.obj.apd").write_text("")
-    file_dialogs.ask_for_session(window, folder, session.state.document.mesh)
+    file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     for write in (
-        lambda: session.export(folder / "out.obj"),
-        lambda: session.save(folder / "out.apd", window.canvas.view(""), True),
-        lambda: session.save_selection(folder / "out.sel"),
-        lambda: session.save_selection(folder / "out.json"),
-        lambda: session.load_selection(folder / "out.json"),
-        lambda: session.load_selection(folder / "out.obj"),
+        lambda: session.files.export(folder / "out.obj"),
+        lambda: session.files.save(folder / "out.apd", window.canvas.view(""), True),
+        lambda: session.files.save_selection(folder / "out.sel"),
+        lambda: session.files.save_selection(folder / "out.json"),
+        lambda: session.files.load_selection(folder / "out.json"),
+        lambda: session.files.load_selection(folder / "out.obj"),
     ):
         write()
         driver.scene("writing")

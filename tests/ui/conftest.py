@@ -93,7 +93,7 @@ def window(qtbot, settings, monkeypatch):
 @pytest.fixture
 def bottle(qtbot, window):
     """A window on the sample bottle, painted."""
-    window.session.open_sample("bottle")
+    window.session.files.open_sample("bottle")
     idle(qtbot, window)
     qtbot.wait(50)
     return window

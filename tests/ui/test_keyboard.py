@@ -27,7 +27,7 @@ def everything(window):
     actions.pose.parts[0].trigger()
     actions.pose.parts[2].trigger()
     window.session.settings.set_region_area(0, 100.0)
-    window.session.type_motion("TWIST", "20", 0)
+    window.session.handles.move_by("TWIST", "20", 0)
     window.take(Tool.HANDLE)
     window.panel.folded = []
     window.notice.fail("Something went wrong; do something else.")

@@ -27,7 +27,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.window import Window
@@ -128,21 +128,21 @@ def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch)
     window.actions_.export.trigger()
     idle(qtbot, window)
     again = open_mesh(target)
-    assert area(again.V, again.F) == pytest.approx(window.session.state.frame.area, rel=1e-6)
-    assert f"{window.session.state.frame.area:#.6g}" in window.panel.area.area.text()
+    assert area(again.V, again.F) == pytest.approx(window.session.store.state.frame.area, rel=1e-6)
+    assert f"{window.session.store.state.frame.area:#.6g}" in window.panel.area.area.text()
     assert "bent.obj" in window.notice.text
 
     window.actions_.undo.trigger()
     window.actions_.undo.trigger()
     assert document(window).labels is painted
     assert np.array_equal(pose_of(window), np.eye(4))
-    assert window.session.state.frame.U is document(window).mesh.V
+    assert window.session.store.state.frame.U is document(window).mesh.V
     assert np.array_equal(window.canvas.surface.U, document(window).mesh.V)
 
 
 def assert_settled_in_the_last_pose(window, shown):
-    state = window.session.state
-    assert window.session.activity is Activity.SETTLED
+    state = window.session.store.state
+    assert window.session.store.activity is Activity.SETTLED
     assert abs(state.frame.area_error) <= 1e-9
     assert window.panel.area.activity.text() == "settled"
     assert shown[-1][0] is state.frame.U
@@ -169,12 +169,12 @@ def test_twisting_the_bottle_by_its_ring_brings_the_area_back(qtbot, bottle):
 def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
     idle(qtbot, bottle)
-    before = bottle.session.state.frame.U
+    before = bottle.session.store.state.frame.U
     bottle.take(Tool.BASE)
     free = np.flatnonzero((document(bottle).labels == FREE) & (document(bottle).mesh.V[:, 2] > 3.0))
     stroke(qtbot, bottle, on_screen(bottle, free[len(free) // 2]))
     idle(qtbot, bottle)
-    assert bottle.session.state.frame.U is before
+    assert bottle.session.store.state.frame.U is before
     assert np.array_equal(pose_of(bottle), np.eye(4))
 
     bottle.take(Tool.MOVE)
@@ -189,7 +189,7 @@ def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
 
 
 def test_escape_gives_back_the_shape_before_the_drag(qtbot, bottle):
-    before = bottle.session.state
+    before = bottle.session.store.state
     mouse = Mouse(bottle.canvas.viewport)
     at = np.asarray(ring_grip(bottle, 1))
     mouse.move(at)
@@ -202,8 +202,8 @@ def test_escape_gives_back_the_shape_before_the_drag(qtbot, bottle):
     mouse.release(at)
     idle(qtbot, bottle)
     assert document(bottle) is before.document
-    assert bottle.session.state.frame.U is before.frame.U
-    assert bottle.session.history.next_undo is None
+    assert bottle.session.store.state.frame.U is before.frame.U
+    assert bottle.session.gestures.history.next_undo is None
 
 
 def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
@@ -211,7 +211,7 @@ def test_reset_brings_the_rest_shape_back_and_keeps_the_paint(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
     bottle.panel.handles.reset.click()
     idle(qtbot, bottle)
-    assert bottle.session.state.frame.U is document(bottle).mesh.V
+    assert bottle.session.store.state.frame.U is document(bottle).mesh.V
     assert document(bottle).labels is labels
     assert bottle.panel.area.percent.text() == "100.000 %"
     bottle.actions_.undo.trigger()
@@ -235,14 +235,14 @@ def big(process, qtbot, window):
     idle(qtbot, window)
     session = window.session
     for pole, label in ((-1, BASE), (1, HANDLE)):
-        session.begin_gesture()
-        session.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
-        session.end_stroke("Paint")
+        session.gestures.begin()
+        session.painting.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
+        session.painting.end_stroke("Paint")
     window.take(Tool.MOVE)
-    session.begin_gesture()
-    session.move_handle(np.eye(4) + np.eye(4, k=3) * 1e-6)
-    qtbot.waitUntil(lambda: session.state.frame.iteration > 0, timeout=20_000)
-    session.cancel_gesture()
+    session.gestures.begin()
+    session.handles.drag(np.eye(4) + np.eye(4, k=3) * 1e-6)
+    qtbot.waitUntil(lambda: session.store.state.frame.iteration > 0, timeout=20_000)
+    session.gestures.cancel()
     qtbot.wait(400)
     return window
 
@@ -292,7 +292,7 @@ def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big):
         assert len(shown) >= 5
         if longest < MOST_FRAMES:
             break
-        big.session.reset_handle()
+        big.session.rest_shape.restore()
         idle(qtbot, big)
     assert longest < MOST_FRAMES
 
@@ -304,23 +304,23 @@ def test_replies_never_pile_up(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
     qtbot.wait(100)
     woken.clear()
-    iteration = bottle.session.state.frame.iteration
+    iteration = bottle.session.store.state.frame.iteration
     time.sleep(0.3)
     QApplication.processEvents()
     assert len(woken) <= 2
-    qtbot.waitUntil(lambda: bottle.session.state.frame.iteration > iteration + 2, timeout=2_000)
+    qtbot.waitUntil(lambda: bottle.session.store.state.frame.iteration > iteration + 2, timeout=2_000)
 
 
 # Bad input and files
 
 
 def test_what_is_open_stays_open_when_a_file_is_bad(qtbot, bottle, tmp_path):
-    state = bottle.session.state
+    state = bottle.session.store.state
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
     bottle.filing.open_path(bad)
     idle(qtbot, bottle)
-    assert bottle.session.state is state
+    assert bottle.session.store.state is state
     assert "bad.obj" in bottle.notice.text
     assert "missing vertices" in bottle.notice.text
     bottle.notice._close.click()
@@ -333,17 +333,17 @@ def test_a_separate_piece_that_nothing_holds_is_announced_and_stays(qtbot, windo
     window.filing.show_mesh(Mesh(np.vstack([V, V + [3, 0, 0]]), np.vstack([F, F + n])))
     idle(qtbot, window)
     session = window.session
-    session.begin_gesture()
-    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
-    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
-    session.end_stroke("Paint")
+    session.gestures.begin()
+    session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.painting.end_stroke("Paint")
     window.take(Tool.MOVE)
     qtbot.wait(50)
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
     idle(qtbot, window)
     assert "held by nothing" in window.notice.text
-    assert np.array_equal(session.state.frame.U[n:], V + [3, 0, 0])
-    assert not np.allclose(session.state.frame.U[:n], V)
+    assert np.array_equal(session.store.state.frame.U[n:], V + [3, 0, 0])
+    assert not np.allclose(session.store.state.frame.U[:n], V)
 
 
 def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settings):
@@ -387,10 +387,10 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     )
     assert not window.filing.worth_asking, "nothing is lost yet"
     session = window.session
-    session.begin_gesture()
-    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
-    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
-    session.end_stroke("Paint")
+    session.gestures.begin()
+    session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.painting.end_stroke("Paint")
     window.take(Tool.MOVE)
     qtbot.wait(50)
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
@@ -442,7 +442,7 @@ def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
     bottle.actions_.undo.trigger()
     mouse.release(at + (30, 0))
     assert document(bottle) is posed
-    assert bottle.session.history.next_redo is None
+    assert bottle.session.gestures.history.next_redo is None
 
 
 def test_escape_puts_a_brush_away(qtbot, bottle):
@@ -456,7 +456,7 @@ def test_the_whole_gizmo_is_in_the_first_picture(qtbot, window, size):
     window.resize(*size)
     qtbot.wait(20)
     for sample in ("bottle", "duck"):
-        window.session.open_sample(sample)
+        window.session.files.open_sample(sample)
         idle(qtbot, window)
         frame, view = window.canvas.gizmo.frame, window.canvas.viewport
         letters = np.vstack([frame.arrow(axis)[3] for axis in range(3)])
@@ -525,7 +525,7 @@ def test_twenty_windows_leave_nothing_behind(qtbot, settings):
         window.start()
         show(qtbot, window, window.canvas.viewport)
         if k % 4 == 0:
-            window.session.open_sample("bottle")
+            window.session.files.open_sample("bottle")
             idle(qtbot, window)
             drag(qtbot, window, ring_grip(window, 1), (30, 0), steps=2)
         canvas, session = window.canvas, window.session
@@ -549,12 +549,12 @@ def test_a_mesh_that_opens_ends_the_drag_of_another(qtbot, bottle):
     mouse.move(at)
     mouse.press(at)
     mouse.move(at + [20, 0])
-    window.session.open_sample("duck")
+    window.session.files.open_sample("duck")
     idle(qtbot, window)
     for k in range(5):
         mouse.move(at + [30 + 10 * k, 0])
         qtbot.wait(10)
     mouse.release(at + [80, 0])
     assert not document(window).posed
-    assert window.session.state.frame.U is document(window).mesh.V
+    assert window.session.store.state.frame.U is document(window).mesh.V
     assert np.array_equal(window.canvas.gizmo.pose, np.eye(4))

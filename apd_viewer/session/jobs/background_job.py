@@ -15,14 +15,14 @@ from apd_viewer.language import tr
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """How an errand ended: ``value`` is what it returned, or ``failure`` says why it did not."""
+    """How an job ended: ``value`` is what it returned, or ``failure`` says why it did not."""
 
-    errand: Errand
+    job: Job
     value: Any = None
     failure: str | None = None
 
 
-class Errand:
+class Job:
     """Runs ``work()`` on a thread and hands its Outcome to ``deliver``, called on that thread.
 
     Parameters
@@ -73,25 +73,37 @@ class Errand:
         self._deliver(outcome)
 
 
-class Errands:
-    """The errand under way, if there is one, and how those that have ended did.
+class Jobs:
+    """The job under way, if there is one, and how those that have ended did.
 
     Parameters
     ----------
     wake : callable
-        Called on the errand's thread when there is something to receive.
+        Called on the job's thread when there is something to receive.
     failed : callable
         ``failed(sentence)``, called on the owner's thread.
+    told : callable
+        ``told(sentence)``, called on the owner's thread when a job was cancelled.
+    changed : callable
+        Called on the owner's thread when a job may have begun or ended.
     """
 
-    def __init__(self, wake: Callable[[], object], failed: Callable[[str], object]) -> None:
-        self.current: Errand | None = None
+    def __init__(
+        self,
+        wake: Callable[[], object],
+        failed: Callable[[str], object],
+        told: Callable[[str], object],
+        changed: Callable[[], object],
+    ) -> None:
+        self.current: Job | None = None
         self._wake = wake
         self._failed = failed
+        self._told = told
+        self._changed = changed
         self._outcomes: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
         self._closed = False
 
-    def send(
+    def run(
         self,
         title: str,
         work: Callable[[], object],
@@ -104,27 +116,28 @@ class Errands:
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
             )
         else:
-            self.current = Errand(title, work, done, self._deliver, can_be_cancelled)
+            self.current = Job(title, work, done, self._deliver, can_be_cancelled)
+        self._changed()
 
-    def cancel(self) -> Errand | None:
-        """Forget the errand under way and return it; one that cannot be cancelled goes on."""
-        if self.current is None or not self.current.can_be_cancelled:
-            return None
-        cancelled, self.current = self.current, None
-        return cancelled
-
-    def receive(self) -> bool:
-        """Do what is to be done with a value that has come; False if nothing has."""
-        if self._outcomes.empty():
-            return False
-        outcome = self._outcomes.get()
-        if outcome.errand is self.current:  # otherwise it was cancelled
+    def cancel(self) -> None:
+        """Forget the job under way, and say so; one that writes is left to finish, whole."""
+        cancelled = self.current
+        if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
-            if outcome.failure:
-                self._failed(outcome.failure)
-            else:
-                outcome.errand.done(outcome.value)
-        return True
+            self._told(tr("{title}: cancelled.").format(title=cancelled.title))
+            self._changed()
+
+    def receive(self) -> None:
+        """Pass on the results that have come."""
+        while not self._outcomes.empty():
+            outcome = self._outcomes.get()
+            if outcome.job is self.current:  # otherwise it was cancelled
+                self.current = None
+                if outcome.failure:
+                    self._failed(outcome.failure)
+                else:
+                    outcome.job.done(outcome.value)
+            self._changed()
 
     def close(self) -> None:
         """Wake nobody any more, and wait for what must not be left half done."""

@@ -311,6 +311,13 @@ class State:
         return *own, *self.skin.arrays
 
     @property
+    def is_at_rest(self) -> bool:
+        """Whether the shape is that at rest, no handle is posed and no other percentage is asked for."""
+        document = self.document
+        asks = any(percent not in (None, 100.0) for percent in document.targets)
+        return self.frame.U is document.mesh.V and not document.posed and not asks
+
+    @property
     def lacks(self) -> bool:
         """Whether an area or a volume is asked for that the shape does not have."""
         document, rest, now = self.document, self.inspection, self.frame

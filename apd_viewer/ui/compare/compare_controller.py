@@ -58,9 +58,9 @@ class Comparing:
 
     def open(self) -> None:
         """Compare methods on the document as it is now, or say what is missing for that."""
-        if self._at_work is None or self._at_work[0].state is None:
+        if self._at_work is None or self._at_work[0].store.state is None:
             return
-        session, state, actions = self._at_work[0], self._at_work[0].state, self._at_work[1]
+        session, state, actions = self._at_work[0], self._at_work[0].store.state, self._at_work[1]
         if sentence := _why_not(session):
             self._notice.fail(sentence)
             return
@@ -69,7 +69,7 @@ class Comparing:
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
-            window.compare(state, session.unit)
+            window.compare(state, session.store.unit)
         window.raise_()
         window.activateWindow()
 
@@ -95,8 +95,8 @@ class Comparing:
         session = self._at_work[0]
         if sentence := _why_not(session):
             self.window.refuse(sentence)
-        elif session.state is not None:
-            self.window.compare(session.state, session.unit)
+        elif session.store.state is not None:
+            self.window.compare(session.store.state, session.store.unit)
 
     def _forget(self) -> None:
         window, self.window = self.window, None
@@ -105,7 +105,7 @@ class Comparing:
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit, if it is the mesh at hand that is compared."""
-        state = None if self._at_work is None else self._at_work[0].state
+        state = None if self._at_work is None else self._at_work[0].store.state
         if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
             self.window.measure_in(unit)
 
@@ -123,6 +123,6 @@ class Comparing:
 
 def _why_not(session: Session) -> str | None:
     """What has to be done before methods can be compared, as a sentence; None if nothing."""
-    if session.state is None:
+    if session.store.state is None:
         return None
-    return session.state.document.problem or (None if session.moved else _AT_REST)
+    return session.store.state.document.problem or (_AT_REST if session.store.state.is_at_rest else None)

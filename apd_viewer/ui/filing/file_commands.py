@@ -51,7 +51,7 @@ class Filing:
         """Open what was asked for in the meantime; the latest wish wins."""
         self._session = session
         if self._recovery is not None:
-            session.autosave.keep_in(self._recovery, lambda: self._view(session.unit.value))
+            session.autosave.keep_in(self._recovery, lambda: self._view(session.store.unit.value))
         if self._wish is not None:
             self._wish(session)
 
@@ -85,19 +85,19 @@ class Filing:
         """Open a file, in the background."""
 
         def wish(session: Session) -> None:
-            if session.errand is None:  # or it is refused, and another file is the one that comes
+            if session.jobs.current is None:  # or it is refused, and another file is the one that comes
                 self._asked = Path(path)
-            session.open(path)
+            session.files.open(path)
 
         self._open(wish)
 
     def open_sample(self, name: str) -> None:
         """Open a sample, in the background."""
-        self._open(lambda session: session.open_sample(name))
+        self._open(lambda session: session.files.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
         """Show a mesh that is in memory."""
-        self._open(lambda session: session.show(mesh))
+        self._open(lambda session: session.files.open_mesh(mesh))
 
     def _open(self, wish: Callable[[Session], None]) -> None:
         if self._session is None:
@@ -113,22 +113,22 @@ class Filing:
 
     def ask_for_target(self) -> None:
         """Let the user choose where to write the deformed mesh."""
-        if self._session is None or (state := self._session.state) is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
-            self._session.export(path)
+            self._session.files.export(path)
 
     def save(self) -> None:
         """Save the session where it was saved or opened last; ask where if that is nowhere."""
         if self._path is None:
             self.save_as()
-        elif self._session is not None and self._session.state is not None:
-            self._session.save(self._path, self._view(self._session.unit.value), self._embeds)
+        elif self._session is not None and self._session.store.state is not None:
+            self._session.files.save(self._path, self._view(self._session.store.unit.value), self._embeds)
 
     def save_as(self) -> None:
         """Let the user choose where to save the session, and whether with the mesh in it."""
-        if self._session is None or (state := self._session.state) is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
         found = file_dialogs.ask_for_session(self._window, self._memory.folder, mesh)
@@ -151,19 +151,19 @@ class Filing:
 
     def load_selection(self) -> None:
         """Let the user choose a file that says what to paint."""
-        if self._session is None or self._session.state is None:
+        if self._session is None or self._session.store.state is None:
             return
         path = file_dialogs.ask_for_selection(self._window, self._memory.folder)
         if path is not None:
-            self._session.load_selection(path)
+            self._session.files.load_selection(path)
 
     def save_selection(self) -> None:
         """Let the user choose where to write what is painted."""
-        if self._session is None or (state := self._session.state) is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
-            self._session.save_selection(path)
+            self._session.files.save_selection(path)
 
     def may_close(self) -> bool:
         """Whether no shape is lost with the window, or the user wants it so."""
@@ -178,5 +178,5 @@ class Filing:
     def worth_asking(self) -> bool:
         """Whether a shape would be lost; the samples are there to be played with."""
         return self._session is not None and any(
-            mesh.path is None or own_file(mesh) is not None for mesh in self._session.unsaved
+            mesh.path is None or own_file(mesh) is not None for mesh in self._session.files.unsaved
         )

@@ -93,7 +93,7 @@ class RecoveryBar(QFrame):
     def follow(self, session: Session) -> None:
         """Go once the offer has been taken; while a file is being opened nothing can be."""
         for button in self._buttons:
-            button.setEnabled(session.errand is None)
+            button.setEnabled(session.jobs.current is None)
         if self._waiting and self._waiting[0].taken:
             del self._waiting[0]
             self.close_all()

@@ -96,9 +96,9 @@ class Help(QObject):
     def follow(self, session: Session) -> None:
         """Begin the tour that waits for the bottle; end it when another mesh is opened."""
         self._session = session
-        if session.state is None or session.errand is not None:
+        if session.store.state is None or session.jobs.current is not None:
             return
-        if self.tour.active and session.state.document.mesh is not self._mesh:
+        if self.tour.active and session.store.state.document.mesh is not self._mesh:
             self.tour.end()
         if self._wished:
             self._wished = False
@@ -116,19 +116,19 @@ class Help(QObject):
 
     def _can_begin(self) -> bool:
         """Whether the bottle is there, and painted so that its handle can be moved."""
-        state = None if self._session is None else self._session.state
+        state = None if self._session is None else self._session.store.state
         if state is None or state.document.problem:
             return False
         return state.document.mesh.path == resource("bottle.obj")
 
     def _begin(self) -> None:
         session = self._session
-        if session is not None and session.state is not None and self._can_begin():
-            self._mesh = session.state.document.mesh
-            self.tour.begin(lambda: session.activity.value != "refining", self._holds_area)
+        if session is not None and session.store.state is not None and self._can_begin():
+            self._mesh = session.store.state.document.mesh
+            self.tour.begin(lambda: session.store.activity.value != "refining", self._holds_area)
 
     def _holds_area(self) -> bool:
-        state = None if self._session is None else self._session.state
+        state = None if self._session is None else self._session.store.state
         return state is not None and state.document.kept[0] is not None
 
     def _close_sheet(self) -> bool:

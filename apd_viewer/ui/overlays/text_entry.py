@@ -78,7 +78,7 @@ class Typed:
 
     def open(self, card: TypedCard) -> None:
         """Show a card, and put the others away."""
-        if self._session.state is not None:
+        if self._session.store.state is not None:
             for other in self.cards:
                 if other is not card and other.isVisible():
                     other.close_card()
@@ -86,7 +86,7 @@ class Typed:
 
     def _understood(self, card: TypedCard, text: str, read: Callable[[str], object]) -> object:
         """What a text means; None where it means nothing, and the card says why."""
-        if self._session.state is None:
+        if self._session.store.state is None:
             return None
         try:
             meant = read(text)
@@ -99,14 +99,14 @@ class Typed:
     # Vertices
 
     def _preview(self, text: str) -> None:
-        ids = self._understood(self.vertices, text, self._session.chosen)
+        ids = self._understood(self.vertices, text, self._session.typed.vertices)
         self._canvas.preview(ids if isinstance(ids, np.ndarray) else None)
         if isinstance(ids, np.ndarray):
             said = trn("{n:,} vertex.", "{n:,} vertices.", len(ids)).format(n=len(ids))
             self.vertices.say(f"{said} {self.vertices.help}")
 
     def _choose(self, text: str, act: Act) -> None:
-        ids = self._understood(self.vertices, text, self._session.chosen)
+        ids = self._understood(self.vertices, text, self._session.typed.vertices)
         if isinstance(ids, np.ndarray) and not self._give_up():
             self._canvas.choose_vertices(ids, act)
 
@@ -116,7 +116,7 @@ class Typed:
         """The radius, and whether it is in pixels."""
         pixels = text.strip().lower().endswith(_PIXELS)
         if not pixels:
-            radius = self._session.length(text)
+            radius = self._session.typed.length(text)
         else:
             try:
                 radius = float(text.strip()[: -len(_PIXELS)])
@@ -140,12 +140,12 @@ class Typed:
     # The pivot
 
     def _show_pivot(self, text: str) -> None:
-        self._mark(self._understood(self.pivot, text, self._session.place))
+        self._mark(self._understood(self.pivot, text, self._session.typed.point))
 
     def _take_pivot(self, text: str, _: Act) -> None:
-        point = self._understood(self.pivot, text, self._session.place)
+        point = self._understood(self.pivot, text, self._session.typed.point)
         if isinstance(point, np.ndarray) and not self._give_up():
-            self._session.set_pivot(point, self._parts.handle)
+            self._session.handles.set_pivot(point, self._parts.handle)
             self.pivot.close_card()
 
     def _mark(self, point: object) -> None:

@@ -164,9 +164,9 @@ class AreaSection(QWidget):
 
     def show_activity(self, state: State, session: Session) -> None:
         """Say what the solver does about the shape."""
-        activity = session.activity.value
+        activity = session.store.activity.value
         said = _WORDS[activity]
-        if session.preparing:
+        if session.store.preparing:
             said = tr("preparing")
         elif activity == "not reached" and state.frame.unreached:
             said = tr("out of reach")

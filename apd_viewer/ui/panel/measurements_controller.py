@@ -54,11 +54,11 @@ class Measuring(QObject):
 
     def show(self) -> None:
         """Show what is known of the shape on screen now."""
-        if self._session is None or self._session.state is None:
+        if self._session is None or self._session.store.state is None:
             return
         from apd_viewer.session.model.status_text import of_crossings
 
-        examining, mesh = self._session.examining, self._session.state.document.mesh
+        examining, mesh = self._session.shape_checks, self._session.store.state.document.mesh
         found = examining.found
         self._panel.measures.show_examination(found, examining.at_rest)
         self._panel.volume.show_examination(found, examining.under_way)
@@ -89,9 +89,9 @@ class Measuring(QObject):
         return replace(view, wall=self._panel.measures.wall, overlay=overlay)
 
     def _type(self, wall: Wall) -> None:
-        if self._session is None or self._session.state is None:
+        if self._session is None or self._session.store.state is None:
             return
-        mesh = self._session.state.document.mesh
+        mesh = self._session.store.state.document.mesh
         self._walls[mesh] = wall
         path = own_file(mesh)
         if path is not None:

@@ -73,15 +73,15 @@ class StatusBar(QStatusBar):
 
     def show_session(self, session: Session) -> None:
         """Show what is under way."""
-        errand, state = session.errand, session.state
+        errand, state = session.jobs.current, session.store.state
         self._errand.setText(tr("{errand}…").format(errand=errand.title) if errand else "")
         self._errand.setVisible(errand is not None)
         self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
         self._size.setText(_vertices(state) if state else "")
-        self._size.setToolTip(_extent(state, session.unit) if state else "")
+        self._size.setToolTip(_extent(state, session.store.unit) if state else "")
         iteration = state.frame.iteration if state else 0
         pace = tr("iteration {iteration:,}, {pace:.1f} ms an iteration").format(
-            iteration=iteration, pace=1e3 * session.seconds_per_iteration
+            iteration=iteration, pace=1e3 * session.store.seconds_per_iteration
         )
         self._pace.setText(pace if iteration else "")
 

@@ -233,11 +233,11 @@ class Plots(QWidget):
     def _trace(self) -> Trace:
         from apd_viewer.session.model.trace import Trace
 
-        return Trace() if self._session is None else self._session.trace
+        return Trace() if self._session is None else self._session.store.trace
 
     @property
     def _state(self) -> State | None:
-        return None if self._session is None else self._session.state
+        return None if self._session is None else self._session.store.state
 
     def _chart(self, name: str) -> Chart:
         """What a view shows, as things are now."""
@@ -247,7 +247,7 @@ class Plots(QWidget):
         if name == "error":
             return reading_charts.area_error(state, self._trace)
         if name == "energy":
-            return reading_charts.energy(self._trace, Unit.NONE if session is None else session.unit)
+            return reading_charts.energy(self._trace, Unit.NONE if session is None else session.store.unit)
         if name == "area":
             return reading_charts.area_and_volume(state, self._trace)
         if state is None:

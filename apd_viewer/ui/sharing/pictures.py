@@ -96,7 +96,7 @@ class Pictures:
             return tr("Wrote {name}: {size}.").format(name=path.name, size=size)
 
         title = tr("Writing {name}").format(name=path.name)
-        self._session.send(title, work, self._notice.tell, can_be_cancelled=False)
+        self._session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
 
     def copy(self, wish: Wish | None = None) -> None:
         """Bring a picture to the clipboard; the view as it is seen, without the gizmo."""

@@ -96,7 +96,7 @@ class Reporting:
 
     def ask(self) -> None:
         """Let the user choose where to write a report."""
-        if self._session is None or (state := self._session.state) is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
@@ -104,7 +104,7 @@ class Reporting:
 
     def ask_for_picture(self) -> None:
         """Let the user say what picture to take, and where to write it."""
-        if self._session is None or (state := self._session.state) is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
         from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 
@@ -121,18 +121,23 @@ class Reporting:
 
     def write(self, path: Path) -> None:
         """Write a report of the shape on screen, in the background."""
-        if self._session is None or self._session.state is None:
+        if self._session is None or self._session.store.state is None:
             return
         from apd_viewer.presentation.report_page import Subject
 
-        session, state = self._session, self._session.state
-        view = self._measuring.in_view(self._canvas.view(session.unit.value))
-        examining = session.examining
+        session, state = self._session, self._session.store.state
+        view = self._measuring.in_view(self._canvas.view(session.store.unit.value))
+        examining = session.shape_checks
         subject = Subject(
-            state, session.unit, view.wall, examining.found, examining.at_rest, datetime.now().astimezone()
+            state,
+            session.store.unit,
+            view.wall,
+            examining.found,
+            examining.at_rest,
+            datetime.now().astimezone(),
         )
         scale = self._scale(state)
-        session.send(
+        session.jobs.run(
             tr("Measuring for {name}").format(name=path.name),
             lambda: _measured(state, view, scale),
             lambda measured: self._finish(path, subject, measured, scale),
@@ -147,9 +152,9 @@ class Reporting:
     def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
         """Take the pictures, for which there is only this thread, and have the page written."""
         assert self._session is not None
-        session, now = self._session, self._session.state
+        session, now = self._session, self._session.store.state
         if now is not None and now.frame.U is subject.state.frame.U:  # more may be known of it by now
-            examining = session.examining
+            examining = session.shape_checks
             subject = replace(subject, found=examining.found, at_rest=examining.at_rest)
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
@@ -170,7 +175,7 @@ class Reporting:
             return tr("Wrote {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
-        session.send(title, work, self._notice.tell, can_be_cancelled=False)
+        session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
 
     def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
         from apd_viewer.ui.scene.offscreen_scene import Studio

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.background_job import Errand, Outcome
+from apd_viewer.session.jobs.background_job import Job, Outcome
 from apd_viewer.ui.studies.command_process import CommandProcess
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class RunBar(QWidget):
         self._name = name
         self._memory = memory
         self._scratch: Path | None = None
-        self._errand: Errand | None = None
+        self._job: Job | None = None
         self._saved: Path | None = None
         self._command = CommandProcess(self)
         self._command.progressed.connect(self._show_progress)
@@ -93,7 +93,7 @@ class RunBar(QWidget):
     @property
     def running(self) -> bool:
         """Whether something is under way."""
-        return self._errand is not None or self._command.running
+        return self._job is not None or self._command.running
 
     @property
     def _results(self) -> Path:
@@ -119,7 +119,7 @@ class RunBar(QWidget):
             results.mkdir()
             return [*words(scratch, results), "-o", str(results), "--progress-lines"]
 
-        self._errand = Errand(tr("Preparing"), work, self._command.start, self._delivered.emit)
+        self._job = Job(tr("Preparing"), work, self._command.start, self._delivered.emit)
         self.words.setText(tr("preparing"))
         self.bar.setMaximum(0)  # nobody knows how long
         self._show_busy(True)
@@ -132,8 +132,8 @@ class RunBar(QWidget):
 
     def close_all(self) -> None:
         """End what is under way, and forget what has not been saved."""
-        if self._errand is not None:
-            errand, self._errand = self._errand, None
+        if self._job is not None:
+            errand, self._job = self._job, None
             errand.join()
         self._command.cancel()
         if self._scratch is not None:
@@ -146,13 +146,13 @@ class RunBar(QWidget):
         self._show_busy(False)
 
     def _receive(self, outcome: Outcome) -> None:
-        if outcome.errand is not self._errand:  # given up meanwhile
+        if outcome.job is not self._job:  # given up meanwhile
             return
-        self._errand = None
+        self._job = None
         if outcome.failure is not None:
             self.fail(outcome.failure)
         else:
-            outcome.errand.done(outcome.value)
+            outcome.job.done(outcome.value)
 
     def _show_progress(self, done: float, doing: str) -> None:
         self.bar.setMaximum(_SCALE)
@@ -191,7 +191,7 @@ class RunBar(QWidget):
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
 
-        self._errand = Errand(tr("Saving"), work, self._saved_as, self._delivered.emit)
+        self._job = Job(tr("Saving"), work, self._saved_as, self._delivered.emit)
         self.save.setEnabled(False)
 
     def _saved_as(self, folder: Path) -> None:

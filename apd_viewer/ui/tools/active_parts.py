@@ -51,7 +51,7 @@ class ActiveParts(QObject):
 
     def next_handle(self) -> None:
         """Make the next handle active, after the last one the first."""
-        state = self._session.state
+        state = self._session.store.state
         if state is not None:
             self.choose_handle((self.handle + 1) % len(state.document.handles))
 

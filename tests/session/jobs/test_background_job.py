@@ -13,7 +13,7 @@ from meshes import box
 from apd_viewer.files.meshes import open_mesh, save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session import file_jobs
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def cube_file(tmp_path):
 
 
 def finish(session: Driven) -> None:
-    session.until(lambda: session.errand is None)
+    session.until(lambda: session.jobs.current is None)
 
 
 # Opening
@@ -62,33 +62,33 @@ def finish(session: Driven) -> None:
 
 def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file, gate):
     session.settings.set_method("arap")
-    before = session.state
-    session.open(cube_file)
-    assert session.errand.title == "Opening cube.obj"
+    before = session.store.state
+    session.files.open(cube_file)
+    assert session.jobs.current.title == "Opening cube.obj"
     session.listen(0.02)
-    assert session.state is before
+    assert session.store.state is before
     gate.set()
     finish(session)
     assert len(session.U) == 8
-    assert session.U is session.state.document.mesh.V
-    assert session.state.document.method == "arap"
-    assert session.activity is Activity.IDLE
-    session.undo()
-    assert session.state is before
+    assert session.U is session.store.state.document.mesh.V
+    assert session.store.state.document.method == "arap"
+    assert session.store.activity is Activity.IDLE
+    session.gestures.undo()
+    assert session.store.state is before
 
 
 def test_a_file_that_cannot_be_opened_is_told_and_nothing_changes(session, tmp_path):
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nf 1 2 3\n")
     for path in (bad, tmp_path / "none.obj", tmp_path):
-        before, count = session.state, len(session.failed)
-        undo, changes = session.history.next_undo, len(session.changes)
-        session.open(path)
+        before, count = session.store.state, len(session.failed)
+        undo, changes = session.gestures.history.next_undo, len(session.changes)
+        session.files.open(path)
         finish(session)
         assert len(session.failed) == count + 1
         assert session.failed[-1].endswith(".")
-        assert session.state is before
-        assert (session.history.next_undo, len(session.changes)) == (undo, changes)
+        assert session.store.state is before
+        assert (session.gestures.history.next_undo, len(session.changes)) == (undo, changes)
 
 
 @pytest.mark.parametrize(
@@ -102,27 +102,27 @@ def test_a_defect_while_opening_is_told_and_nothing_changes(session, cube_file, 
     def broken(_):
         raise error
 
-    before = session.state
+    before = session.store.state
     monkeypatch.setattr(file_jobs, "open_mesh", broken)
-    session.open(cube_file)
+    session.files.open(cube_file)
     finish(session)
     assert session.failed == [f"Opening cube.obj failed ({str(error) or 'MemoryError'})."]
-    assert session.state is before
+    assert session.store.state is before
     assert "Traceback" in capfd.readouterr().err
 
 
 def test_an_opening_that_is_cancelled_never_arrives(session, cube_file, gate):
-    before = session.state
-    session.open(cube_file)
+    before = session.store.state
+    session.files.open(cube_file)
     thread = next(thread for thread in threading.enumerate() if thread.name == "Opening cube.obj")
-    session.cancel_errand()
-    assert session.errand is None
+    session.jobs.cancel()
+    assert session.jobs.current is None
     gate.set()
     thread.join(LONG)
     session.listen(0.02)
-    assert session.state is before
-    session.cancel_errand()
-    session.open(cube_file)
+    assert session.store.state is before
+    session.jobs.cancel()
+    session.files.open(cube_file)
     finish(session)
     assert len(session.U) == 8
 
@@ -131,9 +131,9 @@ def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_
     slab = tmp_path / "slab.obj"
     mesh = Mesh(*box(2, 2, 1))
     save_mesh(mesh, mesh.V, slab)
-    session.open(cube_file)
-    session.cancel_errand()
-    session.open(slab)
+    session.files.open(cube_file)
+    session.jobs.cancel()
+    session.files.open(slab)
     gate.set()
     finish(session)
     session.listen(0.05)
@@ -141,11 +141,11 @@ def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_
 
 
 def test_a_second_errand_is_refused_and_the_first_arrives(session, cube_file, gate, tmp_path):
-    session.open(cube_file)
-    first = session.errand
-    session.show(bar())
-    session.export(tmp_path / "out.obj")
-    assert session.errand is first
+    session.files.open(cube_file)
+    first = session.jobs.current
+    session.files.open_mesh(bar())
+    session.files.export(tmp_path / "out.obj")
+    assert session.jobs.current is first
     assert len(session.failed) == 2
     assert all("Opening cube.obj" in sentence for sentence in session.failed)
     gate.set()
@@ -155,14 +155,14 @@ def test_a_second_errand_is_refused_and_the_first_arrives(session, cube_file, ga
 
 
 def test_verbs_go_on_while_a_file_is_opened(session, cube_file, gate):
-    session.open(cube_file)
+    session.files.open(cube_file)
     session.drag(BENT)
-    session.until(lambda: session.activity is Activity.SETTLED)
-    bent = session.state
+    session.until(lambda: session.store.activity is Activity.SETTLED)
+    bent = session.store.state
     gate.set()
     finish(session)
-    session.undo()
-    assert session.state is bent
+    session.gestures.undo()
+    assert session.store.state is bent
 
 
 def test_findings_of_the_opened_mesh_are_told(session):
@@ -177,65 +177,67 @@ def test_findings_of_the_opened_mesh_are_told(session):
 def test_what_is_written_is_the_shape_that_was_on_screen(session, tmp_path, gate):
     session.drag(BENT)
     session.settle()
-    U, area = session.U, session.state.frame.area
-    session.export(tmp_path / "bent.obj")
+    U, area = session.U, session.store.state.frame.area
+    session.files.export(tmp_path / "bent.obj")
     session.drag(pose(-0.5))
-    session.until(lambda: session.activity is Activity.SETTLED)
+    session.until(lambda: session.store.activity is Activity.SETTLED)
     gate.set()
     finish(session)
     written = open_mesh(tmp_path / "bent.obj")
     assert np.allclose(written.V, U, rtol=0, atol=1e-12)
-    assert np.array_equal(written.F, session.state.document.mesh.F)
+    assert np.array_equal(written.F, session.store.state.document.mesh.F)
     assert f"area {area:.6g}" in session.told[-1]
     assert "bent.obj" in session.told[-1]
-    assert session.unsaved, "what is on screen is not what was written"
+    assert session.files.unsaved, "what is on screen is not what was written"
 
 
 @pytest.mark.parametrize("name", ["out.xyz", "no/such/folder/out.obj"])
 def test_what_cannot_be_written_is_told_and_stays_unsaved(session, tmp_path, name):
     session.drag(BENT)
     session.settle()
-    before = session.state
-    session.export(tmp_path / name)
+    before = session.store.state
+    session.files.export(tmp_path / name)
     finish(session)
     assert len(session.failed) == 1
-    assert session.state is before
-    assert session.unsaved
+    assert session.store.state is before
+    assert session.files.unsaved
 
 
 def test_unsaved_from_a_deformation_until_it_is_written_or_taken_back(session, tmp_path):
-    assert not session.unsaved
+    assert not session.files.unsaved
     session.drag(BENT)
-    assert not session.unsaved, "there is no frame yet"
+    assert not session.files.unsaved, "there is no frame yet"
     session.settle()
-    assert session.unsaved
-    session.export(tmp_path / "bent.ply")
+    assert session.files.unsaved
+    session.files.export(tmp_path / "bent.ply")
     finish(session)
-    assert not session.unsaved
+    assert not session.files.unsaved
     session.stroke(np.arange(3), 0)
-    assert not session.unsaved, "paint is not written into a mesh"
-    session.undo()
-    assert not session.unsaved
+    assert not session.files.unsaved, "paint is not written into a mesh"
+    session.gestures.undo()
+    assert not session.files.unsaved
     session.drag(pose(0.2))
     session.settle()
-    assert session.unsaved
-    session.undo()
-    assert not session.unsaved, "this shape was written"
-    session.redo()
-    session.reset_handle()
-    assert not session.unsaved
-    session.undo()
-    assert session.unsaved
+    assert session.files.unsaved
+    session.gestures.undo()
+    assert not session.files.unsaved, "this shape was written"
+    session.gestures.redo()
+    session.rest_shape.restore()
+    assert not session.files.unsaved
+    session.gestures.undo()
+    assert session.files.unsaved
     session.show_now(bar())
-    assert len(session.unsaved) == 1, "the mesh before is an undo away, and would be lost with the session"
-    session.undo()
-    session.undo()
-    assert session.unsaved == []
+    assert len(session.files.unsaved) == 1, (
+        "the mesh before is an undo away, and would be lost with the session"
+    )
+    session.gestures.undo()
+    session.gestures.undo()
+    assert session.files.unsaved == []
 
 
 def test_nothing_is_unsaved_before_a_mesh_is_open():
     session = Driven()
-    assert not session.unsaved
+    assert not session.files.unsaved
     session.close()
 
 
@@ -252,7 +254,7 @@ def closed_within(session: Driven, seconds: float) -> None:
 def test_closing_ends_a_run_at_the_next_iteration(session):
     session.settings.set_tolerance(1e-12)  # not to be met
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration > 3)
+    session.until(lambda: session.store.state.frame.iteration > 3)
     closed_within(session, 2.0)
 
 
@@ -262,7 +264,7 @@ def test_closing_waits_for_a_file_that_is_written(session, tmp_path, monkeypatch
         save_mesh(*args)
 
     monkeypatch.setattr(file_jobs, "save_mesh", slowly)
-    session.export(tmp_path / "out.obj")
+    session.files.export(tmp_path / "out.obj")
     closed_within(session, 2.0)
     assert len(open_mesh(tmp_path / "out.obj").V) == len(session.U)
 
@@ -273,8 +275,8 @@ def test_closing_waits_for_a_file_that_is_written_although_that_was_cancelled(se
         save_mesh(*args)
 
     monkeypatch.setattr(file_jobs, "save_mesh", slowly)
-    session.export(tmp_path / "out.obj")
-    session.cancel_errand()
+    session.files.export(tmp_path / "out.obj")
+    session.jobs.cancel()
     session.close()
     written = (tmp_path / "out.obj").exists()
     time.sleep(0.6)
@@ -287,8 +289,8 @@ def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, mon
         return open_mesh(path)
 
     monkeypatch.setattr(file_jobs, "open_mesh", slowly)
-    session.open(cube_file)
-    thread = session.errand._thread
+    session.files.open(cube_file)
+    thread = session.jobs.current._thread
     started = time.monotonic()
     session.close()
     waited = time.monotonic() - started
@@ -297,9 +299,9 @@ def test_closing_does_not_wait_for_a_file_that_is_opened(session, cube_file, mon
 
 
 def test_nobody_is_woken_after_closing(session, cube_file, gate):
-    session.open(cube_file)
-    thread = session.errand._thread
-    session.cancel_errand()
+    session.files.open(cube_file)
+    thread = session.jobs.current._thread
+    session.jobs.cancel()
     session.close()
     woken = len(session.woken)
     gate.set()
@@ -321,7 +323,7 @@ def test_sessions_leave_no_thread_and_no_worker():
         if k % 2:
             session.paint_ends()
             session.drag(BENT)
-            session.until(lambda s=session, least=k % 5: s.state.frame.iteration > least)
+            session.until(lambda s=session, least=k % 5: s.store.state.frame.iteration > least)
         workers += [weakref.ref(session._worker), weakref.ref(session)]
         session.close()
     del session
@@ -331,6 +333,6 @@ def test_sessions_leave_no_thread_and_no_worker():
 
 
 def test_input_errors_of_errands_are_sentences_without_a_traceback(session, tmp_path, capfd):
-    session.open(tmp_path / "none.stl")
+    session.files.open(tmp_path / "none.stl")
     finish(session)
     assert capfd.readouterr().err == ""

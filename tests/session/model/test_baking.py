@@ -21,22 +21,22 @@ VIEW = View()
 
 
 def bake(session: Driven) -> None:
-    session.bake()
-    session.until(lambda: session.errand is None)
+    session.rest_shape.bake()
+    session.until(lambda: session.jobs.current is None)
 
 
 def test_a_baked_shape_is_at_rest_as_a_mesh_of_that_shape_would_be(session):
     session.drag(BENT)
     session.settings.set_area(104.0)
     session.parts.add_region()
-    session.begin_gesture()
-    session.paint_region(np.arange(40), 1)
-    session.end_stroke("Paint region")
+    session.gestures.begin()
+    session.painting.paint_region(np.arange(40), 1)
+    session.painting.end_stroke("Paint region")
     session.settings.set_region_area(0, 97.0)
     session.settle()
-    before = session.state
+    before = session.store.state
     bake(session)
-    state, document = session.state, session.state.document
+    state, document = session.store.state, session.store.state.document
     alone = opened(Mesh(before.frame.U, before.document.mesh.F))
     assert state.frame.U is document.mesh.V
     assert np.array_equal(state.frame.U, before.frame.U)
@@ -45,7 +45,7 @@ def test_a_baked_shape_is_at_rest_as_a_mesh_of_that_shape_would_be(session):
     assert state.frame.regions == document.region_areas(document.mesh.V) == before.frame.regions
     assert (document.area, document.regions[0].area, document.posed) == (100.0, 100.0, False)
     assert document.labels is before.document.labels
-    assert not session.moved
+    assert session.store.state.is_at_rest
     assert "104.000 %" in session.told[-1]
 
 
@@ -58,54 +58,54 @@ def test_it_deforms_as_a_mesh_of_that_shape_would(session):
     session.settle()
     other = Driven()
     try:
-        other.show_now(Mesh(session.state.document.mesh.V, session.state.document.mesh.F))
-        other.begin_gesture()
+        other.show_now(Mesh(session.store.state.document.mesh.V, session.store.state.document.mesh.F))
+        other.gestures.begin()
         for label in (0, HANDLE):
-            other.paint(np.flatnonzero(session.state.document.labels == label), label)
-        other.end_stroke("Paint")
+            other.painting.paint(np.flatnonzero(session.store.state.document.labels == label), label)
+        other.painting.end_stroke("Paint")
         other.drag(further)
         other.settle()
         assert np.abs(other.U - session.U).max() < 1e-9
     finally:
         other.close()
-    assert abs(session.state.frame.area_error) < 1e-9
+    assert abs(session.store.state.frame.area_error) < 1e-9
 
 
 def test_baking_is_undone_and_done_again(session):
     session.drag(BENT)
     session.settle()
-    before = session.state
+    before = session.store.state
     bake(session)
-    after = session.state
-    session.undo()
-    assert session.state is before
-    session.redo()
-    assert session.state is after
-    session.reset_handle()
-    assert session.state is after, "there is nothing to put back"
+    after = session.store.state
+    session.gestures.undo()
+    assert session.store.state is before
+    session.gestures.redo()
+    assert session.store.state is after
+    session.rest_shape.restore()
+    assert session.store.state is after, "there is nothing to put back"
 
 
 def test_the_shape_that_was_on_screen_is_baked_though_it_goes_on(session):
     session.settings.set_tolerance(1e-12)  # not to be met
     session.settings.set_method("paper")
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration > 3)
+    session.until(lambda: session.store.state.frame.iteration > 3)
     shown = session.U
-    session.bake()
+    session.rest_shape.bake()
     time.sleep(0.2)
-    session.until(lambda: session.errand is None)
+    session.until(lambda: session.jobs.current is None)
     assert session.U is shown
-    assert session.U is session.state.document.mesh.V
+    assert session.U is session.store.state.document.mesh.V
 
 
 def test_what_has_been_dragged_on_meanwhile_is_not_baked(session):
     session.drag(BENT)
     session.settle()
-    before = session.state.document.mesh
-    session.bake()
+    before = session.store.state.document.mesh
+    session.rest_shape.bake()
     session.drag(pose(0.2))
-    session.until(lambda: session.errand is None)
-    assert session.state.document.mesh is before
+    session.until(lambda: session.jobs.current is None)
+    assert session.store.state.document.mesh is before
     assert "bake the new shape" in session.failed[-1]
 
 

@@ -148,11 +148,11 @@ def session():
 
 
 def drag(session, *poses):
-    session.begin_gesture()
+    session.gestures.begin()
     for each in poses:
-        session.move_handle(each)
+        session.handles.drag(each)
         session.listen(0.02)
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
     session.settle()
 
 
@@ -166,34 +166,34 @@ def check_leads_to_the_screen(trace, frame):
 
 
 def test_a_drag_is_one_trace_and_the_next_one_begins_where_it_ended(session):
-    trace, rest = session.trace, session.state.frame
+    trace, rest = session.store.trace, session.store.state.frame
     assert len(trace) == 1
     drag(session, *(pose(0.1 * k) for k in range(1, 8)))
-    check_leads_to_the_screen(trace, session.state.frame)
+    check_leads_to_the_screen(trace, session.store.state.frame)
     assert (len(trace) > 2, trace["area"][0], trace["energy"][0]) == (True, rest.area, 0.0)
     assert trace.let_go_at >= 7 * 0.02
-    before = session.state.frame
+    before = session.store.state.frame
     drag(session, pose(0.9))
-    check_leads_to_the_screen(trace, session.state.frame)
+    check_leads_to_the_screen(trace, session.store.state.frame)
     assert trace["volume"][0] == before.volume
     every = {frame.volume for _, state in session.changes for frame in (state.frame,)}
     assert set(trace["volume"].tolist()) <= every, "a trace holds what was shown, and nothing else"
 
 
 def test_undo_another_method_and_another_mesh_begin_another_trace(session):
-    trace = session.trace
+    trace = session.store.trace
     drag(session, pose(0.6))
-    before = session.state.frame
+    before = session.store.state.frame
     session.settings.set_method("arap")
     session.settle()
     assert trace["volume"][0] == before.volume
     assert trace.let_go_at is None
-    check_leads_to_the_screen(trace, session.state.frame)
-    session.undo()
+    check_leads_to_the_screen(trace, session.store.state.frame)
+    session.gestures.undo()
     session.settle()
     assert trace["volume"][0] == before.volume
     assert trace["iteration"][0] == 0
-    session.undo()
+    session.gestures.undo()
     session.settle()
     assert trace["energy"].tolist() == [0.0], "it is at rest again"
     session.show_now(Mesh(*box(1, 1, 3)))
@@ -203,19 +203,19 @@ def test_undo_another_method_and_another_mesh_begin_another_trace(session):
 
 def test_paint_leaves_the_trace_alone(session):
     drag(session, pose(0.6))
-    rows = session.trace.rows
+    rows = session.store.trace.rows
     session.stroke(np.array([len(session.U) // 2]), HANDLE)
     session.settle()
-    np.testing.assert_array_equal(session.trace.rows, rows)
+    np.testing.assert_array_equal(session.store.trace.rows, rows)
 
 
 def test_steps_that_are_one_for_undo_are_one_here(session):
-    before = session.state.frame
+    before = session.store.state.frame
     for k in range(1, 4):
-        session.pose_handle(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", repeats=True)
+        session.handles.pose(pose(shift=(0.05 * k, 0.0, 0.0)), 0, "Nudge handle", repeats=True)
         session.settle()
-    assert session.trace["volume"][0] == before.volume
-    check_leads_to_the_screen(session.trace, session.state.frame)
-    session.pose_handle(pose(shift=(0.3, 0.0, 0.0)), 0, "Move along X")
+    assert session.store.trace["volume"][0] == before.volume
+    check_leads_to_the_screen(session.store.trace, session.store.state.frame)
+    session.handles.pose(pose(shift=(0.3, 0.0, 0.0)), 0, "Move along X")
     session.settle()
-    assert session.trace["volume"][0] != before.volume
+    assert session.store.trace["volume"][0] != before.volume

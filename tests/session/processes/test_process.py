@@ -20,7 +20,7 @@ from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes import process_client
 from apd_viewer.session.processes.requests import Request
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 
 pytestmark = pytest.mark.usefixtures("process")
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
@@ -72,23 +72,23 @@ def altered(monkeypatch):
 
 def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
     session.settings.set_method("arap")
-    session.begin_gesture()
+    session.gestures.begin()
     for k in range(10):
-        session.move_handle(pose(0.1 * k + 0.1))
+        session.handles.drag(pose(0.1 * k + 0.1))
         next_frame(session, 5.0)
         session.listen(0.02)
-        U, document, killed = session.U, session.state.document, time.monotonic()
+        U, document, killed = session.U, session.store.state.document, time.monotonic()
         kill(session)
-        assert session.state.document is document
-        session.move_handle(pose(0.1 * k + 0.15))
+        assert session.store.state.document is document
+        session.handles.drag(pose(0.1 * k + 0.15))
         next_frame(session, 3.0)
         assert time.monotonic() - killed < 3.0
         assert np.abs(session.U - U).max() < 1.0, "it goes on from where it was"
-    document = session.state.document
-    session.end_gesture("Move handle")
+    document = session.store.state.document
+    session.gestures.end("Move handle")
     session.settle()
-    assert session.state.document is document
-    assert session.activity is Activity.SETTLED
+    assert session.store.state.document is document
+    assert session.store.activity is Activity.SETTLED
     held = document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
     assert session.failed == []
@@ -111,14 +111,14 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
     session.settings.set_tolerance(1e-12)  # not to be met
     session.settings.set_method("paper")
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration > 30)
+    session.until(lambda: session.store.state.frame.iteration > 30)
     U = session.U
     changes = len(session.changes)
     kill(session)
     session.until(lambda: session.told)
     next_frame(session, 3.0)
     session.listen(0.1)
-    rest = session.state.document.mesh.V
+    rest = session.store.state.document.mesh.V
     for _, state in session.changes[changes:]:
         assert np.abs(state.frame.U - U).max() < 0.2 * np.abs(U - rest).max()
 
@@ -126,16 +126,16 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
 def test_a_process_killed_at_rest_is_replaced_and_nothing_moves(session):
     session.drag(BENT)
     session.settle()
-    state = session.state
+    state = session.store.state
     kill(session)
     session.listen(1.0)
-    assert session.state is state
-    assert session.activity is Activity.SETTLED
+    assert session.store.state is state
+    assert session.store.activity is Activity.SETTLED
     assert session.failed == []
     assert len(session.told) == 1
     session.drag(pose(0.3))
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, altered, monkeypatch):
@@ -150,18 +150,18 @@ def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, alt
         )
         empty.show_now(bar())
         empty.paint_ends()
-        state = empty.state
+        state = empty.store.state
         empty.drag(BENT)
         empty.until(lambda: empty.failed)
     assert "3 times" in empty.failed[0]
     assert empty.failed[0].endswith(".")
-    assert empty.activity is Activity.UNREACHED
+    assert empty.store.activity is Activity.UNREACHED
     assert empty.U is state.frame.U
-    empty.undo()
-    assert empty.state is state
+    empty.gestures.undo()
+    assert empty.store.state is state
     empty.drag(BENT)
     empty.settle()
-    assert empty.activity is Activity.SETTLED
+    assert empty.store.activity is Activity.SETTLED
     assert len(empty.failed) == 1
 
 
@@ -179,7 +179,7 @@ def test_a_process_that_ends_at_once_is_said(empty, monkeypatch):
     empty.paint_ends()
     empty.drag(BENT)
     empty.settle()
-    assert empty.activity is Activity.SETTLED
+    assert empty.store.activity is Activity.SETTLED
 
 
 def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
@@ -188,11 +188,11 @@ def test_a_process_that_cannot_be_started_is_said(empty, monkeypatch):
         empty.show_now(bar())
         empty.until(lambda: empty.failed)
     assert "cannot be started" in empty.failed[0]
-    assert empty.state is not None
+    assert empty.store.state is not None
     empty.paint_ends()
     empty.drag(BENT)
     empty.settle()
-    assert empty.activity is Activity.SETTLED
+    assert empty.store.activity is Activity.SETTLED
 
 
 # Factored elsewhere
@@ -235,7 +235,7 @@ def test_a_factorization_that_has_become_useless_is_ended(factoring):
     factoring.paint_ends()
     factoring.drag(BENT)
     factoring.settle()
-    assert factoring.activity is Activity.SETTLED
+    assert factoring.store.activity is Activity.SETTLED
     assert pid_of(factoring) == before, "what else it knows is not lost with it"
     assert gone(useless)
     assert children_of(factoring) == []
@@ -254,20 +254,20 @@ def test_a_factorization_that_is_needed_goes_on_whatever_the_pose(factoring):
 @pytest.mark.parametrize("method", ["exact", "arap", "local"])
 def test_the_shape_follows_the_hand_while_it_is_factored(factoring, method):
     factoring.settings.set_method(method)
-    factoring.begin_gesture()
+    factoring.gestures.begin()
     held = None
     for k in range(10):
-        factoring.move_handle(pose(0.05 * k + 0.05))
-        held = factoring.state.document.constraints()
+        factoring.handles.drag(pose(0.05 * k + 0.05))
+        held = factoring.store.state.document.constraints()
         next_frame(factoring, 20.0)
-        frame = factoring.state.frame
+        frame = factoring.store.state.frame
         assert not frame.settled
         if method == "exact":
             assert abs(frame.area_error) <= 1e-9
-    factoring.end_gesture("Move handle")
+    factoring.gestures.end("Move handle")
     factoring.listen(1.0)
     assert np.array_equal(factoring.U[held.fixed], held.targets)
-    assert factoring.activity is Activity.REFINING, "the shape of the fine surface is still to come"
+    assert factoring.store.activity is Activity.REFINING, "the shape of the fine surface is still to come"
     assert factoring.failed == []
 
 
@@ -301,7 +301,7 @@ def test_a_factorization_that_dies_is_begun_again(factoring):
 
 
 def test_to_ask_never_waits(factoring):
-    document = factoring.state.document
+    document = factoring.store.state.document
     slowest = 0.0
     for k in range(200):
         request = Request(document.moved(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
@@ -320,7 +320,7 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
     empty.drag(pose(0.2), pose(0.4))
     empty.settle()
     assert children_of(empty)
-    U, document = empty.U, empty.state.document
+    U, document = empty.U, empty.store.state.document
     held = document.constraints()
     near = Deformation(document.mesh.V, document.mesh.F, held.fixed, handle=held.handles, area=100.0)
     near.aim(held.targets)
@@ -328,7 +328,7 @@ def test_a_large_mesh_ends_where_a_small_one_would(empty, altered):
         pass
     energies = [near.rest.energy(shape) for shape in (U, frame.U)]
     assert energies[0] == pytest.approx(energies[1], rel=1e-3)
-    assert empty.state.frame.converged
+    assert empty.store.state.frame.converged
 
 
 def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
@@ -359,7 +359,7 @@ def test_what_is_known_of_a_mesh_outlives_the_process(empty, altered, capfd):
     empty.paint_ends()
     empty.drag(pose(0.1))
     next_frame(empty, 20.0)
-    assert empty._worker._known[0] is empty.state.document.mesh
+    assert empty._worker._known[0] is empty.store.state.document.mesh
     kill(empty)
     empty.drag(pose(0.2))
     next_frame(empty, 20.0)
@@ -381,7 +381,7 @@ ORPHAN = """
     session.settings.set_tolerance(1e-12)
     session.settings.set_method("paper")
     session.drag(BENT)
-    session.until(lambda: session.state.frame.iteration)
+    session.until(lambda: session.store.state.frame.iteration)
     print(session._worker._child._process.pid, flush=True)
     if {wait}:
         time.sleep(60)
@@ -439,7 +439,7 @@ def test_sessions_leave_no_process_no_memory_and_no_open_file():
         session.show_now(Mesh(*box(20, 20, 40)))
         session.paint_ends()
         session.drag(BENT)
-        session.until(lambda s=session: s.state.frame.iteration)
+        session.until(lambda s=session: s.store.state.frame.iteration)
         session.close()
         del session
         if k == 0:
@@ -469,28 +469,28 @@ def test_memory_does_not_grow_with_the_events_of_a_drag(altered, request):
     session.settings.set_method("arap")
     session.drag(pose(0.1))
     session.settle()
-    assert session.activity is Activity.SETTLED
-    session.begin_gesture()
+    assert session.store.activity is Activity.SETTLED
+    session.gestures.begin()
     sizes = []
     for k in range(3000):
-        session.move_handle(pose(0.5 * np.sin(0.01 * k)))
+        session.handles.drag(pose(0.5 * np.sin(0.01 * k)))
         session.receive()
         session.changes.clear()  # what the test itself keeps
         time.sleep(0.0005)
         if k in (999, 2999):
             sizes.append((resident("self"), resident(pid_of(session))))
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
     for before, after in zip(*sizes, strict=True):
         assert after < 1.05 * before
 
 
 def test_the_last_painted_labels_are_the_ones_that_are_factored(session):
     """Strokes follow each other faster than they are made ready."""
-    z = session.state.document.mesh.V[:, 2]
+    z = session.store.state.document.mesh.V[:, 2]
     for k in range(1, 5):
         session.stroke(np.flatnonzero(z == k), BASE if k < 3 else HANDLE)
     session.drag(pose(0.2, (0.2, 0.0, 0.0)))
     session.settle()
-    held = session.state.document.constraints()
+    held = session.store.state.document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-9)
-    assert opened(session.state.document.mesh).document.problem
+    assert opened(session.store.state.document.mesh).document.problem

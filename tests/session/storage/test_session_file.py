@@ -20,11 +20,13 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh, frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import State, opened
 from apd_viewer.session.model.view import Standpoint, View
-from apd_viewer.session.session import Activity, Listener, Session
+from apd_viewer.session.session import Session
 from apd_viewer.session.storage import session_file as saved_module
 from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.store import Activity
 from apd_viewer.session.studies.replay import replay
 
 # Verbs of the session, and what they are given.
@@ -76,26 +78,26 @@ def two_handles(session: Driven, mesh: Mesh, **settings: tuple) -> State:
     session.parts.add_handle()
     session.stroke(top[~left], HANDLE + 1)
     for number, inside in ((1, mesh.V[:, 2] <= 2), (2, mesh.V[:, 2] >= 4)):
-        session.begin_gesture()
-        session.paint_region(np.flatnonzero(inside), number)
-        session.end_stroke("Paint region")
+        session.gestures.begin()
+        session.painting.paint_region(np.flatnonzero(inside), number)
+        session.painting.end_stroke("Paint region")
     session.parts.rename_region(0, "label «é»")
     session.settings.set_region_area(1, 103.0)
     for verb, given in settings.items():
         getattr(session.settings, verb)(*given)
-    session.begin_gesture()
-    session.move_handle(BENT, 0)
-    session.move_handle(pose(0.5, (0.7, 0.1, 0.3)), 1)
-    session.end_gesture("Move handles")
-    session.set_pivot(np.array([0.5, 0.4, 2.0]), 1)
-    return session.state
+    session.gestures.begin()
+    session.handles.drag(BENT, 0)
+    session.handles.drag(pose(0.5, (0.7, 0.1, 0.3)), 1)
+    session.gestures.end("Move handles")
+    session.handles.set_pivot(np.array([0.5, 0.4, 2.0]), 1)
+    return session.store.state
 
 
 def settled(session: Driven, mesh: Mesh, **settings: tuple) -> State:
     two_handles(session, mesh, **settings)
     session.settle()
-    assert session.activity in (Activity.SETTLED, Activity.UNREACHED), session.failed
-    return session.state
+    assert session.store.activity in (Activity.SETTLED, Activity.UNREACHED), session.failed
+    return session.store.state
 
 
 # What is saved and opened, and what comes of it
@@ -134,29 +136,29 @@ def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, sessi
 
 def test_the_sample_bottle(session, tmp_path):
     path = tmp_path / "bottle.apd"
-    session.open_sample("bottle")
-    session.until(lambda: session.errand is None)
-    document = session.state.document
+    session.files.open_sample("bottle")
+    session.until(lambda: session.jobs.current is None)
+    document = session.store.state.document
     top = np.flatnonzero(document.labels == HANDLE)
     session.parts.add_handle()
     session.stroke(top[document.mesh.V[top, 0] > 0], HANDLE + 1)
-    session.begin_gesture()
+    session.gestures.begin()
     height = document.mesh.V[:, 1]
-    session.paint_region(np.flatnonzero((height > 8) & (height < 11)), 1)
-    session.end_stroke("Paint region")
+    session.painting.paint_region(np.flatnonzero((height > 8) & (height < 11)), 1)
+    session.painting.end_stroke("Paint region")
     session.parts.rename_region(0, "label")
     turn = np.eye(4)
     turn[:3, :3] = rotation((0, 1, 0), 0.6)
-    session.begin_gesture()
-    session.move_handle(turn, 0)
-    session.move_handle(turn, 1)
-    session.end_gesture("Move handles")
+    session.gestures.begin()
+    session.handles.drag(turn, 0)
+    session.handles.drag(turn, 1)
+    session.gestures.end("Move handles")
     assert session.wait_idle(120.0)
-    assert session.activity is Activity.SETTLED
-    session.save(path, VIEW)
-    session.until(lambda: session.errand is None)
+    assert session.store.activity is Activity.SETTLED
+    session.files.save(path, VIEW)
+    session.until(lambda: session.jobs.current is None)
     assert session.told == ["Saved bottle.apd."]
-    check_equal(open_session(path)[0], session.state)
+    check_equal(open_session(path)[0], session.store.state)
     first, second = (replay(path)[1] for _ in range(2))
     check_same_array(first.U, second.U)
     np.testing.assert_allclose(first.U, session.U, rtol=0, atol=1e-12)
@@ -178,8 +180,8 @@ def test_what_is_at_rest_comes_back_as_the_mesh_s_own(tmp_path):
 
 def test_a_shape_on_its_way_goes_on_from_where_it_was(session, bar, tmp_path):
     two_handles(session, open_mesh(bar))
-    session.until(lambda: session.state.frame.iteration > 0)
-    state = session.state
+    session.until(lambda: session.store.state.frame.iteration > 0)
+    state = session.store.state
     session.settle()
     if state.frame.settled:
         state = state.unsettled()
@@ -207,7 +209,7 @@ def test_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
     settled(session, open_mesh(bar))
     session.stroke(np.array([9, 10]), BASE)
     session.settle()
-    state = session.state
+    state = session.store.state
     assert state.document.grip is not state.document.mesh.V
     save_session(tmp_path / "a.apd", state, VIEW)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
@@ -408,30 +410,30 @@ def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatc
 
 def test_saving_and_opening_are_done_in_the_background(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
-    assert session.unsaved == [state.document.mesh]
-    session.save(tmp_path / "a.apd", VIEW)
-    assert session.errand.title == "Saving a.apd"
-    assert not session.errand.can_be_cancelled
-    session.until(lambda: session.errand is None)
-    assert session.unsaved == []
+    assert session.files.unsaved == [state.document.mesh]
+    session.files.save(tmp_path / "a.apd", VIEW)
+    assert session.jobs.current.title == "Saving a.apd"
+    assert not session.jobs.current.can_be_cancelled
+    session.until(lambda: session.jobs.current is None)
+    assert session.files.unsaved == []
     session.settings.set_method("local")
     session.settle()
-    assert session.unsaved == [state.document.mesh]
-    now = session.state
-    session.open(tmp_path / "a.apd")
-    assert session.errand.title == "Opening a.apd"
-    session.until(lambda: session.errand is None)
-    check_equal(session.state, state)
-    assert session.state.document.method == "exact"
-    assert session.activity is Activity.IDLE
-    assert session.history.next_undo == "Open a.apd"
-    session.undo()
-    assert session.state is now
-    session.redo()
-    check_equal(session.state, state)
+    assert session.files.unsaved == [state.document.mesh]
+    now = session.store.state
+    session.files.open(tmp_path / "a.apd")
+    assert session.jobs.current.title == "Opening a.apd"
+    session.until(lambda: session.jobs.current is None)
+    check_equal(session.store.state, state)
+    assert session.store.state.document.method == "exact"
+    assert session.store.activity is Activity.IDLE
+    assert session.gestures.history.next_undo == "Open a.apd"
+    session.gestures.undo()
+    assert session.store.state is now
+    session.gestures.redo()
+    check_equal(session.store.state, state)
     session.drag(pose(0.3))
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
     assert session.failed == []
 
 
@@ -444,7 +446,7 @@ def test_the_view_reaches_the_listener_after_the_state(bar, tmp_path):
     )
     session = Session(listener)
     for path in (tmp_path / "a.apd", bar):
-        session.open(path)
+        session.files.open(path)
         assert session.wait_idle(20.0)
     session.close()
     assert seen == ["state", VIEW, "state"]
@@ -454,30 +456,30 @@ def test_a_shape_on_its_way_goes_on_once_it_is_opened(session, bar, tmp_path):
     state = two_handles(session, open_mesh(bar)).unsettled()
     session.settle()
     save_session(tmp_path / "a.apd", state, VIEW)
-    session.open(tmp_path / "a.apd")
+    session.files.open(tmp_path / "a.apd")
     session.settle()
-    assert session.activity is Activity.SETTLED
+    assert session.store.activity is Activity.SETTLED
 
 
 def test_a_gesture_under_way_is_not_saved(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
-    session.begin_gesture()
-    session.paint(np.arange(9, 20), BASE)
-    session.save(tmp_path / "a.apd", VIEW)
-    session.until(lambda: session.errand is None)
+    session.gestures.begin()
+    session.painting.paint(np.arange(9, 20), BASE)
+    session.files.save(tmp_path / "a.apd", VIEW)
+    session.until(lambda: session.jobs.current is None)
     check_equal(open_session(tmp_path / "a.apd")[0], state)
 
 
 def test_a_session_that_cannot_be_opened_is_told_and_nothing_changes(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
     (tmp_path / "bad.apd").write_text("nonsense")
-    session.open(tmp_path / "bad.apd")
-    session.until(lambda: session.errand is None)
-    session.save(tmp_path / "gone" / "a.apd", VIEW)
-    session.until(lambda: session.errand is None)
+    session.files.open(tmp_path / "bad.apd")
+    session.until(lambda: session.jobs.current is None)
+    session.files.save(tmp_path / "gone" / "a.apd", VIEW)
+    session.until(lambda: session.jobs.current is None)
     assert [said.split()[0] for said in session.failed] == ["bad.apd", str(tmp_path / "gone" / "a.apd")]
-    assert session.state is state
-    assert session.unsaved == [state.document.mesh]
+    assert session.store.state is state
+    assert session.files.unsaved == [state.document.mesh]
 
 
 def test_the_first_version_opens_for_ever():

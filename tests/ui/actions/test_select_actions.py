@@ -177,7 +177,7 @@ def test_a_part_becomes_what_sets_say_in_one_step_of_undo(qtbot, theatre, name, 
     other = "labels" if tool is Tool.REGION else "member"
     assert getattr(scene.document, other) is getattr(before, other)
     scene.assert_nothing_is_previewed()
-    assert scene.window.session.state.frame.U is scene.state.frame.U
+    assert scene.window.session.store.state.frame.U is scene.state.frame.U
     assert scene.steps == steps + 1
     assert scene.window.actions_.undo.text() == f"&Undo “{action.text().replace('&', '')}”"
     scene.window.actions_.undo.trigger()
@@ -194,7 +194,7 @@ def test_the_keys_of_the_changes(scene, keyboard):
     )
     for key, action in zip(keys, changes(scene), strict=False):
         keyboard(*key)
-        assert scene.window.session.history.next_undo == action.text().replace("&", "")
+        assert scene.window.session.gestures.history.next_undo == action.text().replace("&", "")
         scene.window.actions_.undo.trigger()
         assert scene.document is scene.state.document
 
@@ -246,4 +246,4 @@ def test_without_a_mesh_nothing_can_be_chosen_and_nothing_breaks(qtbot, window):
     for action in [*window.actions_.select.changes, *window.actions_.select.mirrors]:
         action.trigger()
     idle(qtbot, window)
-    assert window.session.state is None
+    assert window.session.store.state is None

@@ -30,9 +30,9 @@ BENT[:3, 3] = [1.5, 1.0, 6.2] - BENT[:3, :3] @ [1.0, 1.0, 6.0]
 def paint_ends(window):
     base, handle = ends(document(window).mesh.V)
     for ids, label in ((base, BASE), (handle, HANDLE)):
-        window.session.begin_gesture()
-        window.session.paint(ids, label)
-        window.session.end_stroke("paint")
+        window.session.gestures.begin()
+        window.session.painting.paint(ids, label)
+        window.session.painting.end_stroke("paint")
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def bar(qtbot, window, compiled, monkeypatch):
     window.filing.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
     paint_ends(window)
-    window.session.pose_handle(BENT, 0, "bend")
+    window.session.handles.pose(BENT, 0, "bend")
     idle(qtbot, window)
     return window
 
@@ -122,7 +122,7 @@ def test_errors_are_written_with_the_digits_that_count(value, text):
 @pytest.mark.parametrize(("target", "said"), [(100.0, "100"), (97.25, "97.25"), (1000.0, "1000")])
 def test_the_error_is_said_to_be_that_of_what_is_asked_for(bar, target, said):
     bar.session.settings.set_area(target)
-    titles = {column.title: column.tip for column in columns(bar.session.state, Unit.NONE)}
+    titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
     assert titles["Area error"] == f"How far the area is from the {said} % that are asked for"
 
 
@@ -222,7 +222,7 @@ def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, t
         assert float(line["local_change"]) == outcome.frame.local_change
         assert int(line["iterations"]) == outcome.frame.iteration
         assert float(line["seconds"]) == outcome.account.seconds
-        assert float(line["area_rest"]) == bar.session.state.inspection.area
+        assert float(line["area_rest"]) == bar.session.store.state.inspection.area
 
 
 def test_the_picture_has_all_shapes_and_leaves_the_views_as_they_were(qtbot, side, monkeypatch, tmp_path):
@@ -292,16 +292,16 @@ def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch
 
 def test_again_takes_what_the_main_window_shows_now(qtbot, bar, side):
     before = cells(side)["Exact"]["Energy"]
-    bar.session.put_back_handle(0)
+    bar.session.handles.reset(0)
     idle(qtbot, bar)
-    bar.session.reset_handle()
+    bar.session.rest_shape.restore()
     idle(qtbot, bar)
     qtbot.mouseClick(side.again, LEFT)
     assert "at rest" in side.status.text()
     assert cells(side)["Exact"]["Energy"] == before
     pose = BENT.copy()
     pose[0, 3] += 1.0
-    bar.session.pose_handle(pose, 0, "bend")
+    bar.session.handles.pose(pose, 0, "bend")
     qtbot.mouseClick(side.again, LEFT)
     done = side.comparison
     qtbot.waitUntil(lambda: done.under_way is None, timeout=SETTLED)

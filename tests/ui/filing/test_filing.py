@@ -24,7 +24,7 @@ def chosen(monkeypatch):
 
 def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
-    bottle.session.type_motion("TWIST", "45", 0)
+    bottle.session.handles.move_by("TWIST", "45", 0)
     bottle._choose_unit(Unit.CENTIMETRE)
     bottle.canvas.viewport.eye = bottle.canvas.viewport.eye.orbited(60, 20)
     idle(qtbot, bottle)
@@ -32,18 +32,18 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
     bottle.actions_.save.trigger()
     idle(qtbot, bottle)
     assert path.name in bottle.notice.text
-    before, picture = bottle.session.state, bottle.canvas.viewport.screenshot()
+    before, picture = bottle.session.store.state, bottle.canvas.viewport.screenshot()
 
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
-    assert bottle.session.unit is Unit.NONE
+    assert bottle.session.store.unit is Unit.NONE
     chosen["ask_for_mesh"] = path
     bottle.actions_.open.trigger()
     idle(qtbot, bottle)
-    after = bottle.session.state
+    after = bottle.session.store.state
     np.testing.assert_array_equal(after.frame.U, before.frame.U)
     np.testing.assert_array_equal(after.document.handles[0].pose, before.document.handles[0].pose)
-    assert bottle.session.unit is Unit.CENTIMETRE
+    assert bottle.session.store.unit is Unit.CENTIMETRE
     again = bottle.canvas.viewport.screenshot()
     # Points are drawn in single precision, seen from the middle of the shape that was opened.
     assert np.abs(again.astype(int) - picture).max() <= 1
@@ -57,23 +57,23 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
     idle(qtbot, bottle)
     size = path.stat().st_size
     chosen["ask_for_session"] = None
-    bottle.session.type_motion("TWIST", "5", 0)
+    bottle.session.handles.move_by("TWIST", "5", 0)
     idle(qtbot, bottle)
     bottle.actions_.save.trigger()
     idle(qtbot, bottle)
     assert path.stat().st_size > size, "the shape is in it now, and the mesh still"
-    assert not bottle.session.unsaved
+    assert not bottle.session.files.unsaved
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
     bottle.actions_.save.trigger()  # another mesh is another session: it is asked again, and nothing chosen
     idle(qtbot, bottle)
-    assert bottle.session.errand is None
+    assert bottle.session.jobs.current is None
 
 
 def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
     chosen["ask_for_session"] = path, False
-    bottle.session.type_motion("TWIST", "30", 0)
+    bottle.session.handles.move_by("TWIST", "30", 0)
     idle(qtbot, bottle)
     bottle.actions_.save.trigger()
     idle(qtbot, bottle)
@@ -82,7 +82,7 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     other.start()
     show(qtbot, other, other.canvas.viewport)
     idle(qtbot, other)
-    np.testing.assert_array_equal(other.session.state.frame.U, bottle.session.state.frame.U)
+    np.testing.assert_array_equal(other.session.store.state.frame.U, bottle.session.store.state.frame.U)
     other.close()
     other.deleteLater()
     qtbot.wait(10)
@@ -91,29 +91,29 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
 def test_a_selection_is_saved_and_loaded_as_one_step(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "paint.json"
     chosen["ask_where_to_put_selection"] = chosen["ask_for_selection"] = path
-    before = bottle.session.state.document.labels
+    before = bottle.session.store.state.document.labels
     bottle.actions_.select.files[1].trigger()
     idle(qtbot, bottle)
-    bottle.session.begin_gesture()
-    bottle.session.paint(np.flatnonzero(before == HANDLE), BASE)
-    bottle.session.end_stroke("Paint base")
-    painted = bottle.session.state
+    bottle.session.gestures.begin()
+    bottle.session.painting.paint(np.flatnonzero(before == HANDLE), BASE)
+    bottle.session.painting.end_stroke("Paint base")
+    painted = bottle.session.store.state
     bottle.actions_.select.files[0].trigger()
     idle(qtbot, bottle)
-    np.testing.assert_array_equal(bottle.session.state.document.labels, before)
-    assert bottle.session.history.next_undo == "Load selection"
-    bottle.session.undo()
-    assert bottle.session.state is painted
+    np.testing.assert_array_equal(bottle.session.store.state.document.labels, before)
+    assert bottle.session.gestures.history.next_undo == "Load selection"
+    bottle.session.gestures.undo()
+    assert bottle.session.store.state is painted
 
 
 def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "paint.sel"
     path.write_text("0\n1\n2\n")
     chosen["ask_for_selection"] = path
-    before = bottle.session.state
+    before = bottle.session.store.state
     bottle.actions_.select.files[0].trigger()
     idle(qtbot, bottle)
-    assert bottle.session.state is before
+    assert bottle.session.store.state is before
     assert "paint.sel" in bottle.notice.text
 
 
@@ -121,7 +121,7 @@ def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, ch
 def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, measure):
     heat, path = bottle.looks.heat, tmp_path / "a.apd"
     heat.choose(measure)
-    bottle.session.save(path, bottle.filing._view(""))
+    bottle.session.files.save(path, bottle.filing._view(""))
     idle(qtbot, bottle)
     heat.choose(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
     bottle.filing.open_path(path)

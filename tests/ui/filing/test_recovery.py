@@ -37,7 +37,7 @@ window.filing.open_sample("bottle")
 window.show()
 window.start()
 assert window.session.wait_idle(20.0)
-window.session.type_motion("TWIST", "20", 0)
+window.session.handles.move_by("TWIST", "20", 0)
 assert window.session.wait_idle(20.0)
 application.exec()
 """
@@ -82,7 +82,7 @@ def test_a_drag_with_the_mouse_is_kept_and_without_a_folder_nothing_is(qtbot, st
     window = started()
     drag(qtbot, window, ring_grip(window, 1), (25, 0), steps=4)
     idle(qtbot, window)
-    U = window.session.state.frame.U
+    U = window.session.store.state.frame.U
 
     def is_kept():
         state, view = open_session(folder / files(folder)[0])
@@ -154,11 +154,11 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
     path = leave(folder, duck)
     path.write_bytes(path.read_bytes()[:1000])
     window = started()
-    before = window.session.state
+    before = window.session.store.state
     assert "a damaged session" in window.recovery.text
     restore(qtbot, window)
     assert window.notice.text.startswith("What was left of a damaged session cannot be restored: ")
-    assert window.session.state is before
+    assert window.session.store.state is before
     assert window.recovery.restore.isVisible()
     assert path.exists()
     window.close()
@@ -218,7 +218,7 @@ def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, s
     assert window.recovery.text.endswith("bottle.obj, just now")
     restore(qtbot, window)
     assert not window.recovery.text
-    assert window.session.moved
+    assert not window.session.store.state.is_at_rest
 
 
 def test_the_place_is_the_users_and_the_programs_own():

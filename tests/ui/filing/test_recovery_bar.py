@@ -30,14 +30,14 @@ def click(qtbot, button):
 def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, folder, left):
     window = started()
     assert "duck.obj" in window.recovery.text
-    before = window.session.state
+    before = window.session.store.state
     click(qtbot, window.recovery.restore)
-    qtbot.waitUntil(lambda: window.session.state is not before, timeout=10_000)
+    qtbot.waitUntil(lambda: window.session.store.state is not before, timeout=10_000)
     idle(qtbot, window)
-    np.testing.assert_array_equal(window.session.state.document.labels, left.labels)
+    np.testing.assert_array_equal(window.session.store.state.document.labels, left.labels)
     assert window.recovery.isHidden()
-    window.session.undo()
-    assert window.session.state is before
+    window.session.gestures.undo()
+    assert window.session.store.state is before
     window.close()
     assert list(folder.iterdir()) == []
 
@@ -59,7 +59,7 @@ def test_what_is_put_off_is_offered_again(qtbot, started, left):
 
 def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
     first = started()
-    first.session.type_motion("TWIST", "20", 0)
+    first.session.handles.move_by("TWIST", "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     assert started().recovery.isHidden()
 
@@ -67,7 +67,7 @@ def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
 def test_a_clean_end_leaves_nothing(qtbot, started, folder):
     window = started()
     assert window.recovery.isHidden()
-    window.session.type_motion("TWIST", "20", 0)
+    window.session.handles.move_by("TWIST", "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     idle(qtbot, window)
     window.close()

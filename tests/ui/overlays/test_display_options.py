@@ -33,7 +33,7 @@ def globe(qtbot, window):
 
 def answer(qtbot, window, U):
     """Show a shape as a frame of the worker is shown."""
-    stage = window.session._stage
+    stage = window.session.store
     stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
     settle(qtbot, window.canvas.viewport)
 
@@ -106,7 +106,7 @@ def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
     mouse.release((-20, slider.height() / 2))
     np.testing.assert_allclose(surface.U, V * [3.0, 1.0, 1.0])
     assert document(globe).mesh.V is V, "nothing was done"
-    assert not globe.session.history.next_undo
+    assert not globe.session.gestures.history.next_undo
 
 
 def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):

@@ -34,7 +34,7 @@ def ill(qtbot, window):
 
 
 def findings(window):
-    return window.session.state.inspection.findings
+    return window.session.store.state.inspection.findings
 
 
 def number(window, kind):
@@ -206,25 +206,25 @@ def test_the_list_is_used_by_keys_alone(qtbot, ill):
 
 def test_marks_move_with_the_mesh_and_outlast_a_change_of_paint(qtbot, ill):
     session, V = ill.session, document(ill).mesh.V
-    session.begin_gesture()
-    session.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
-    session.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
-    session.end_stroke("Paint")
+    session.gestures.begin()
+    session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
+    session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
+    session.painting.end_stroke("Paint")
     open_list(qtbot, ill)
     shown = choose(qtbot, ill, "open borders")
-    session.begin_gesture()
+    session.gestures.begin()
     pose = np.eye(4)
     pose[1, 3] = 0.4
-    session.move_handle(pose)
-    session.end_gesture("Move handle")
+    session.handles.drag(pose)
+    session.gestures.end("Move handle")
     idle(qtbot, ill)
     assert not np.allclose(ill.canvas.surface.U[shown], V[shown])
     assert np.array_equal(marked(ill), shown)
     choose(qtbot, ill, "unreferenced vertices")
     choose(qtbot, ill, "open borders")
     assert np.array_equal(marked(ill), shown)
-    session.undo()
-    session.undo()
+    session.gestures.undo()
+    session.gestures.undo()
     assert (document(ill).labels == FREE).all()
     assert np.array_equal(marked(ill), shown)
     ill.health.close()

@@ -20,19 +20,19 @@ def card(bottle):
 
 
 def base_of(window):
-    return window.session.state.document.labels == BASE
+    return window.session.store.state.document.labels == BASE
 
 
 def test_what_is_typed_is_previewed_and_return_adds_it(qtbot, bottle, card):
     before = base_of(bottle)
-    y = bottle.session.state.document.mesh.V[:, 1]
+    y = bottle.session.store.state.document.mesh.V[:, 1]
     QTest.keyClicks(card.text, "y < 5")
     assert f"{(y < 5).sum():,} vertices" in card._said.text()
     np.testing.assert_array_equal(bottle.canvas.coloring.previewed, np.flatnonzero(y < 5))
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
     np.testing.assert_array_equal(base_of(bottle), before | (y < 5))
-    assert bottle.session.history.next_undo == "Paint base"
-    bottle.session.undo()
+    assert bottle.session.gestures.history.next_undo == "Paint base"
+    bottle.session.gestures.undo()
     np.testing.assert_array_equal(base_of(bottle), before)
 
 
@@ -44,22 +44,22 @@ def test_alt_removes_and_ctrl_replaces(qtbot, bottle, card):
     card.text.setText("50-99")
     qtbot.keyClick(card.text, Qt.Key.Key_Return, ALT)
     assert np.flatnonzero(base_of(bottle)).tolist() == list(range(50))
-    bottle.session.undo()
-    bottle.session.undo()
+    bottle.session.gestures.undo()
+    bottle.session.gestures.undo()
     np.testing.assert_array_equal(base_of(bottle), before)
 
 
 def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, card):
-    state = bottle.session.state
+    state = bottle.session.store.state
     colors = np.array(bottle.canvas.surface._mesh.point_data["rgba"])
     QTest.keyClicks(card.text, "y > 5 furlong")
     assert "furlong" in card._said.text()
     assert bottle.canvas.coloring.previewed is None
     qtbot.keyClick(card.text, Qt.Key.Key_Return)
-    assert bottle.session.state is state
+    assert bottle.session.store.state is state
     card.text.setText("0-500")
     qtbot.keyClick(card.text, Qt.Key.Key_Escape)
     assert card.isHidden()
-    assert bottle.session.state is state
+    assert bottle.session.store.state is state
     np.testing.assert_array_equal(bottle.canvas.surface._mesh.point_data["rgba"], colors)
     assert bottle.focusWidget() is bottle.canvas.viewport

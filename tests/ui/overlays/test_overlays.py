@@ -47,7 +47,7 @@ def choose(qtbot, window, measure):
 
 def answer(qtbot, window, U):
     """Show a shape as a frame of the worker is shown."""
-    stage = window.session._stage
+    stage = window.session.store
     stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
     settle(qtbot, window.canvas.viewport)
 
@@ -148,7 +148,7 @@ def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
 
 
 def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
-    area.session.open_sample("bottle")
+    area.session.files.open_sample("bottle")
     idle(qtbot, area)
     qtbot.waitUntil(lambda: area.looks.heat.values is not None and len(area.looks.heat.values) > 10_000)
     assert not area.looks.heat.values.any()
@@ -269,7 +269,7 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
 
 
 def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, window):
-    window.session._open("box", lambda: opened(Mesh(*box())))
+    window.session.files.open_with("box", lambda: opened(Mesh(*box())))
     idle(qtbot, window)
     window.take(Tool.BASE)
     choose(qtbot, window, Measure.AREA)

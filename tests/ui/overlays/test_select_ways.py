@@ -49,7 +49,7 @@ def test_a_stroke_paints_what_it_previews_and_is_one_step_of_undo(qtbot, theatre
         scene.assert_nothing_is_previewed()
         changed = (labels != before.labels).any() or (member != before.member).any()
         assert scene.steps == steps + changed
-        assert scene.window.session.state.frame.U is scene.state.frame.U
+        assert scene.window.session.store.state.frame.U is scene.state.frame.U
         assert scene.view.eye.key == scene.eye.key
         if changed:
             scene.window.actions_.undo.trigger()

@@ -27,10 +27,10 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
     assert (brush.radius, brush.length, typed.isHidden()) == (31.0, None, True)
     bottle.actions_.select.sizes[2].trigger()
     entered(qtbot, typed, "0.05L")
-    assert brush.length == pytest.approx(0.05 * max(bottle.session.state.inspection.size))
+    assert brush.length == pytest.approx(0.05 * max(bottle.session.store.state.inspection.size))
     assert "Brush" in bottle.status.currentMessage()
     bottle.actions_.select.sizes[0].trigger()
-    assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.state.inspection.size))
+    assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.store.state.inspection.size))
 
 
 @pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
@@ -47,28 +47,28 @@ def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
 
 def test_a_typed_pivot_is_shown_while_it_is_typed_and_is_a_step_of_undo(qtbot, bottle):
     session, typed = bottle.session, bottle.editing.typed.pivot
-    before = session.state
+    before = session.store.state
     bottle.actions_.pose.pivots[1].trigger()
     QTest.keyClicks(typed.text, "1, 0.5Y, -2")
-    point = np.array([1.0, 0.5 * session.state.inspection.size[1], -2.0])
+    point = np.array([1.0, 0.5 * session.store.state.inspection.size[1], -2.0])
     np.testing.assert_allclose(bottle.canvas.picker.shown, point[None])
     qtbot.keyClick(typed.text, Qt.Key.Key_Return)
     assert typed.isHidden()
     assert len(bottle.canvas.picker.shown) == 0
-    np.testing.assert_allclose(session.state.document.pivot(0), point)
-    session.type_motion("TURN_Z", "30deg", 0)
-    np.testing.assert_allclose(transform(session.state.document.handles[0].pose, point[None])[0], point)
-    session.undo()
-    session.undo()
-    assert session.state is before
+    np.testing.assert_allclose(session.store.state.document.pivot(0), point)
+    session.handles.move_by("TURN_Z", "30deg", 0)
+    np.testing.assert_allclose(transform(session.store.state.document.handles[0].pose, point[None])[0], point)
+    session.gestures.undo()
+    session.gestures.undo()
+    assert session.store.state is before
 
 
 @pytest.mark.parametrize("text", ["1, 2", "1, 2, 3, 4", "a, b, c"])
 def test_a_pivot_that_is_no_point_is_refused_in_a_sentence(qtbot, bottle, text):
-    before, typed = bottle.session.state, bottle.editing.typed.pivot
+    before, typed = bottle.session.store.state, bottle.editing.typed.pivot
     bottle.actions_.pose.pivots[1].trigger()
     entered(qtbot, typed, text)
-    assert bottle.session.state is before
+    assert bottle.session.store.state is before
     assert typed._said.text() != typed.help
 
 
@@ -85,7 +85,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
     motion.amount.setText("20deg")
     qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
     assert "two clicks" in motion._problem.text()
-    V = session.state.document.mesh.V
+    V = session.store.state.document.mesh.V
     front = V[:, 2] > 0.5 * V[:, 2].max()
     ends = [
         V[np.flatnonzero(front)[np.argmin(np.abs(V[front] - at).sum(axis=1))]]
@@ -103,10 +103,10 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
     np.testing.assert_allclose(bottle.canvas.picker.shown, expected)
     assert bottle.status.currentMessage() == ""
     qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
-    pose = session.state.document.handles[0].pose
+    pose = session.store.state.document.handles[0].pose
     np.testing.assert_allclose(transform(pose, np.array(expected)), expected, atol=1e-9)
     assert np.trace(pose[:3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 9))
-    assert session.history.next_undo == "Bend about a line"
+    assert session.gestures.history.next_undo == "Bend about a line"
     motion.choice.setCurrentIndex(0)
     assert len(bottle.canvas.picker.shown) == 0
 
@@ -114,7 +114,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
 def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
     view = bottle.canvas.viewport
     bottle.editing.verbs["pick_line"]()
-    at = on_screen(bottle, bottle.session.state.document.mesh.V.mean(axis=0))
+    at = on_screen(bottle, bottle.session.store.state.document.mesh.V.mean(axis=0))
     mouse(view).drag(at, at)
     QTest.keyClick(view, Qt.Key.Key_Escape)
     assert bottle.status.currentMessage() == ""

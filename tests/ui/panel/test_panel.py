@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, Qt
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import verdict
-from apd_viewer.session.session import Activity
+from apd_viewer.session.store import Activity
 from apd_viewer.ui.widgets.slider_field import DECADES, PERCENT
 
 
@@ -42,7 +42,7 @@ def shown(window):
 def test_the_readings_are_those_of_the_frame(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (70, 0))
     idle(qtbot, bottle)
-    state, panel = bottle.session.state, bottle.panel
+    state, panel = bottle.session.store.state, bottle.panel
     assert panel.area.percent.text() == f"{100 * (1 + state.frame.area_error):.3f} %"
     assert panel.area.verdict.text() == "0.000 %, exact"
     assert f"{state.inspection.area:#.6g}" in panel.area.area.text()
@@ -59,7 +59,7 @@ def test_the_paper_lets_the_handle_drift(qtbot, bottle):
     choose(bottle, "paper")
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
     idle(qtbot, bottle)
-    state = bottle.session.state
+    state = bottle.session.store.state
     assert "within 0.1 %" in bottle.panel.area.verdict.text()
     assert float(bottle.panel.handles.drift.text()) == pytest.approx(state.frame.handle_drift, rel=1e-3)
 
@@ -81,21 +81,21 @@ def test_each_method_shows_the_settings_that_matter_for_it(bottle):
 def test_the_method_can_be_changed_while_a_pose_is_held(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12), steps=20)
     idle(qtbot, bottle)
-    exact = bottle.session.state
+    exact = bottle.session.store.state
     assert exact.document.handles[0].pose[0, 0] < 0.999
     choose(bottle, "arap")
     idle(qtbot, bottle)
-    plain = bottle.session.state
+    plain = bottle.session.store.state
     assert plain.document.handles is exact.document.handles
     assert abs(plain.frame.area_error) > abs(exact.frame.area_error)
     assert np.abs(plain.frame.U - exact.frame.U).max() > 0
     bottle.actions_.undo.trigger()
-    assert bottle.session.state.frame is exact.frame
+    assert bottle.session.store.state.frame is exact.frame
     choose(bottle, "paper")
     bottle.panel.method.tolerance.setValue(0.02)
     assert document(bottle).tolerance == pytest.approx(0.0002)
     idle(qtbot, bottle)
-    assert abs(bottle.session.state.frame.area_error) <= 0.0002
+    assert abs(bottle.session.store.state.frame.area_error) <= 0.0002
 
 
 def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
@@ -108,7 +108,7 @@ def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
     says = bottle.panel.area.verdict
     qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly as asked", timeout=20_000)
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
-    assert bottle.session.history.next_undo == "Change area"
+    assert bottle.session.gestures.history.next_undo == "Change area"
     bottle.panel.area.target.back.click()
     assert document(bottle).area == 100.0
 
@@ -137,13 +137,13 @@ def test_a_sweep_of_the_slider_is_one_step_of_undo_and_the_mesh_follows(qtbot, b
     for step in range(102, 122, 2):
         mouse.move(knob(slider, step))
         qtbot.wait(40)
-        areas.add(round(bottle.session.state.frame.area_error, 6))
+        areas.add(round(bottle.session.store.state.frame.area_error, 6))
     mouse.release(knob(slider, 120))
     assert document(bottle).area == pytest.approx(110.0, abs=0.6)
     assert len(areas) > 2
     bottle.actions_.undo.trigger()
     assert document(bottle) is before
-    assert bottle.session.history.next_undo is None
+    assert bottle.session.gestures.history.next_undo is None
     assert slider.value() == 100
 
 
@@ -161,7 +161,7 @@ def test_a_sweep_can_be_given_up(qtbot, bottle):
         give_up()
         mouse.release(knob(slider, 50))
         assert document(bottle) is before
-        assert bottle.session.history.next_undo == "Change tolerance"
+        assert bottle.session.gestures.history.next_undo == "Change tolerance"
 
 
 def test_a_double_click_returns_to_100_percent(bottle):
@@ -193,13 +193,13 @@ def test_the_stiffness_is_typed_or_stepped(qtbot, bottle):
 
 def test_what_is_out_of_reach_is_said(qtbot, bottle):
     session, panel = bottle.session, bottle.panel
-    session.begin_gesture()
+    session.gestures.begin()
     pose = np.eye(4)
     pose[1, 3] = 14.0
-    session.move_handle(pose)
-    session.end_gesture("Move handle")
+    session.handles.drag(pose)
+    session.gestures.end("Move handle")
     panel.area.target.field.setValue(20.0)
-    qtbot.waitUntil(lambda: session.activity is Activity.UNREACHED, timeout=60_000)
+    qtbot.waitUntil(lambda: session.store.activity is Activity.UNREACHED, timeout=60_000)
     assert not panel.area.unreached.isHidden()
     assert "Out of reach" in panel.area.unreached.text()
     assert panel.area.activity.text() == "out of reach"
@@ -212,7 +212,7 @@ def test_local_keeps_the_total_too_where_that_is_asked(qtbot, bottle):
     choose(bottle, "local")
     area = bottle.panel.area
     assert not area.target.field.isEnabled()
-    assert "exact" not in verdict(bottle.session.state)
+    assert "exact" not in verdict(bottle.session.store.state)
     area.hold.click()
     assert document(bottle).hold_area
     assert area.target.field.isEnabled()

@@ -30,16 +30,16 @@ def at_once(monkeypatch):
 def known(qtbot, window):
     """Wait until the shape rests and is known."""
     idle(qtbot, window)
-    qtbot.waitUntil(lambda: window.session.examining.found is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
 
 
 def crush(qtbot, window, by):
     session, pose = window.session, np.eye(4)
-    session.begin_gesture()
+    session.gestures.begin()
     pose[1, 3] = -by
-    session.move_handle(pose)
+    session.handles.drag(pose)
     idle(qtbot, window)
-    session.end_gesture("Move handle")
+    session.gestures.end("Move handle")
 
 
 def coarse_bottle(qtbot, window, open_top=False):
@@ -47,7 +47,7 @@ def coarse_bottle(qtbot, window, open_top=False):
     if open_top:
         F = F[(V[F][:, :, 1] < V[:, 1].max() - 1e-6).any(axis=1)]
     mesh = Mesh(V, F)
-    window.session._open("bottle", lambda: opened(mesh, frozen(labels)))
+    window.session.files.open_with("bottle", lambda: opened(mesh, frozen(labels)))
     idle(qtbot, window)
     window._choose_unit(CM)
     return mesh
@@ -67,7 +67,7 @@ def number(text):
 
 
 def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(crushed, tmp_path):
-    state, panel = crushed.session.state, crushed.panel
+    state, panel = crushed.session.store.state, crushed.panel
     save_mesh(state.document.mesh, state.frame.U, tmp_path / "crushed.off")
     other, rest = (
         trimesh.load(tmp_path / "crushed.off", process=False),
@@ -91,7 +91,7 @@ def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(
 
 
 def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crushed):
-    button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.state
+    button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.store.state
     crossing = crossings(state.frame.U, state.document.mesh.F)
     assert len(crossing) > 20
     assert button.text() == f"self-intersecting: {len(crossing):,} triangles"
@@ -112,14 +112,14 @@ def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
     known(qtbot, window)
     room, button = window.panel.measures, window.panel.volume.crossings
     assert room.packed.text() != "…"
-    window.session.begin_gesture()
+    window.session.gestures.begin()
     pose = np.eye(4)
     pose[1, 3] = -1.0
-    window.session.move_handle(pose)
+    window.session.handles.drag(pose)
     idle(qtbot, window)
     assert [room.extent.text(), room.box.text(), room.packed.text()] == ["…"] * 3
     assert button.text() == "self-intersections: not while it moves"
-    window.session.end_gesture("Move handle")
+    window.session.gestures.end("Move handle")
     assert button.text() == "checking for self-intersections…"
     known(qtbot, window)
     assert button.text() == "no self-intersections"
@@ -142,7 +142,7 @@ def test_an_open_bottle_is_measured_with_its_mouth_capped_and_says_so(qtbot, win
     assert panel.litres.text().endswith("with its mouth capped flat")
     assert not panel.keep.isEnabled()
     crush(qtbot, window, 1.5)
-    U = window.session.state.frame.U
+    U = window.session.store.state.frame.U
     assert panel.change.endswith("%, capped")
     assert number(panel.volume.text()) == pytest.approx(filled(U, mesh.F), rel=1e-5)
 
@@ -164,10 +164,10 @@ def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, b
     assert "needs the density" in room._problem.text()
     type_into(qtbot, room.density, "1380 kg/m3")
     assert room._problem.isHidden()
-    grams = bottle.session.state.frame.area * 0.03 * 1.38
+    grams = bottle.session.store.state.frame.area * 0.03 * 1.38
     assert room.mass.text() == f"{grams:.2f}\u00a0g"
     bottle._choose_unit(Unit.METRE)
-    assert room.mass.text() == f"{bottle.session.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
+    assert room.mass.text() == f"{bottle.session.store.state.frame.area * 3e-4 * 1380:.1f}\u00a0kg"
     type_into(qtbot, room.thickness, "thin")
     assert "“thin” is unknown" in room._problem.text()
 
@@ -191,12 +191,12 @@ def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window
     assert room.wall == wall
     assert Memory(settings).walls == {paths[0].resolve(): wall}
     saved = tmp_path / "s.apd"
-    window.session.save(saved, window.filing._view(CM.value))
+    window.session.files.save(saved, window.filing._view(CM.value))
     idle(qtbot, window)
     type_into(qtbot, room.thickness, "2mm")
     open_(saved)
     assert room.wall == wall
-    assert window.session.unit is CM
+    assert window.session.store.unit is CM
     assert document(window).mesh.path == paths[0]
 
 

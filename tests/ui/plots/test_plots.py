@@ -84,7 +84,7 @@ def test_the_curves_are_what_was_shown_on_the_way(qtbot, plotted):
     plotted.session.settings.set_method("paper")
     idle(qtbot, plotted)
     frames = twist(qtbot, plotted)
-    mesh = plotted.session.state.document.mesh
+    mesh = plotted.session.store.state.document.mesh
     V, F = mesh.V, mesh.F
     rest_area, rest_volume = areas(V, F).sum(), volume(V, F)
     change = [100.0 * (areas(frame.U, F).sum() / rest_area - 1.0) for frame in frames]
@@ -104,14 +104,14 @@ def test_the_curves_are_what_was_shown_on_the_way(qtbot, plotted):
     assert 10.0 ** curve.y[-1] == pytest.approx(abs(change[-1]) / 100.0, rel=1e-6)
     assert (np.diff(curve.x) > 0).all()
     assert curve.x[-1] >= frames[-1].iteration
-    assert errors.across[0].place == pytest.approx(np.log10(plotted.session.state.document.tolerance))
+    assert errors.across[0].place == pytest.approx(np.log10(plotted.session.store.state.document.tolerance))
     (curve,) = views["energy"].chart().curves
     assert curve.y[-1] == frames[-1].energy > curve.y[0] >= 0.0
 
 
 def test_the_histogram_is_that_of_the_triangles(qtbot, plotted):
     twist(qtbot, plotted)
-    state = plotted.session.state
+    state = plotted.session.store.state
     F, rest = state.document.mesh.F, areas(state.document.mesh.V, state.document.mesh.F)
     ratio = areas(state.frame.U, F) / rest
     chart = plotted.plots.views["local"].chart()
@@ -257,12 +257,12 @@ def test_numbers_are_those_of_the_trace_and_of_the_triangles(qtbot, plotted, mon
         head, *lines = csv.reader(stream)
     assert tuple(head) == COLUMNS
     found = np.array([[float(cell or "nan") for cell in line] for line in lines])
-    np.testing.assert_array_equal(found, plotted.session.trace.rows)
+    np.testing.assert_array_equal(found, plotted.session.store.trace.rows)
     asked(monkeypatch, tmp_path / "change.csv")
     plots._histogram.trigger()
     with (tmp_path / "change.csv").open(newline="") as stream:
         _, *lines = csv.reader(stream)
-    state = plotted.session.state
+    state = plotted.session.store.state
     F, rest = state.document.mesh.F, areas(state.document.mesh.V, state.document.mesh.F)
     ratio = areas(state.frame.U, F) / rest
     low, high, share = np.array([[float(cell or "inf") for cell in line] for line in lines]).T

@@ -34,9 +34,9 @@ def change_all(window):
 
 
 def paint(window, label, ids):
-    window.session.begin_gesture()
-    window.session.paint(np.asarray(ids), label)
-    window.session.end_stroke("Paint")
+    window.session.gestures.begin()
+    window.session.painting.paint(np.asarray(ids), label)
+    window.session.painting.end_stroke("Paint")
     window._invite()
 
 
@@ -44,7 +44,7 @@ def paint(window, label, ids):
 def ball(qtbot, window):
     """A ball with nothing painted, and with a finding."""
     V, F = meshes.sphere(2)
-    window.session.show(Mesh(np.vstack([V, 3 * np.ones(3)]), F))
+    window.session.files.open_mesh(Mesh(np.vstack([V, 3 * np.ones(3)]), F))
     idle(qtbot, window)
     return window
 

@@ -62,14 +62,14 @@ def twisted(qtbot, bottle):
     session = bottle.session
     session.settings.set_method("paper")
     session.parts.add_region()
-    session.begin_gesture()
-    session.paint_region(np.flatnonzero(abs(document(bottle).mesh.V[:, 1] - 10) < 2), 1)
-    session.end_stroke("Paint")
-    session.begin_gesture()
+    session.gestures.begin()
+    session.painting.paint_region(np.flatnonzero(abs(document(bottle).mesh.V[:, 1] - 10) < 2), 1)
+    session.painting.end_stroke("Paint")
+    session.gestures.begin()
     pose = np.eye(4)
     pose[0, 3] = 0.2
-    session.move_handle(pose)
-    session.end_gesture("Move handle")
+    session.handles.drag(pose)
+    session.gestures.end("Move handle")
     idle(qtbot, bottle)
     return bottle
 
@@ -92,16 +92,16 @@ def test_readings_of_new_frames_and_exports_have_the_unit_too(qtbot, twisted, tm
     choose(twisted, CM)
     before = readings(twisted)
     session = twisted.session
-    session.begin_gesture()
+    session.gestures.begin()
     pose = np.eye(4)
     pose[0, 3] = 0.4
-    session.move_handle(pose)
-    session.end_gesture("Move handle")
+    session.handles.drag(pose)
+    session.gestures.end("Move handle")
     idle(qtbot, twisted)
     assert readings(twisted)["area"] != before["area"]
     assert readings(twisted)["area"].endswith("cm²")
     assert readings(twisted)["moved"] == "moved 0.4000\u00a0cm"
-    session.export(tmp_path / "out.obj")
+    session.files.export(tmp_path / "out.obj")
     idle(qtbot, twisted)
     assert re.search(r"area [\d.]+\u00a0cm²", twisted.notice.text)
 
@@ -135,11 +135,11 @@ def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files,
     open_file(qtbot, window, files[0])
     choose(window, CM)
     open_file(qtbot, window, files[1])
-    assert window.panel.unit is window.session.unit is NONE, "one choice is no habit"
+    assert window.panel.unit is window.session.store.unit is NONE, "one choice is no habit"
     open_file(qtbot, window, files[0])
-    assert window.panel.unit is window.session.unit is CM
-    window.session.undo()
-    assert window.panel.unit is window.session.unit is NONE, "undo brings back the mesh and its unit"
+    assert window.panel.unit is window.session.store.unit is CM
+    window.session.gestures.undo()
+    assert window.panel.unit is window.session.store.unit is NONE, "undo brings back the mesh and its unit"
     assert Memory(settings).units == {files[0].resolve(): CM}
     assert Units(Memory(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
 
@@ -169,7 +169,7 @@ def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, s
     bottle.filing.open_sample("bottle")
     idle(qtbot, bottle)
     assert bottle.panel.unit is NONE
-    bottle.session.undo()
+    bottle.session.gestures.undo()
     assert bottle.panel.unit is M
 
 

@@ -28,7 +28,7 @@ def work(bottle, monkeypatch):
 
 def answer(window, U):
     """Show a shape as a frame of the worker is shown."""
-    stage = window.session._stage
+    stage = window.session.store
     stage.show(stage.state.at(frame=dataclasses.replace(stage.state.frame, U=frozen(U))))
 
 
@@ -62,9 +62,9 @@ def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch
 
     monkeypatch.setattr(np, "bincount", not_here)
     for k in range(3):
-        bottle.session.begin_gesture()
+        bottle.session.gestures.begin()
         bottle.session._worker.ask = lambda _: None
-        bottle.session.move_handle((1.0 + 0.01 * k) * np.eye(4))
+        bottle.session.handles.drag((1.0 + 0.01 * k) * np.eye(4))
         answer(bottle, before.mesh.V * (1.0 + 0.01 * k))
     now = document(bottle)
     assert now is not before
@@ -112,7 +112,7 @@ def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     settle(qtbot, view)
     np.testing.assert_allclose(view.box(), bottle.canvas.surface._actor.GetBounds(), atol=1e-5)
     near, far = view.renderer.GetActiveCamera().GetClippingRange()
-    depth = view.eye.depth(bottle.session.state.frame.U)
+    depth = view.eye.depth(bottle.session.store.state.frame.U)
     assert near <= depth.min()
     assert depth.max() <= far
 
@@ -120,7 +120,7 @@ def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
 def test_a_mesh_is_made_ready_before_the_window_has_it(qtbot, bottle, monkeypatch):
     """Nothing that only depends on the triangles is found out on the thread of the window."""
     monkeypatch.setattr(skins.Skin, "of", None)
-    state = bottle.session.state
+    state = bottle.session.store.state
     for _ in range(2):
         bottle.canvas.show_state(None, state, 0, 0)
     assert bottle.canvas.surface.skin is state.skin

@@ -48,7 +48,7 @@ def still(qtbot, window):
     """A window on a coarse bottle, painted, with the gizmo at its neck."""
     V, F, labels = meshes.sample_bottle(2.2)
     state = opened(Mesh(V, F), frozen(labels.astype(np.uint8)))
-    window.session._open("bottle", lambda: state)
+    window.session.files.open_with("bottle", lambda: state)
     idle(qtbot, window)
     settle(qtbot, window.canvas.viewport)
     return window

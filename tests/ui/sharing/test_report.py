@@ -52,7 +52,7 @@ def file(tmp_path, monkeypatch):
 def twisted(qtbot, window, file):
     """The bottle in centimetres, twisted, at rest and examined, with a name that means harm."""
     labels = frozen(meshes.sample_bottle(2.2)[2].astype(np.uint8))
-    window.session._open("bottle", lambda: opened(open_mesh(file), labels))
+    window.session.files.open_with("bottle", lambda: opened(open_mesh(file), labels))
     idle(qtbot, window)
     window.panel.area.unit.chosen.emit(Unit.CENTIMETRE)
     window.panel.measures.thickness.setText("0.3mm")
@@ -60,12 +60,12 @@ def twisted(qtbot, window, file):
     window.panel.measures.density.editingFinished.emit()
     window.session.parts.rename_handle(0, "<script>neck & 'cap'</script>")
     window.session.parts.add_region()
-    wanted = window.session.state.document.mesh.V[:, 1] > 12.0
-    window.session.set_part(Part(1, is_region=True), wanted, "Paint region")
-    window.session.type_motion("TWIST", "20", 0)
-    window.session.type_motion("MOVE_Y", "0.25", 0)
+    wanted = window.session.store.state.document.mesh.V[:, 1] > 12.0
+    window.session.painting.set_part(Part(1, is_region=True), wanted, "Paint region")
+    window.session.handles.move_by("TWIST", "20", 0)
+    window.session.handles.move_by("MOVE_Y", "0.25", 0)
     idle(qtbot, window)
-    qtbot.waitUntil(lambda: window.session.examining.found is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
     return window
 
 
@@ -74,7 +74,7 @@ def number(text):
 
 
 def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twisted, file, tmp_path):
-    window, state = twisted, twisted.session.state
+    window, state = twisted, twisted.session.store.state
     path = tmp_path / "report.html"
     page = write(qtbot, window, path)
     panel, rows = window.panel, page.rows
@@ -131,7 +131,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
 
 
 def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):
-    state, path = twisted.session.state, tmp_path / "report.html"
+    state, path = twisted.session.store.state, tmp_path / "report.html"
     page = write(qtbot, twisted, path)
     assert "script" not in page.tags
     assert page.wrong == []
@@ -182,6 +182,6 @@ def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path,
 
 def test_a_report_can_be_given_up(qtbot, bottle, tmp_path):
     bottle.reporting.write(tmp_path / "report.html")
-    bottle.session.cancel_errand()
+    bottle.session.jobs.cancel()
     qtbot.wait(300)
     assert not (tmp_path / "report.html").exists()

@@ -21,13 +21,13 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 def bar(qtbot, window):
     """A window on a bar, painted."""
     V, F = box(2, 2, 5)
-    window.session.show(Mesh(V, F))
+    window.session.files.open_mesh(Mesh(V, F))
     idle(qtbot, window)
     base, handle = ends(V)
-    window.session.begin_gesture()
-    window.session.paint(base, 0)
-    window.session.paint(handle, 2)
-    window.session.end_stroke("Paint")
+    window.session.gestures.begin()
+    window.session.painting.paint(base, 0)
+    window.session.painting.paint(handle, 2)
+    window.session.painting.end_stroke("Paint")
     idle(qtbot, window)
     return window
 
@@ -85,7 +85,7 @@ def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_
 
 
 def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
-    bar.session.type_motion("MOVE_X", "0.5", 0)
+    bar.session.handles.move_by("MOVE_X", "0.5", 0)
     idle(qtbot, bar)
     bar.actions_.pose.sweep.trigger()
     dialog = bar.studies.dialogs["sweep"]
@@ -141,7 +141,7 @@ def test_what_is_not_painted_is_not_swept(qtbot, window):
     window.actions_.pose.sweep.trigger()
     assert window.studies.dialogs == {}
     V, F = box(1, 1, 1)
-    window.session.show(Mesh(V, F))
+    window.session.files.open_mesh(Mesh(V, F))
     idle(qtbot, window)
     window.actions_.pose.sweep.trigger()
     assert window.studies.dialogs == {}

@@ -18,7 +18,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
 def pose(window):
-    return window.session.state.document.handles[0].pose
+    return window.session.store.state.document.handles[0].pose
 
 
 def typed(qtbot, window, motion, text):
@@ -38,22 +38,22 @@ def on_ring(window, i, turn):
 
 def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
     by_matrix = read_transform(resource("bottle-twist-60.def"))
-    held, mesh = bottle.session.state.document.constraints(), bottle.session.state.document.mesh
+    held, mesh = bottle.session.store.state.document.constraints(), bottle.session.store.state.document.mesh
     targets = mesh.V[held.fixed].copy()
-    moved = bottle.session.state.document.labels[held.fixed] >= HANDLE
+    moved = bottle.session.store.state.document.labels[held.fixed] >= HANDLE
     targets[moved] = transform(by_matrix, targets[moved])
     result = deform(mesh.V, mesh.F, held.fixed, targets, iterations=3)
     np.testing.assert_allclose(result.U[held.fixed], targets, rtol=0, atol=1e-9)
 
     def arrives():
-        U = bottle.session.state.frame.U[held.fixed]
+        U = bottle.session.store.state.frame.U[held.fixed]
         return np.abs(U - targets).max() <= 1e-9
 
     typed(qtbot, bottle, "TWIST", "60deg")
     by_typing = pose(bottle)
-    assert bottle.session.history.next_undo == "Twist"
+    assert bottle.session.gestures.history.next_undo == "Twist"
     qtbot.waitUntil(arrives, timeout=20_000)
-    bottle.session.undo()
+    bottle.session.gestures.undo()
     assert not arrives()
     frame = bottle.canvas.gizmo.frame
     near = np.arctan2(*frame.facing[[0, 2]])
@@ -83,7 +83,7 @@ def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis)
         hand.drag(QPointF(*start), QPointF(*(start + end) / 2), QPointF(*end))
         went = bottle.canvas.gizmo.frame.middle - frame.middle
         assert went @ (end - start) > 0.8 * np.linalg.norm(went) * np.linalg.norm(end - start), f"arrow {i}"
-        bottle.session.undo()
+        bottle.session.gestures.undo()
     for i in range(3):
         frame = bottle.canvas.gizmo.frame
         points, near = frame.ring(i)
@@ -97,7 +97,7 @@ def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis)
         motion = pose(bottle)
         went = frame.camera.project(transform(motion, grabbed[None]))[0] - points[k]
         assert went @ (ahead - points[k]) > 0, f"ring {i}"
-        bottle.session.undo()
+        bottle.session.gestures.undo()
 
 
 def points_of_the_body(frame, i, at):
@@ -112,15 +112,15 @@ def points_of_the_body(frame, i, at):
 
 @pytest.mark.parametrize(("text", "words"), [("5 parsec", "parsec"), ("", "."), ("3mm", "length")])
 def test_what_is_wrong_with_what_was_typed_is_said_under_it(qtbot, bottle, text, words):
-    before = bottle.session.state
+    before = bottle.session.store.state
     typed(qtbot, bottle, "TWIST", text)
     field = bottle.panel.handles.motion
     assert field._problem.isVisibleTo(field)
     assert words in field._problem.text()
-    assert bottle.session.state is before
+    assert bottle.session.store.state is before
     typed(qtbot, bottle, "TWIST", "10")
     assert not field._problem.isVisibleTo(field)
-    assert bottle.session.state is not before
+    assert bottle.session.store.state is not before
 
 
 def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
@@ -135,7 +135,7 @@ def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
 def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
     view, canvas = bottle.canvas.viewport, bottle.canvas
     eye = view.eye
-    document = bottle.session.state.document
+    document = bottle.session.store.state.document
     places = view.project(document.mesh.V[document.labels == HANDLE])
     free = [
         QPointF(*place)
@@ -149,15 +149,15 @@ def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle,
     assert abs(moved @ eye.axes[2]) < 1e-9
     went = view.project(document.centre(0)[None] + moved)[0] - view.project(document.centre(0)[None])[0]
     np.testing.assert_allclose(went, [40, -25], atol=1e-6)
-    assert bottle.session.history.next_undo == "Move handle"
+    assert bottle.session.gestures.history.next_undo == "Move handle"
 
 
 def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):
     view = bottle.canvas.viewport
-    before, eye = bottle.session.state, view.eye
+    before, eye = bottle.session.store.state, view.eye
     at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     mouse(view).drag(QPointF(*at), QPointF(*at) + QPointF(30, 5))
-    assert bottle.session.state is before
+    assert bottle.session.store.state is before
     assert view.eye.key != eye.key
 
 
@@ -176,7 +176,7 @@ def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
     view = bottle.canvas.viewport
     bottle.activateWindow()
     view.setFocus()
-    steps = len(bottle.session.history.done)
+    steps = len(bottle.session.gestures.history.done)
     for nudge in bottle.actions_.pose.nudges:
         assert nudge.shortcutContext() is Qt.ShortcutContext.WidgetShortcut
         before = bottle.canvas.gizmo.frame.middle
@@ -187,13 +187,15 @@ def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
             assert abs(went[1]) < 0.5
         if "up" in nudge.text():
             assert went[1] < -2
-    assert len(bottle.session.history.done) == steps + 1, "presses that follow each other are one step"
+    assert len(bottle.session.gestures.history.done) == steps + 1, (
+        "presses that follow each other are one step"
+    )
     np.testing.assert_allclose(pose(bottle), np.eye(4), atol=1e-12)
 
 
 def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
     gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.along
-    bottle.session.type_motion("TURN_X", "30", 0)
+    bottle.session.handles.move_by("TURN_X", "30", 0)
     along[Along.HANDLE].trigger()
     np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
     along[Along.VIEW].trigger()
@@ -208,19 +210,19 @@ def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
 def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
     back = bottle.panel.handles.back
     assert not back.isEnabled()
-    bottle.session.type_motion("TWIST", "20", 0)
+    bottle.session.handles.move_by("TWIST", "20", 0)
     assert back.isEnabled()
     qtbot.mouseClick(back, Qt.MouseButton.LeftButton)
-    assert not bottle.session.state.document.posed
+    assert not bottle.session.store.state.document.posed
     assert not back.isEnabled()
 
 
 def test_a_click_in_the_history_goes_there(qtbot, bottle):
-    states = [bottle.session.state]
+    states = [bottle.session.store.state]
     for angle in ("10", "20"):
-        bottle.session.type_motion("TWIST", angle, 0)
+        bottle.session.handles.move_by("TWIST", angle, 0)
         idle(qtbot, bottle)
-        states.append(bottle.session.state)
+        states.append(bottle.session.store.state)
     bottle.take(Tool.ORBIT)
     bottle.docks["history"].show()
     steps = bottle._history
@@ -228,14 +230,14 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
     for k in (1, 0, 2, 1):
         at = steps.visualItemRect(steps.item(k)).center()
         qtbot.mouseClick(steps.viewport(), Qt.MouseButton.LeftButton, pos=at)
-        assert bottle.session.state is states[k]
+        assert bottle.session.store.state is states[k]
         assert steps.currentRow() == k
         assert steps.item(k).font().bold()
 
 
 def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mouse):
     view, session = bottle.canvas.viewport, bottle.session
-    before = session.state
+    before = session.store.state
     at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     point = bottle.canvas.surface.hit(QPointF(*at)).point
     bottle.actions_.pose.pivots[0].trigger()
@@ -244,43 +246,43 @@ def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mous
     hand.drag(QPointF(*at), QPointF(*at))
     assert view.eye.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
-    assert session.history.next_undo == "Move pivot"
-    session.type_motion("TURN_Z", "30deg", 0)
+    assert session.gestures.history.next_undo == "Move pivot"
+    session.handles.move_by("TURN_Z", "30deg", 0)
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
-    session.type_motion("MOVE_X", "1", 0)
+    session.handles.move_by("MOVE_X", "1", 0)
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
     bottle.actions_.pose.pivots[2].trigger()
-    centre = transform(pose(bottle), session.state.document.centre(0)[None])[0]
+    centre = transform(pose(bottle), session.store.state.document.centre(0)[None])[0]
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, centre, atol=1e-9)
     for _ in range(4):
-        session.undo()
-    assert session.state is before
+        session.gestures.undo()
+    assert session.store.state is before
 
 
 def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
     view = bottle.canvas.viewport
-    before = bottle.session.state
+    before = bottle.session.store.state
     bottle.actions_.pose.pivots[0].trigger()
     QTest.keyClick(view, Qt.Key.Key_Escape)
     at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     mouse(view).drag(QPointF(*at), QPointF(*at))
-    assert bottle.session.state is before
+    assert bottle.session.store.state is before
 
 
 def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
     bottle.take(Tool.BASE)
-    session.type_motion("BEND_Z", "20deg", 0)
+    session.handles.move_by("BEND_Z", "20deg", 0)
     assert session.wait_idle(20.0)
-    before, eye, title = session.state, view.eye.key, bottle.windowTitle()
+    before, eye, title = session.store.state, view.eye.key, bottle.windowTitle()
     bottle.actions_.bake.trigger()
-    qtbot.waitUntil(lambda: session.state.document.mesh is not before.document.mesh, timeout=5000)
+    qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh, timeout=5000)
     assert (view.eye.key, bottle.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
     assert bottle.panel.area.percent.text() == "100.000 %"
     assert not bottle.actions_.bake.isEnabled()
     np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)
     assert np.abs(bottle.looks.heat._mesh.V - before.frame.U).max() == 0.0
     bottle.actions_.undo.trigger()
-    assert session.state is before
+    assert session.store.state is before
     assert view.eye.key == eye
     assert bottle.looks.heat._mesh is before.document.mesh

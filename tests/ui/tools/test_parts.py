@@ -52,7 +52,7 @@ def test_the_first_stroke_makes_a_region_and_alt_erases(qtbot, bottle):
     bottle.actions_.undo.trigger()
     bottle.actions_.undo.trigger()
     assert document(bottle).regions == ()
-    assert bottle.session.history.next_undo is None
+    assert bottle.session.gestures.history.next_undo is None
 
 
 def test_two_regions_are_painted_each_in_turn(qtbot, bottle):
@@ -129,7 +129,7 @@ def test_a_name_is_edited_in_place(qtbot, bottle):
     qtbot.keyClick(row.name, Qt.Key.Key_Escape)
     assert document(bottle).regions[0].name == "Label"
     assert row.name.text() == "Label"
-    assert bottle.session.history.next_undo == "Rename"
+    assert bottle.session.gestures.history.next_undo == "Rename"
     bottle.actions_.undo.trigger()
     assert row.name.text() == "Region 1"
 
@@ -148,11 +148,11 @@ def test_two_handles_have_each_its_pose(qtbot, two):
     grip = document(two).grip
 
     def there():
-        U = two.session.state.frame.U
+        U = two.session.store.state.frame.U
         return np.allclose(U[held[1]], grip[held[1]] + second[:3, 3])
 
     qtbot.waitUntil(there, timeout=20_000)
-    assert np.allclose(two.session.state.frame.U[held[0]], grip[held[0]])
+    assert np.allclose(two.session.store.state.frame.U[held[0]], grip[held[0]])
 
 
 def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
@@ -176,7 +176,7 @@ def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
 
 def test_a_click_on_the_paint_of_a_handle_takes_it_and_a_drag_turns_the_view(qtbot, two):
     view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
-    labels, U = document(two).labels, two.session.state.frame.U
+    labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
     points = view.project(U[cap])
     dot = view.project(two.canvas.pivots._pivots[0].centre[None])[0]

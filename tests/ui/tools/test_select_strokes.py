@@ -103,7 +103,7 @@ def test_what_comes_between_gives_the_stroke_up_and_is_all_that_happens(scene, w
 @pytest.mark.parametrize("way", Way)
 def test_another_mesh_gives_the_stroke_up_whatever_its_size(qtbot, scene, way, subdivisions):
     gesture, mouse = begun(scene, way)
-    scene.window.session.show(Mesh(*meshes.sphere(subdivisions)))
+    scene.window.session.files.open_mesh(Mesh(*meshes.sphere(subdivisions)))
     idle(qtbot, scene.window)
     assert (scene.document.labels == FREE).all()
     assert scene.document.mesh is not scene.state.document.mesh
@@ -221,7 +221,7 @@ def test_a_polygon_is_ended_by(qtbot, scene, end):
     scene.assert_nothing_is_previewed()
     before = scene.state.document.labels
     np.testing.assert_array_equal(scene.document.labels, np.where(gesture.chosen, HANDLE, before))
-    assert scene.window.session.history.next_undo == Tool.HANDLE.words.title
+    assert scene.window.session.gestures.history.next_undo == Tool.HANDLE.words.title
 
 
 @pytest.mark.parametrize("modifiers", [NONE, CONTROL])

@@ -28,7 +28,7 @@ def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
     bottle.choose_way(Way.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport
     qtbot.waitUntil(widget.isVisible)
-    state, eye = bottle.session.state, view.eye.key
+    state, eye = bottle.session.store.state, view.eye.key
     reached = []
     view.mousePressEvent = lambda event: reached.append(event)
     view.mouseDoubleClickEvent = lambda event: reached.append(event)
@@ -39,6 +39,6 @@ def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
     Mouse(widget).wheel(at, 1)
     del view.mousePressEvent, view.mouseDoubleClickEvent
     assert reached == []
-    assert bottle.session.state is state
+    assert bottle.session.store.state is state
     assert view.eye.key == eye
     assert bottle.canvas.ways[Way.SLAB].axis == 1, "the wheel has not taken another axis"

@@ -1,0 +1,74 @@
+"""Poses and pivots of the handles: dragged, typed, nudged or reset."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.language import tr
+from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.typed_motion import MOTIONS, Motion, amount_of, moved
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
+
+
+class Handles:
+    """Moves the handles; the mesh follows.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    listener : Listener
+    """
+
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._listener = listener
+
+    def drag(self, pose: np.ndarray, which: int = 0) -> None:
+        """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
+        state = self._store.required()
+        if self._gestures.before is not None:  # another mesh may have ended the drag
+            self._store.solve(state.document.moved(which, pose))
+
+    def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
+        """Put a handle at ``pose`` (4, 4) at once; what ``repeats`` the step before is part of it."""
+        state = self._gestures.alone()
+        if state.document.problem:
+            self._listener.failed(state.document.problem)
+        elif not np.array_equal(pose, state.document.handles[which].pose):
+            self._gestures.record(gesture, state, repeats)
+            self._store.solve(state.document.moved(which, pose))
+
+    def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
+        """Move a handle by a typed amount; ``motion`` names a :class:`Motion`. Raises InputError.
+
+        ``line`` (2, 3) is the axis of a bend about a line.
+        """
+        state, kind = self._gestures.alone(), Motion[motion]
+        amount = amount_of(kind, text, state, self._store.unit)
+        self.pose(moved(state.document, which, kind, amount, line), which, MOTIONS[kind])
+
+    def set_pivot(self, point: np.ndarray | None, which: int) -> None:
+        """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""
+        state = self._gestures.alone()
+        handle = state.document.handles[which]
+        if point is not None:
+            point = frozen(transform(np.linalg.inv(handle.pose), np.asarray(point, dtype=float)[None])[0])
+        elif handle.pivot is None:
+            return
+        self._gestures.record(tr("Move pivot"), state)
+        self._store.set_document(state.document.with_handle(which, replace(handle, pivot=point)))
+
+    def reset(self, which: int) -> None:
+        """Put one handle back where it was gripped; the mesh follows."""
+        self.pose(IDENTITY, which, tr("Put handle back"))

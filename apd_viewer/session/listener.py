@@ -1,0 +1,56 @@
+"""The callbacks of a session, and the parts of it that follow every change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from apd_viewer.session.model.document import State
+from apd_viewer.session.model.view import View
+
+
+@dataclass(frozen=True)
+class Listener:
+    """Whom a session tells what happens. ``wake`` is called on other threads, the rest on the owner's.
+
+    Attributes
+    ----------
+    wake : callable
+        Something waits to be received: call :meth:`Session.receive` on the owner's thread.
+    changed : callable
+        ``changed(old, new)``: the state was replaced; old is None the first time.
+    status_changed : callable
+        Activity, errand or history may differ.
+    told : callable
+        ``told(sentence)``: something the user should read.
+    failed : callable
+        ``failed(sentence)``: something the user asked for was not done, and why.
+    viewed : callable
+        ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
+    examined : callable
+        More is known about the shape on screen, or less, because it is another one.
+    """
+
+    wake: Callable[[], object]
+    changed: Callable[[State | None, State], object]
+    status_changed: Callable[[], object]
+    told: Callable[[str], object]
+    failed: Callable[[str], object]
+    viewed: Callable[[View], object] = lambda _: None
+    examined: Callable[[], object] = lambda: None
+
+
+def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:
+    """The listener, with each follower called after it hears of another state or status."""
+
+    def changed(old: State | None, new: State) -> None:
+        listener.changed(old, new)
+        for follow in followers:
+            follow()
+
+    def status_changed() -> None:
+        listener.status_changed()
+        for follow in followers:
+            follow()
+
+    return replace(listener, changed=changed, status_changed=status_changed)

@@ -1,0 +1,71 @@
+"""Painting the base, the handles and the regions: strokes, and parts replaced as a whole."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.part_operations import Change, reshaped
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.model.painted_part import Part
+    from apd_viewer.session.store import Store
+
+
+class Painting:
+    """Changes which vertices belong to which part.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    """
+
+    def __init__(self, store: Store, gestures: Gestures) -> None:
+        self._store = store
+        self._gestures = gestures
+
+    def paint(self, ids: np.ndarray, label: int) -> None:
+        """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
+        state = self._store.required()
+        if self._gestures.before is not None:  # undo may have ended the stroke
+            self._store.set_document(state.document.painted(ids, label))
+
+    def paint_region(self, ids: np.ndarray, number: int) -> None:
+        """Put the vertices ``ids`` in region ``number``, from 1, within the current gesture; 0 erases.
+
+        One number past the last makes a region: the first stroke needs none to be there.
+        """
+        state = self._store.required()
+        if self._gestures.before is not None:
+            document = state.document
+            if number > len(document.regions):
+                document = document.with_next_region()
+            document = document.painted_region(ids, number)
+            (self._store.solve if document.asks_of_regions else self._store.set_document)(document)
+
+    def end_stroke(self, gesture: str) -> None:
+        """Finish painting; under new labels, base and handles are gripped where they are now."""
+        before, document = self._gestures.before, self._store.required().document
+        if before is not None and document.says_as(before.document):
+            # Replacing a part by itself clears it first; there is nothing to undo.
+            document = before.document
+            self._store.revert(document)
+        self._gestures.end(gesture)
+        if before is not None and not np.array_equal(before.document.labels, document.labels):
+            self._store.regrip(before.document, document)
+
+    def set_part(self, part: Part, wanted: np.ndarray, gesture: str) -> None:
+        """Have the ``wanted`` vertices, (n,) bool, and no others, in a part: a step of undo."""
+        document = part.become(self._gestures.alone().document, wanted)
+        self._gestures.begin()
+        asks = part.is_region and document.asks_of_regions
+        (self._store.solve if asks else self._store.set_document)(document)
+        self.end_stroke(gesture)
+
+    def reshape(self, part: Part, change: str) -> None:
+        """Change a part as a whole, as a :class:`Change` by its name."""
+        wanted = reshaped(self._gestures.alone(), part, Change[change])
+        self.set_part(part, wanted, Change[change].value.title)

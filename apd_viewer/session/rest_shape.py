@@ -1,0 +1,57 @@
+"""The rest shape: going back to it, and replacing it by the shape on screen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.session.model.baking import baked
+from apd_viewer.session.model.document import State, rest_frame
+from apd_viewer.session.model.status_text import about_baking
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.jobs.background_job import Jobs
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
+
+
+class RestShape:
+    """Restores and replaces the rest shape; each is a step of undo.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    jobs : Jobs
+    listener : Listener
+    """
+
+    def __init__(self, store: Store, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._jobs = jobs
+        self._listener = listener
+
+    def restore(self) -> None:
+        """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
+        state = self._gestures.alone()
+        if not state.is_at_rest:
+            self._gestures.record(tr("Reset handle"), state)
+            rest = rest_frame(state.document.mesh, state.inspection)
+            self._store.jump(state.at(state.document.at_rest(), rest))
+
+    def bake(self) -> None:
+        """Make the shape on screen the rest shape, in the background: its area is 100 % from then on."""
+        shown = self._gestures.alone()
+
+        def done(at_rest: State) -> None:
+            state = self._gestures.alone()
+            if state.document is not shown.document:
+                self._listener.failed(tr("Something else has been asked for meanwhile; bake the new shape."))
+                return
+            self._gestures.record(tr("Bake as new rest"), state)
+            self._store.jump(at_rest)
+            self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self._store.unit))
+
+        self._jobs.run(tr("Measuring the new rest shape"), lambda: baked(shown), done)

@@ -1,0 +1,38 @@
+"""Vertices, lengths and points typed by the user, read against the mesh that is open."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.typed_motion import names_of
+from apd_viewer.session.vertex_expression import chosen, place
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from apd_viewer.session.store import Store
+
+
+class TypedValues:
+    """Reads texts; each method raises InputError with a sentence.
+
+    Parameters
+    ----------
+    store : Store
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+
+    def vertices(self, text: str) -> np.ndarray:
+        """The vertices named by ids or by conditions on their coordinates, ascending ids."""
+        return chosen(text, self._store.required(), self._store.unit)
+
+    def length(self, text: str) -> float:
+        """A length, mesh units."""
+        return length(text, self._store.unit, names_of(self._store.required()))
+
+    def point(self, text: str) -> np.ndarray:
+        """A point (3,) by its coordinates."""
+        return place(text, self._store.required(), self._store.unit)
