@@ -1,4 +1,4 @@
-"""Draw the figures of the README.
+"""Draw the figures of the documentation.
 
 Run ``python resources/make_figures.py [folder]``; without a folder the pictures land beside this
 script. It needs no display.
