@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import secrets
 import sys
+import time
 import weakref
 from collections.abc import Sequence
 from multiprocessing import resource_tracker
@@ -15,11 +16,18 @@ from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 
+from apd_viewer.geometry.linalg.atomic_access import load_acquire, store_release
+
 _LINE = 64  # bytes; arrays begin at multiples of it
+_COUNTER = 8  # bytes of an int64
+_PUT, _COPIED, _SEEN = range(3)  # the counters of a tray
 
 
 class Envelope:
     """Copies of arrays in one block, for the time until they have been read.
+
+    Its name travels by a pipe, whose two ends take the same lock in the kernel: the reader of the message
+    sees what was written before it.
 
     Parameters
     ----------
@@ -61,12 +69,39 @@ class OpenedEnvelope:
         self._block.close()
 
 
-class Tray:
-    """Room for one shape, which the solver puts down and its owner carries away.
+class SharedCounters:
+    """Integers in shared memory, each written by one process and read by another.
 
-    Three counters stand beside it: how many shapes were put down, which of them was carried away last, and
-    which was the last that anybody has looked at. Each is written by one side only and read by the other when
-    it likes: there is no message about them that could be lost or be late.
+    A process that loads a number sees all that the other one had stored before it stored that number, and
+    the other one had finished reading what this one overwrites next: loads acquire, stores release. Plain
+    loads and stores are ordered like that on x86, but not on ARM, which Apple silicon is.
+
+    Parameters
+    ----------
+    places : (n,) int64 array
+        In shared memory; to be accessed through this class alone.
+    """
+
+    def __init__(self, places: np.ndarray) -> None:
+        self._places = places  # the address is valid as long as the array lives
+        self._address = places.ctypes.data
+
+    def load(self, which: int) -> int:
+        """Return a counter, with acquire ordering."""
+        return int(load_acquire(self._address + which * _COUNTER))
+
+    def store(self, which: int, value: int) -> None:
+        """Set a counter, with release ordering."""
+        store_release(self._address + which * _COUNTER, value)
+
+
+class Tray:
+    """Room for one shape, written by the solver and copied by its owner.
+
+    Three counters beside it: the shapes put so far, the last one copied, the last one displayed. Each is
+    written by one side only and read by the other at any time. The solver writes a shape once the last one
+    has been copied, the owner copies it once it has been put; see :class:`SharedCounters` for why either
+    then sees it whole.
 
     Parameters
     ----------
@@ -84,40 +119,43 @@ class Tray:
     def __init__(self, n: int, name: str | None = None) -> None:
         block = _made(_LINE + 24 * n) if name is None else _attached(name)
         self.name = block.name
-        self._counts = _view(block, np.dtype(np.int64), (3,), 0)
+        self._counters = SharedCounters(_view(block, np.dtype(np.int64), (3,), 0))
         self._U = _view(block, np.dtype(np.float64), (n, 3), _LINE)
-        # Who knows it last may be any thread that holds a reply.
+        # The last reference may be any thread's that holds a reply.
         weakref.finalize(self, _remove if name is None else SharedMemory.close, block)
 
     # The solver's side
 
     @property
     def free(self) -> bool:
-        """Whether the last shape has been carried away."""
-        return bool(self._counts[1] == self._counts[0])
+        """Whether the last shape has been copied."""
+        return self._counters.load(_COPIED) == self._counters.load(_PUT)
 
     @property
     def seen(self) -> bool:
-        """Whether the last shape has been looked at."""
-        return bool(self._counts[2] == self._counts[0])
+        """Whether the last shape has been displayed."""
+        return self._counters.load(_SEEN) == self._counters.load(_PUT)
 
     def put(self, U: np.ndarray) -> int:
-        """Put ``U`` (n, 3) down; its number."""
+        """Write ``U`` (n, 3) and return its number; the tray must be free."""
         self._U[...] = U
-        self._counts[0] += 1
-        return int(self._counts[0])
+        number = self._counters.load(_PUT) + 1
+        self._counters.store(_PUT, number)
+        return number
 
     # The owner's side
 
     def carry(self, number: int) -> np.ndarray:
-        """Carry the shape with that number away: a copy."""
+        """Copy the shape with that number, so that the tray is free again."""
+        while self._counters.load(_PUT) < number:  # its message may overtake the store
+            time.sleep(0.0)
         U = self._U.copy()
-        self._counts[1] = number
+        self._counters.store(_COPIED, number)
         return U
 
     def look(self, number: int) -> None:
-        """Say that the shape with that number has been looked at."""
-        self._counts[2] = number
+        """Note that the shape with that number has been displayed."""
+        self._counters.store(_SEEN, number)
 
 
 def leave_blocks_to_their_owner() -> None:

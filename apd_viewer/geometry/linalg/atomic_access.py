@@ -1,0 +1,39 @@
+"""Loads and stores that order memory between processes: acquire and release."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit, types
+from numba.extending import intrinsic
+
+
+@intrinsic
+def _load(_: Any, _address: Any) -> Any:
+    def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        place = builder.inttoptr(arguments[0], context.get_value_type(types.int64).as_pointer())
+        return builder.load_atomic(place, "acquire", 8)
+
+    return types.int64(types.int64), code
+
+
+@intrinsic
+def _store(_: Any, _address: Any, _value: Any) -> Any:
+    def code(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        place = builder.inttoptr(arguments[0], context.get_value_type(types.int64).as_pointer())
+        builder.store_atomic(arguments[1], place, "release", 8)
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64), code
+
+
+@njit(cache=True)
+def load_acquire(address: int) -> int:
+    """Return the int64 at an address; nothing that follows is done before."""
+    return _load(address)
+
+
+@njit(cache=True)
+def store_release(address: int, value: int) -> None:
+    """Set the int64 at an address; all that precedes is done before."""
+    _store(address, value)

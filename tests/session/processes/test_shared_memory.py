@@ -1,0 +1,82 @@
+"""Shapes handed from process to process: whole, whatever order the processor stores in."""
+
+import inspect
+import re
+import subprocess
+import sys
+
+import numpy as np
+from llvmlite import binding as llvm
+from numba import njit
+
+from apd_viewer.geometry.linalg import atomic_access
+from apd_viewer.session.processes import shared_memory
+from apd_viewer.session.processes.shared_memory import Tray
+
+# Puts shapes of one number each, as soon as the last one has been copied.
+WRITER = """
+import sys
+import numpy as np
+from apd_viewer.session.processes.shared_memory import Tray, leave_blocks_to_their_owner
+leave_blocks_to_their_owner()
+name, n, times = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+tray = Tray(n, name)
+for k in range(1, times + 1):
+    while not tray.free:
+        pass
+    tray.put(np.full((n, 3), float(k)))
+"""
+
+
+def test_shapes_are_handed_over_whole():
+    """The litmus test of message passing, both ways: no torn shape, no message but the counters."""
+    n, times = 50, 20_000
+    tray = Tray(n)
+    command = [sys.executable, "-c", WRITER, tray.name, str(n), str(times)]
+    with subprocess.Popen(command) as writer:
+        for k in range(1, times + 1):
+            U = tray.carry(k)
+            assert np.ptp(U) == 0.0
+            assert U[0, 0] == k
+        assert writer.wait(60) == 0
+
+
+def test_counters_are_loaded_with_acquire_and_stored_with_release():
+    load, store = compiled()
+    assert re.search(r"load atomic i64, .* acquire, align 8", load)
+    assert re.search(r"store atomic i64 .* release, align 8", store)
+
+
+def test_on_arm_they_are_the_instructions_that_order_memory():
+    """What the compiler makes of them for Apple silicon, here or wherever the test runs."""
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    load, store = (assembly(code, "arm64-apple-darwin") for code in compiled())
+    assert re.search(r"\bldap?r\b", load)
+    assert re.search(r"\bstlr\b", store)
+
+
+def test_a_counter_is_accessed_through_its_class_alone():
+    tray = Tray(4)
+    views = [value for value in vars(tray).values() if isinstance(value, np.ndarray)]
+    assert not any(np.shares_memory(view, tray._counters._places) for view in views)
+    accesses = re.findall(r".*_places\b.*", inspect.getsource(shared_memory))
+    assert len(accesses) == 1, "kept alive, and nothing else"
+
+
+def compiled() -> list[str]:
+    """The intermediate code of a load and a store."""
+    place = np.zeros(1, np.int64)
+    # Compiled anew: what comes from the cache has no such code any more.
+    load, store = (njit(code.py_func) for code in (atomic_access.load_acquire, atomic_access.store_release))
+    store(place.ctypes.data, 7)
+    assert load(place.ctypes.data) == place[0] == 7
+    return [next(iter(function.inspect_llvm().values())) for function in (load, store)]
+
+
+def assembly(code: str, triple: str) -> str:
+    module = llvm.parse_assembly(code)
+    module.triple = triple
+    machine = llvm.Target.from_triple(triple).create_target_machine()
+    module.data_layout = str(machine.target_data)
+    return machine.emit_assembly(module)
