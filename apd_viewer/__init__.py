@@ -61,9 +61,11 @@ def view(mesh: Any = None) -> None:
         If the mesh cannot be used, or there is no display.
     """
     try:
+        from apd_viewer import log
         from apd_viewer.ui.application import run
 
-        run(mesh)
+        with log.recording():
+            run(mesh)
     except ImportError as error:
         raise InputError(
             tr(

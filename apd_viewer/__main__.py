@@ -7,6 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import apd_viewer
+from apd_viewer import log
 from apd_viewer.commands.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -35,8 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     else:
         options = _view_parser().parse_args(words)
     try:
-        options.run(options)
-        sys.stdout.flush()
+        with log.recording(options.log_level):
+            options.run(options)
+            sys.stdout.flush()
     except InputError as error:
         print(tr("error: {sentence}").format(sentence=" ".join(str(error).split())), file=sys.stderr)
         return 2

@@ -18,6 +18,12 @@ settings.register_profile("suite", deadline=None, derandomize=True, max_examples
 settings.load_profile("suite")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def logs(tmp_path_factory):
+    """No test writes to the user's own log; nor do the processes that it starts."""
+    os.environ["APD_VIEWER_LOGS"] = str(tmp_path_factory.mktemp("logs"))
+
+
 @pytest.fixture(autouse=True)
 def solver_in_a_thread(monkeypatch):
     """The solver is a thread, where a test can change it, unless the test is about the process."""

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from apd_viewer.language import tr
+from apd_viewer.log import LEVELS
 
 
 class Parser(argparse.ArgumentParser):
@@ -14,6 +15,15 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(add_help=False, formatter_class=_Help, **settings)
         self.add_argument("-h", "--help", action="help", help=tr("show this help message and exit"))
+        self.add_argument(
+            "--log-level",
+            metavar="LEVEL",
+            choices=LEVELS,
+            help=tr(
+                "least severity to log and to print: debug, info, warning or error; "
+                "by default info is logged and nothing is printed"
+            ),
+        )
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Say it in one line; argparse would print the usage before it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import sys
@@ -49,6 +50,15 @@ if TYPE_CHECKING:
 HARMLESS = "Setting a new default format"
 
 PATIENCE = 1000  # ms; a window that is not drawn, because it is covered or minimized, loads all the same
+
+_LOGGER = logging.getLogger(__name__)
+_LEVELS = {
+    QtMsgType.QtDebugMsg: logging.DEBUG,
+    QtMsgType.QtInfoMsg: logging.INFO,
+    QtMsgType.QtWarningMsg: logging.WARNING,
+    QtMsgType.QtCriticalMsg: logging.ERROR,
+    QtMsgType.QtFatalMsg: logging.CRITICAL,
+}
 
 SWITCH_INTERVAL = 0.001  # s; the GUI thread waits less for a worker that holds the interpreter
 
@@ -100,6 +110,7 @@ def _surface_format() -> QSurfaceFormat:
 
 def _report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
     if HARMLESS not in message:
+        _LOGGER.log(_LEVELS[kind], message)
         print(qFormatLogMessage(kind, context, message), file=sys.stderr)  # noqa: T201
 
 
@@ -153,6 +164,7 @@ def _start(window: Window, on_bottle: bool) -> None:
     gc.freeze()
     window.start()
     window.help.greet(on_bottle)
+    _LOGGER.info("OpenGL %s", window.canvas.viewport.opengl)
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:

@@ -283,7 +283,7 @@ class Work:
         runtime.mkdir(mode=0o700)
         self._environment = {
             **{name: word for name, word in os.environ.items() if name != "WAYLAND_DISPLAY"},
-            **{f"XDG_{name}_HOME": str(home / name.lower()) for name in ("CONFIG", "DATA", "CACHE")},
+            **{f"XDG_{name}_HOME": str(home / name.lower()) for name in ("CONFIG", "DATA", "CACHE", "STATE")},
             "HOME": str(home),
             "XDG_RUNTIME_DIR": str(runtime),
             "DISPLAY": display,

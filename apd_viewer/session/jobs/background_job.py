@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 import traceback
@@ -11,6 +12,8 @@ from typing import Any
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+
+_LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +67,7 @@ class Job:
             outcome = Outcome(self, failure=str(error))
         except Exception as error:
             traceback.print_exc()
+            _LOGGER.exception("%s failed", self.title)
             outcome = Outcome(
                 self,
                 failure=tr("{title} failed ({reason}).").format(

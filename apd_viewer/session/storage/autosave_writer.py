@@ -6,6 +6,7 @@ it has been flushed.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 import traceback
@@ -22,6 +23,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import Leftover, owned, remove
 from apd_viewer.session.storage.session_file import save_session
 
+_LOGGER = logging.getLogger(__name__)
 _PATIENCE = 10.0  # s, for the disk, when the program ends
 _FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")
 
@@ -105,6 +107,7 @@ class Backup:
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()
+                _LOGGER.exception("The copy for the case of a crash could not be written")
             if not self._failing:
                 self._failing = True
                 why = getattr(reason, "strerror", None) or str(error) or type(error).__name__

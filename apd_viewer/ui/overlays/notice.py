@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QShowEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
@@ -13,6 +15,7 @@ from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 from apd_viewer.ui.widgets.wrapping_row import arrange
 
+_LOGGER = logging.getLogger(__name__)
 _MARGIN = 12
 _WIDEST = 480
 _UNBOUNDED = 16_777_215  # Qt's largest size of a widget
@@ -59,7 +62,8 @@ class Notice(QFrame):
         self._timer.start()
 
     def fail(self, sentence: str) -> None:
-        """Show what went wrong; it stays until dismissed or replaced."""
+        """Show what went wrong, and log it; it stays until dismissed or replaced."""
+        _LOGGER.warning(sentence)
         self._show(sentence, "failure")
         self._timer.stop()
 

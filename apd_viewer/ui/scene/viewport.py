@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
 OPENING = np.deg2rad(30.0)
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
+_GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
 SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
 STILL = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
 CLOSEST = 1e-4  # zoom limits, in multiples of what was framed
@@ -57,6 +58,8 @@ class Viewport(QtInteractor):
         Others that look through the same camera; see :func:`link`.
     dark : bool
         Whether the background is dark.
+    opengl : str
+        Vendor, renderer and version, the driver's among them; empty before the first draw.
     resized : Signal()
     clicked : Signal(QPointF)
         A press that no tool wanted and that moved nothing, at its position in the widget.
@@ -76,6 +79,7 @@ class Viewport(QtInteractor):
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
         self.linked: Sequence[Viewport] = ()
         self.dark = False
+        self.opengl = ""
         self._stale = True  # the scene has changed since the last VTK draw
         self._software = False
         self._refine = False
@@ -220,8 +224,10 @@ class Viewport(QtInteractor):
     def initializeGL(self) -> None:
         """Choose what the OpenGL at hand can afford."""
         super().initializeGL()
-        name = str(self.context().functions().glGetString(0x1F01)).lower()  # GL_RENDERER
-        self._software = any(word in name for word in SOFTWARE)
+        functions = self.context().functions()
+        vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
+        self.opengl = f"{vendor}, {renderer}, {version}"
+        self._software = any(word in renderer.lower() for word in SOFTWARE)
         self.ren_win.SetMultiSamples(0 if self._software else SAMPLES)
         self._stale = True
 

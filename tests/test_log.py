@@ -1,0 +1,238 @@
+"""The log: what reaches it, what must not, and that it never stands in the way."""
+
+import logging
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import warnings
+from pathlib import Path
+
+import pytest
+
+from apd_viewer import log
+from apd_viewer.__main__ import main
+
+ROOT = Path(__file__).parents[1]
+LOGGER = logging.getLogger("apd_viewer.test")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Where the log of a test goes."""
+    monkeypatch.setenv("APD_VIEWER_LOGS", str(tmp_path / "logs"))
+    return tmp_path / "logs"
+
+
+def text(folder, pattern="*.log"):
+    return "".join(path.read_text(encoding="utf-8") for path in sorted(folder.glob(pattern)))
+
+
+def python(script, **environment):
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+
+
+def test_the_library_writes_no_log(folder):
+    done = python("import apd_viewer, apd_viewer.__main__; apd_viewer.Mesh")
+    assert done.returncode == 0, done.stderr
+    assert not folder.exists()
+
+
+def test_a_command_without_trouble_leaves_no_file(folder):
+    assert main(["info", str(ROOT / "resources" / "bottle.obj")]) == 0
+    assert list(folder.iterdir()) == []
+
+
+def test_a_log_begins_with_the_versions(folder):
+    with log.recording():
+        LOGGER.info("hello")
+    lines = text(folder).splitlines()
+    assert lines[0].startswith("Python 3.")
+    assert {line.split()[0] for line in lines[:-1]} >= {"apd-viewer", "PySide6_Essentials", "vtk", "numba"}
+    assert lines[-1].endswith("INFO apd_viewer.test: hello")
+
+
+def test_the_log_ends_with_its_block(folder):
+    hooks = sys.excepthook, threading.excepthook, warnings.showwarning
+    with log.recording(), log.recording("debug"):
+        assert len(logging.getLogger("apd_viewer").handlers) == 1
+    assert (sys.excepthook, threading.excepthook, warnings.showwarning) == hooks
+    assert logging.getLogger("apd_viewer").handlers == []
+    assert log.current_file() is None
+
+
+def test_a_level_is_recorded_and_printed(folder, capsys):
+    with log.recording("warning"):
+        LOGGER.info("small")
+        LOGGER.warning("great")
+    for said in (text(folder), capsys.readouterr().err):
+        assert "great" in said
+        assert "small" not in said
+
+
+def test_without_a_level_nothing_is_printed(folder, capsys):
+    with log.recording():
+        LOGGER.debug("smallest")
+        LOGGER.error("great")
+    assert capsys.readouterr().err == ""
+    assert "smallest" not in text(folder)
+
+
+def test_each_command_takes_the_level(folder, capsys):
+    assert main(["info", "--log-level", "debug", str(ROOT / "resources" / "bottle.obj")]) == 0
+    with pytest.raises(SystemExit):
+        main(["info", "--log-level", "loud", "x.obj"])
+    assert "debug" in capsys.readouterr().err
+
+
+def test_a_long_log_is_rotated(folder, monkeypatch):
+    monkeypatch.setattr(log, "_MOST_BYTES", 10_000)
+    with log.recording():
+        for k in range(1000):
+            LOGGER.info("record %d", k)
+    files = sorted(folder.iterdir())
+    assert [path.suffix for path in files] == [".log", ".1"]
+    assert all(path.stat().st_size <= 10_000 for path in files)
+    assert all(path.read_text(encoding="utf-8").startswith("Python 3.") for path in files)
+    assert "record 999" in files[0].read_text(encoding="utf-8")
+
+
+def test_old_files_are_removed_and_others_are_not(folder):
+    folder.mkdir()
+    (folder / "notes.txt").touch()
+    for k in range(50):
+        old = folder / f"apd-viewer-{k}.log"
+        old.touch()
+        os.utime(old, (k, k))
+    with log.recording():
+        LOGGER.info("hello")
+    left = {path.name for path in folder.glob("apd-viewer-?*.log")}
+    assert len(left) == 21
+    assert {"apd-viewer-49.log", "apd-viewer-30.log"} <= left
+    assert (folder / "notes.txt").exists()
+
+
+def test_two_processes_have_a_log_each(folder):
+    script = """
+        import logging
+        from apd_viewer import log
+        with log.recording():
+            logging.getLogger("apd_viewer").info("hello")
+            {}
+    """
+    inner = "import subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]], check=True)"
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script).format(inner), textwrap.dedent(script).format("pass")],
+        cwd=ROOT,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    assert [path.read_text(encoding="utf-8").count("hello") for path in folder.glob("*.log")] == [1, 1]
+
+
+def test_a_folder_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("APD_VIEWER_LOGS", str(tmp_path / "file" / "logs"))
+    with log.recording():
+        LOGGER.error("lost")
+    assert capsys.readouterr().err == ""
+
+
+def test_an_exception_in_a_thread_reaches_the_log(folder):
+    done = python(
+        """
+        import threading
+        from apd_viewer import log
+        with log.recording():
+            thread = threading.Thread(target=lambda: 1 / 0)
+            thread.start()
+            thread.join()
+        """
+    )
+    assert done.returncode == 0
+    assert "ZeroDivisionError" in text(folder)
+    assert "ZeroDivisionError" in done.stderr
+
+
+def test_an_exception_in_a_callback_reaches_the_log(folder, monkeypatch):
+    monkeypatch.setattr(sys, "excepthook", lambda *_: None)
+    with log.recording():
+        sys.excepthook(ValueError, ValueError("from Qt"), None)
+    assert "from Qt" in text(folder)
+
+
+def test_an_exception_that_ends_the_program_reaches_the_log(folder):
+    with pytest.raises(ZeroDivisionError), log.recording():
+        raise ZeroDivisionError
+    assert "ZeroDivisionError" in text(folder)
+    assert "test_log.py" in text(folder)
+
+
+def test_what_the_user_can_act_on_is_no_failure(folder):
+    assert main(["info", "gone.obj"]) == 2
+    assert list(folder.iterdir()) == []
+
+
+def test_a_warning_reaches_the_log_and_the_terminal(folder):
+    with pytest.warns(UserWarning, match="odd"), log.recording():
+        warnings.warn("odd", UserWarning, stacklevel=1)
+    assert "odd" in text(folder)
+
+
+def test_a_crash_leaves_a_file(folder):
+    done = python(
+        """
+        import ctypes
+        from apd_viewer import log
+        with log.recording():
+            ctypes.string_at(0)
+        """
+    )
+    assert done.returncode != 0
+    assert "most recent call first" in text(folder, "*.crash")
+
+
+def test_a_run_without_a_crash_leaves_no_file(folder):
+    assert python("from apd_viewer import log\nwith log.recording(): pass").returncode == 0
+    assert list(folder.iterdir()) == []
+
+
+HOME = Path.home()
+
+
+@pytest.mark.parametrize(
+    ("said", "kept"),
+    [
+        ("[Errno 2] No such file: '/data/My Meshes/a.obj'", "[Errno 2] No such file: 'a.obj'"),
+        (f"see {HOME / 'meshes' / 'bunny.obj'} (x)", "see bunny.obj (x)"),
+        (f"see {HOME}", "see ~"),
+        (r"C:\Users\anna\b.ply", "b.ply"),
+        (r"'C:\\Users\\anna b\\c.stl'", "'c.stl'"),
+        (f'File "{os.__file__}", line 3', 'File "os.py", line 3'),
+        (f'File "{log.__file__}", line 3', f'File "{Path("apd_viewer", "log.py")}", line 3'),
+        ("('/a/b.obj', '/c/d.obj')", "('b.obj', 'd.obj')"),
+        ("3 / 4, n/a, +3 %/mm, https://a.org/x/y", "3 / 4, n/a, +3 %/mm, https://a.org/x/y"),
+    ],
+)
+def test_a_path_is_reduced_to_its_name(said, kept):
+    assert log.redacted(said) == kept
+
+
+def test_the_log_names_no_folder(folder, tmp_path):
+    with log.recording():
+        try:
+            (tmp_path / "secret" / "a.obj").read_bytes()
+        except OSError:
+            LOGGER.exception("Opening a.obj failed")
+    assert "a.obj" in text(folder)
+    assert "secret" not in text(folder).replace('"secret"', "")
