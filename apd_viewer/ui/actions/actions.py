@@ -163,11 +163,13 @@ class Actions:
         keys = tr("List all keys, and change them")
         tour = tr("Show the program in five steps, on a bottle")
         tables = tr("Re-run the tables of Li and Hui, with figures")
+        diagnostics = tr("Copy versions, graphics driver and the end of the log, for a report of a defect")
         about = tr("Versions, licence and source of the method")
         return [
             make(tr("&Shortcuts…"), "keyboard", keys, ("F1", "?"), "shortcuts"),
             make(tr("&Tour"), "tour", tour, None, "tour"),
             make(tr("The &paper's tables…"), "tables", tables, None, "paper"),
+            make(tr("&Copy diagnostics"), "copy", diagnostics, None, "copy_diagnostics"),
             make(tr("&About APD Viewer"), "about", about, None, "about"),
         ]
 

@@ -18,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.help.diagnostics import diagnostics
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -92,7 +93,13 @@ class Reporting:
             "report": self.ask,
             "save_picture": self.ask_for_picture,
             "copy_picture": self.pictures.copy,
+            "copy_diagnostics": self.copy_diagnostics,
         }
+
+    def copy_diagnostics(self) -> None:
+        """Copy what helps to find a defect to the clipboard."""
+        QGuiApplication.clipboard().setText(diagnostics(self._canvas.viewport.opengl))
+        self._notice.tell(tr("Diagnostics copied; paste them into your report."))
 
     def ask(self) -> None:
         """Let the user choose where to write a report."""

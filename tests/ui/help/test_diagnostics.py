@@ -1,0 +1,62 @@
+"""What Help > Copy diagnostics puts on the clipboard."""
+
+import logging
+import os
+from pathlib import Path
+
+import pytest
+from PySide6.QtGui import QGuiApplication
+
+from apd_viewer import log
+from apd_viewer.ui.help.diagnostics import diagnostics
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("APD_VIEWER_LOGS", str(tmp_path))
+    return tmp_path
+
+
+def test_versions_log_and_crash_are_in_it(folder):
+    (folder / "apd-viewer-1.crash").write_text("Fatal Python error: older")
+    (folder / "apd-viewer-2.crash").write_text("Fatal Python error: Aborted")
+    (folder / "apd-viewer-3.crash").touch()
+    with log.recording():
+        for k in range(1000):
+            logging.getLogger("apd_viewer.test").info("record %d", k)
+        said = diagnostics("Vendor, Renderer, 4.6")
+    assert "apd-viewer 0" in said
+    assert "OpenGL Vendor, Renderer, 4.6" in said
+    assert "record 999" in said
+    assert "record 800" not in said
+    assert "Aborted" in said
+    assert "older" not in said
+
+
+def test_without_a_log_and_a_crash_it_says_so(folder):
+    assert diagnostics("").endswith("Log:\nnone\n\nLast crash:\nnone")
+
+
+def test_it_names_no_folder_of_the_user(folder):
+    home = Path.home()
+    (folder / "apd-viewer-1.crash").write_text(f'  File "{home / "work" / "mine.py"}", line 1 in <module>')
+    with log.recording():
+        logging.getLogger("apd_viewer.test").info("opened %s in %s", home / "secret" / "a.obj", os.sep)
+        said = diagnostics("")
+    assert "a.obj" in said
+    assert str(home) not in said
+    assert "secret" not in said
+
+
+def test_the_menu_entry_copies_it_and_says_so(window, folder):
+    action = next(each for each in window.actions_.help if "diagnostics" in each.text())
+    action.trigger()
+    assert f"OpenGL {window.canvas.viewport.opengl}" in QGuiApplication.clipboard().text()
+    assert window.canvas.viewport.opengl.count(",") >= 2 or os.environ.get("QT_QPA_PLATFORM") == "offscreen"
+    assert "copied" in window.notice.text
+
+
+def test_what_the_window_says_has_failed_is_logged(window, folder):
+    with log.recording():
+        window.notice.fail("A sentence.")
+        assert "A sentence." in diagnostics("")
