@@ -1,7 +1,8 @@
 """What scripts work with; :mod:`apd_viewer` has it all under its own name."""
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, deform

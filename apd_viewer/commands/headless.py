@@ -15,7 +15,8 @@ from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
-from apd_viewer.files.meshes import Written, check_target, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import Written, check_target, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import room_of, write_report
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform

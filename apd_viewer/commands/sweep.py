@@ -12,7 +12,8 @@ from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
-from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import WRITTEN, open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_folder import filling

@@ -14,7 +14,8 @@ from apd_viewer.files.meshes import FORMATS, open_mesh, read_mesh
 from apd_viewer.files.samples import SAMPLES, resource
 from apd_viewer.files.storage.archive import Archive, npy
 from apd_viewer.files.storage.json_fields import Fields
-from apd_viewer.geometry.mesh.mesh import Baked, Mesh, check_mesh, frozen
+from apd_viewer.geometry.mesh.arrays import check_mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Baked, Mesh
 from apd_viewer.language import tr
 
 # Beside a copy in an archive there is nothing, and nobody is to look there.

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.files.meshes import check_target, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import check_target, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection

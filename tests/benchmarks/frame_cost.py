@@ -22,7 +22,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from driving import Mouse, document
 from meshes import rotation, sample_bottle
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking import surface_index
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened

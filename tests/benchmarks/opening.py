@@ -18,7 +18,8 @@ import trimesh
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from meshes import sample_bottle
 
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 SUFFIXES = (".ply", ".stl", ".obj")

@@ -16,10 +16,11 @@ from meshes import box, ends, grid, rotation, sphere
 import apd_viewer
 from apd_viewer.__main__ import main
 from apd_viewer.commands import headless
-from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.methods import METHODS

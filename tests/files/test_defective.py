@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from defective import suite
 
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.deform import deform

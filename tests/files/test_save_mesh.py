@@ -12,7 +12,8 @@ from meshes import box, rotation, soup, sphere
 
 import apd_viewer.files.storage.atomic_file
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
 

@@ -24,7 +24,8 @@ from driven_session import BENT, VIEW, Driven, check_equal, pose
 from meshes import box
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage import lock as lock_module
 from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh

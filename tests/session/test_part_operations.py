@@ -10,7 +10,8 @@ from driven_session import Driven
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.vertex_sets import RINGS
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document, opened

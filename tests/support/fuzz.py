@@ -26,7 +26,8 @@ import numpy as np
 from mesh_contents import FILES
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
 
 NAMES = sorted(FILES)

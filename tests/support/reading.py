@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
     QMessageBox,
 )
 
-from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import opened

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import unquote
 
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.formats.gltf_arrays import (
+    FAN,
+    STRIP,
+    TRIANGLES,
+    array_of,
+    buffer_of,
+    chunks_of,
+    document_of,
+    positions_of,
+    triangles_of,
+)
 from apd_viewer.files.formats.gltf_scene import a_list, carried, one, parts, placed, whole
 from apd_viewer.files.formats.json_spans import spans
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_NAMES = {1: "SCALAR", 3: "VEC3"}
-_TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
 
 
@@ -112,7 +118,7 @@ class GltfFile:
         return self._packed(buffers, touched)
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
-        return _array(self.document, buffers, accessor, 3)
+        return array_of(self.document, buffers, accessor, 3)
 
     def _packed(self, buffers: list[bytearray], touched: list[int]) -> bytes:
         text, changes = self.text, []
@@ -173,15 +179,15 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
         If the file cannot be understood or ends too early.
     """
     is_binary = path.suffix.lower() == ".glb"
-    said, blob = _chunks(content) if is_binary else (content, None)
-    text, document = _document(said)
+    said, blob = chunks_of(content) if is_binary else (content, None)
+    text, document = document_of(said)
     compressed = [name for name in _COMPRESSED if name in a_list(document, "extensionsRequired")]
     if compressed:
         raise ValueError(
             tr("it is compressed ({extension}), which is not supported").format(extension=compressed[0])
         )
     buffers = [
-        _buffer(one(document, "buffers", k), None if k else blob, path)
+        buffer_of(one(document, "buffers", k), None if k else blob, path)
         for k in range(len(a_list(document, "buffers")))
     ]
     V, F, blocks, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
@@ -190,135 +196,21 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
     ):
         first: dict[int, int] = {}
         for part in parts(document, _mesh_of(document, node)):
-            mode = part.get("mode", _TRIANGLES)
-            if mode not in (_TRIANGLES, _STRIP, _FAN):
+            mode = part.get("mode", TRIANGLES)
+            if mode not in (TRIANGLES, STRIP, FAN):
                 continue
             position, normal = whole(part["attributes"], "POSITION"), part["attributes"].get("NORMAL")
             if position not in first:
-                local = _positions(document, buffers, position)
+                local = positions_of(document, buffers, position)
                 first[position] = count
                 normal = None if normal is None else whole(part["attributes"], "NORMAL")
                 blocks.append(_Block(count, position, normal, matrix))
                 V.append(carried(matrix, local))
                 count += len(local)
-            F.append(_triangles(document, buffers, part, mode) + first[position])
+            F.append(triangles_of(document, buffers, part, mode) + first[position])
     file = GltfFile(content, path.suffix.lower(), text, document, buffers, blocks)
     return Parsed(np.vstack(V), np.vstack(F), file)
 
 
 def _mesh_of(document: dict[str, Any], node: int) -> int:
     return whole(document["nodes"][node], "mesh")
-
-
-def _document(said: bytes) -> tuple[str, dict[str, Any]]:
-    """JSON as text, and its content."""
-    try:
-        text = said.decode("utf-8-sig")
-        document = json.loads(text)
-    except UnicodeDecodeError as error:
-        raise ValueError(tr("its text is damaged at byte {at:,}").format(at=error.start)) from None
-    except json.JSONDecodeError as error:
-        raise ValueError(
-            tr("its JSON is damaged at line {line:,}, column {column:,}").format(
-                line=error.lineno, column=error.colno
-            )
-        ) from None
-    except ValueError:  # a number of thousands of digits
-        raise ValueError(tr("its JSON has an absurd number")) from None
-    except RecursionError:
-        raise ValueError(tr("its JSON is nested without end")) from None
-    if not isinstance(document, dict):
-        raise ValueError(tr("its JSON is no document of glTF"))
-    return text, document
-
-
-def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
-    if len(content) < 20:
-        raise ValueError(tr("it ends too early"))
-    magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
-    if magic != b"glTF" or kind != b"JSON":
-        raise ValueError(tr("it does not begin as a GLB"))
-    if version != 2:
-        raise ValueError(
-            tr("it is of version {version}; only version 2 is supported").format(version=version)
-        )
-    begin = 20 + length
-    if begin > len(content):
-        raise ValueError(tr("it ends too early"))
-    if begin + 8 > len(content):
-        return content[20:begin], None
-    (size,) = struct.unpack_from("<I", content, begin)
-    return content[20:begin], content[begin + 8 : begin + 8 + size]
-
-
-def _buffer(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
-    uri = told.get("uri")
-    if uri is None:
-        if blob is None:
-            raise ValueError(tr("its binary part is missing"))
-        return blob
-    if not isinstance(uri, str):
-        raise ValueError(tr("it does not say where its coordinates are"))
-    if uri.startswith("data:"):
-        try:
-            return base64.b64decode(uri.partition(",")[2])
-        except ValueError:
-            raise ValueError(tr("the coordinates within it are damaged")) from None
-    beside = path.parent / unquote(uri)
-    # os.path and not Path: it says no where Path raises.
-    if not os.path.isfile(beside):  # noqa: PTH113
-        raise ValueError(tr("it needs the file {uri} beside it").format(uri=uri))
-    return beside.read_bytes()
-
-
-def _positions(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
-    """The positions (n, 3) of an accessor as they are meant, as doubles."""
-    array = _array(document, buffers, accessor, 3)
-    if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
-        return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
-    with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
-        return array.astype(np.float64)
-
-
-def _array(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
-    """The numbers of an accessor, (count, width): they lie in the buffer."""
-    told = one(document, "accessors", accessor)
-    if "sparse" in told or "bufferView" not in told:
-        raise ValueError(tr("it has sparse accessors, which are not supported"))
-    view = one(document, "bufferViews", told["bufferView"])
-    code = whole(told, "componentType")
-    if code not in _TYPES or told.get("type") != _NAMES[width]:
-        raise ValueError(tr("an accessor is of another type than it should be"))
-    one(document, "buffers", view.get("buffer"))
-    kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
-    start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
-    row = kind.itemsize * width
-    stride = whole(view, "byteStride", 0) or row
-    if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
-        raise ValueError(tr("it ends within an accessor"))
-    return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
-
-
-def _triangles(document: dict[str, Any], buffers: list[Any], part: dict[str, Any], mode: int) -> np.ndarray:
-    count = whole(one(document, "accessors", part["attributes"]["POSITION"]), "count")
-    corners = np.arange(count)
-    if "indices" in part:
-        indices = _array(document, buffers, part["indices"], 1)
-        if indices.dtype.kind != "u":
-            raise ValueError(tr("its triangles are of another type than they should be"))
-        corners = indices[:, 0].astype(np.int64)
-        if len(corners) and corners.max() >= count:
-            raise ValueError(
-                tr("a triangle refers to vertex {vertex:,} of {count:,}").format(
-                    vertex=corners.max(), count=count
-                )
-            )
-    if mode == _TRIANGLES:
-        if len(corners) % 3:
-            raise ValueError(tr("a triangle is not whole"))
-        return corners.reshape(-1, 3)
-    k = np.arange(max(len(corners) - 2, 0))
-    if mode == _FAN:
-        return corners[np.column_stack([np.zeros_like(k), k + 1, k + 2])].reshape(-1, 3)
-    odd = k % 2
-    return corners[np.column_stack([k, k + 1 + odd, k + 2 - odd])].reshape(-1, 3)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.reading import content_of
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 

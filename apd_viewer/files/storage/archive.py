@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)

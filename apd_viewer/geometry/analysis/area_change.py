@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 
 # Bins an octave of c; the octaves reach from 2^_LOWEST, which is nothing but rounding, to 2^_HIGHEST.
 _STEPS = 64

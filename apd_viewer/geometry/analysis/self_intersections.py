@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 
 # What is nearer than that, in sizes of the mesh, touches; and what of a determinant is rounding.
 _TOUCH = 1e-12

@@ -16,8 +16,8 @@ import numpy as np
 from numba import njit, prange
 
 from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
+from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.mesh.operators import cotangents, element_laplacian
 
 # A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
 _NEEDLE = 1e4

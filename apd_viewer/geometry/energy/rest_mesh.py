@@ -15,8 +15,8 @@ from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.loose_vertices import UnreferencedVertices
 from apd_viewer.geometry.mesh.measures import survey
-from apd_viewer.geometry.mesh.mesh import Weld
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
 # The area of a triangle this much smaller than the mean is nothing but rounding.

@@ -14,14 +14,9 @@ from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.rotations import turned
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
+from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian, edge_weights, laplacian
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.mesh.operators import (
-    border_vertices,
-    cotangent_laplacian,
-    edge_weights,
-    laplacian,
-    vertex_areas,
-)
+from apd_viewer.geometry.mesh.operators import border_vertices, vertex_areas
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
 # than it takes to tell where the full one goes.

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import pieces
-from apd_viewer.geometry.mesh.mesh import frozen
 from apd_viewer.geometry.mesh.operators import odd_edges, volume
 
 # Of the cube of the diagonal: what is less is the rounding of a sheet that is flat.

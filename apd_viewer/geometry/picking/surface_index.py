@@ -9,10 +9,10 @@ import numpy as np
 from numba import njit
 
 from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
-from apd_viewer.geometry.picking.vertex_sets import border_loop, inside, piece_of
+from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
 from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes, visible
 
 

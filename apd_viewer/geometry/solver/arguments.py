@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.mesh import whole_numbers
+from apd_viewer.geometry.mesh.arrays import whole_numbers
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:

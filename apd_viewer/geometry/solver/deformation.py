@@ -14,7 +14,7 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.mesh import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids

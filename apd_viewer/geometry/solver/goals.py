@@ -10,8 +10,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import whole_numbers
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.mesh.mesh import whole_numbers
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.language import tr
 

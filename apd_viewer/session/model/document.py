@@ -10,7 +10,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import Selection, numbered
 from apd_viewer.geometry.analysis.inspection import Inspection, inspect
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints

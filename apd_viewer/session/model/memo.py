@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import Weld, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.region_areas import region_areas
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
 
 if TYPE_CHECKING:

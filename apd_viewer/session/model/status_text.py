@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr, trn
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
     from apd_viewer.files.selections.selection import Selection
-    from apd_viewer.geometry.analysis.inspection import Finding
+    from apd_viewer.geometry.analysis.findings import Finding
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -72,9 +72,8 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
     """What there is to say of the triangles that pass through others; nothing where there are none."""
     if crossing is None or not len(crossing):
         return ()
-    from apd_viewer.geometry.analysis.inspection import (
-        Finding,  # here, because the window says some of these first
-    )
+    # Here, because the window shows some of these sentences before it is loaded.
+    from apd_viewer.geometry.analysis.findings import Finding
 
     said = tr("{n:,} triangles pass through others; the volume is wrong by what they share.")
     where = frozen(np.unique(mesh.F[crossing]))

@@ -15,7 +15,9 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.mesh import Mesh, Weld, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.session.processes.shared_memory import Envelope, OpenedEnvelope
 
 # Bytes; smaller arrays travel in the message itself.

@@ -10,8 +10,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.decimation import Thinning
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, Process, started
 from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step

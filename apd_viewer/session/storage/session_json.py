@@ -15,7 +15,8 @@ from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.methods import METHODS

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from apd_viewer.files.meshes import FORMATS, WRITTEN, dropped
+from apd_viewer.files.mesh_writing import dropped
+from apd_viewer.files.meshes import FORMATS, WRITTEN
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX

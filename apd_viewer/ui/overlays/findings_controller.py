@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from apd_viewer.ui.overlays.findings import Badge, FindingList
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.inspection import Finding
+    from apd_viewer.geometry.analysis.findings import Finding
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme
 

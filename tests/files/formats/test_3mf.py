@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from meshes import box
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 
 V, F = box(1, 2, 1)
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"

@@ -9,7 +9,8 @@ import pytest
 from mesh_contents import BOX, FILES
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 
 
 @pytest.fixture

@@ -10,7 +10,8 @@ from mesh_contents import BOX, FILES, TWO_MATERIALS, bent, gltf_of, ply
 from meshes import rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 

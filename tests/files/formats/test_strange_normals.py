@@ -4,7 +4,8 @@ import pytest
 from mesh_contents import TWO_MATERIALS, bent
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 
 
 @pytest.mark.parametrize("normal", ["vn 0 nan 1", "vn 1e300 0 0"])

@@ -13,7 +13,8 @@ from painted_meshes import MESH, N, painted
 
 from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
 from apd_viewer.files.selections.selection_files import (
     SELECTION_FORMATS,

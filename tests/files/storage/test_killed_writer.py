@@ -25,7 +25,8 @@ WRITER = """
 import os, sys
 from pathlib import Path
 from meshes import grid
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 
 folder, name = Path(sys.argv[1]), sys.argv[2]

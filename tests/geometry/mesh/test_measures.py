@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from meshes import box, rotation, soup, sphere, tube
 
+from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian
 from apd_viewer.geometry.mesh.measures import Patch, area_of, survey
-from apd_viewer.geometry.mesh.operators import area, cotangent_laplacian, face_areas, volume
+from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 
 
 def wild(V, seed=0):

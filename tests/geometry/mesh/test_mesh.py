@@ -8,8 +8,10 @@ from hypothesis.extra.numpy import arrays
 from meshes import box, grid, soup, sphere
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import check_mesh
 from apd_viewer.geometry.mesh.components import pieces
-from apd_viewer.geometry.mesh.mesh import Mesh, Weld, check_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import Weld
 
 # Few different values, so that many positions coincide; both zeros, which are the same place.
 lattice = arrays(

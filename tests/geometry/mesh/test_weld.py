@@ -5,7 +5,8 @@ import pytest
 from meshes import box, grid, rotation, soup
 
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.mesh.mesh import TOLERANCE, Mesh, Weld
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.weld import TOLERANCE, Weld
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = box(3, 3, 9)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from meshes import box, grid, soup, sphere
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.preview_surface import Sketch
 from apd_viewer.geometry.picking.surface_index import Skin, _drape, warm_up

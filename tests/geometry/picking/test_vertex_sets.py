@@ -13,18 +13,9 @@ from scipy.spatial import Delaunay
 from apd_viewer.geometry.mesh.adjacency import ALONE, CROWDED, filled, opposite_corners
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
-from apd_viewer.geometry.picking import vertex_sets
 from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.geometry.picking.vertex_sets import (
-    RINGS,
-    border_loop,
-    grown,
-    inside,
-    mirrored,
-    piece_of,
-    shrunk,
-    smoothed,
-)
+from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
+from apd_viewer.geometry.picking.vertex_sets import RINGS, grown, mirrored, shrunk, smoothed
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(
@@ -344,4 +335,4 @@ def test_read_only_arrays_are_welcome():
     assert smoothed(*graph, U, member).any()
     assert mirrored(*graph, U, member, 2, np.zeros(3)).any()
     assert filled(skin.joined, opposite, U, 0, 4.0).all()
-    assert vertex_sets.piece_of(*graph, 5).all()
+    assert piece_of(*graph, 5).all()

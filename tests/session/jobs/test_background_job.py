@@ -10,7 +10,8 @@ import pytest
 from driven_session import BENT, LONG, Driven, bar, pose, solver_threads
 from meshes import box
 
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session import file_jobs
 from apd_viewer.session.store import Activity

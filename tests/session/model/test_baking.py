@@ -9,7 +9,8 @@ from driven_session import BENT, Driven, pose
 from meshes import box, rotation
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.baking import baked

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from meshes import box, ends, soup
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import Handle, NamedRegion

@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 from meshes import box
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import State, opened
 from apd_viewer.session.model.history import History
 

@@ -15,9 +15,11 @@ from meshes import box, ends, rotation, soup
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_location import whereabouts
-from apd_viewer.files.meshes import WRITTEN, open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.listener import Listener

@@ -13,9 +13,10 @@ import pytest
 from driving import Mouse, centre, document, drag, idle, ring_grip
 from PySide6.QtWidgets import QMessageBox
 
-from apd_viewer.files.meshes import open_mesh, save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers

@@ -10,7 +10,8 @@ from meshes import sphere
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QFontMetrics
 
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.window import Window

@@ -9,7 +9,8 @@ from meshes import box, sphere
 from PySide6.QtCore import Qt
 
 from apd_viewer.geometry.analysis.deviation import Change
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR

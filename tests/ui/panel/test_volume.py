@@ -8,10 +8,11 @@ import trimesh
 from driving import Mouse, document, idle
 from PySide6.QtCore import QPointF, Qt
 
-from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit

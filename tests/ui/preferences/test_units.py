@@ -8,7 +8,7 @@ import pytest
 from driving import document, idle
 from PySide6.QtCore import QPoint, Qt, QTimer
 
-from apd_viewer.files.meshes import save_mesh
+from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import resource
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit

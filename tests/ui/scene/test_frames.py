@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from driving import Mouse, arrow_grip, document, idle, on_screen, settle, stroke
 
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.picking import surface_index as skins
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.ui.tools.toolbox import Tool

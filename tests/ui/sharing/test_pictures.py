@@ -10,7 +10,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
 from apd_viewer.ui.filing import file_dialogs

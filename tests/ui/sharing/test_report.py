@@ -14,8 +14,10 @@ from driving import idle
 from page_parts import PageParts
 from PySide6.QtGui import QImage
 
-from apd_viewer.files.meshes import open_mesh, save_mesh
-from apd_viewer.geometry.mesh.mesh import Mesh, frozen
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.painted_part import Part

@@ -1,0 +1,139 @@
+"""Arrays of a glTF file: chunks, buffers and accessors."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import struct
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+
+from apd_viewer.files.formats.gltf_scene import one, whole
+from apd_viewer.language import tr
+
+TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
+_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+
+
+_NAMES = {1: "SCALAR", 3: "VEC3"}
+
+
+def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
+    """JSON as text, and its content."""
+    try:
+        text = said.decode("utf-8-sig")
+        document = json.loads(text)
+    except UnicodeDecodeError as error:
+        raise ValueError(tr("its text is damaged at byte {at:,}").format(at=error.start)) from None
+    except json.JSONDecodeError as error:
+        raise ValueError(
+            tr("its JSON is damaged at line {line:,}, column {column:,}").format(
+                line=error.lineno, column=error.colno
+            )
+        ) from None
+    except ValueError:  # a number of thousands of digits
+        raise ValueError(tr("its JSON has an absurd number")) from None
+    except RecursionError:
+        raise ValueError(tr("its JSON is nested without end")) from None
+    if not isinstance(document, dict):
+        raise ValueError(tr("its JSON is no document of glTF"))
+    return text, document
+
+
+def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
+    """JSON and binary chunk of a GLB file."""
+    if len(content) < 20:
+        raise ValueError(tr("it ends too early"))
+    magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
+    if magic != b"glTF" or kind != b"JSON":
+        raise ValueError(tr("it does not begin as a GLB"))
+    if version != 2:
+        raise ValueError(
+            tr("it is of version {version}; only version 2 is supported").format(version=version)
+        )
+    begin = 20 + length
+    if begin > len(content):
+        raise ValueError(tr("it ends too early"))
+    if begin + 8 > len(content):
+        return content[20:begin], None
+    (size,) = struct.unpack_from("<I", content, begin)
+    return content[20:begin], content[begin + 8 : begin + 8 + size]
+
+
+def buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
+    """Bytes of a buffer: the binary chunk, a data URI or a file beside."""
+    uri = told.get("uri")
+    if uri is None:
+        if blob is None:
+            raise ValueError(tr("its binary part is missing"))
+        return blob
+    if not isinstance(uri, str):
+        raise ValueError(tr("it does not say where its coordinates are"))
+    if uri.startswith("data:"):
+        try:
+            return base64.b64decode(uri.partition(",")[2])
+        except ValueError:
+            raise ValueError(tr("the coordinates within it are damaged")) from None
+    beside = path.parent / unquote(uri)
+    # os.path and not Path: it says no where Path raises.
+    if not os.path.isfile(beside):  # noqa: PTH113
+        raise ValueError(tr("it needs the file {uri} beside it").format(uri=uri))
+    return beside.read_bytes()
+
+
+def positions_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
+    """The positions (n, 3) of an accessor as they are meant, as doubles."""
+    array = array_of(document, buffers, accessor, 3)
+    if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
+        return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
+    with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+        return array.astype(np.float64)
+
+
+def array_of(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:
+    """The numbers of an accessor, (count, width): they lie in the buffer."""
+    told = one(document, "accessors", accessor)
+    if "sparse" in told or "bufferView" not in told:
+        raise ValueError(tr("it has sparse accessors, which are not supported"))
+    view = one(document, "bufferViews", told["bufferView"])
+    code = whole(told, "componentType")
+    if code not in _TYPES or told.get("type") != _NAMES[width]:
+        raise ValueError(tr("an accessor is of another type than it should be"))
+    one(document, "buffers", view.get("buffer"))
+    kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
+    start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
+    row = kind.itemsize * width
+    stride = whole(view, "byteStride", 0) or row
+    if stride < row or start + stride * max(count - 1, 0) + row * min(count, 1) > len(buffer):
+        raise ValueError(tr("it ends within an accessor"))
+    return np.ndarray((count, width), kind, buffer, start, (stride, kind.itemsize))
+
+
+def triangles_of(document: dict[str, Any], buffers: list[Any], part: dict[str, Any], mode: int) -> np.ndarray:
+    """Triangles (t, 3) of a primitive: a list, a strip or a fan."""
+    count = whole(one(document, "accessors", part["attributes"]["POSITION"]), "count")
+    corners = np.arange(count)
+    if "indices" in part:
+        indices = array_of(document, buffers, part["indices"], 1)
+        if indices.dtype.kind != "u":
+            raise ValueError(tr("its triangles are of another type than they should be"))
+        corners = indices[:, 0].astype(np.int64)
+        if len(corners) and corners.max() >= count:
+            raise ValueError(
+                tr("a triangle refers to vertex {vertex:,} of {count:,}").format(
+                    vertex=corners.max(), count=count
+                )
+            )
+    if mode == TRIANGLES:
+        if len(corners) % 3:
+            raise ValueError(tr("a triangle is not whole"))
+        return corners.reshape(-1, 3)
+    k = np.arange(max(len(corners) - 2, 0))
+    if mode == FAN:
+        return corners[np.column_stack([np.zeros_like(k), k + 1, k + 2])].reshape(-1, 3)
+    odd = k % 2
+    return corners[np.column_stack([k, k + 1 + odd, k + 2 - odd])].reshape(-1, 3)

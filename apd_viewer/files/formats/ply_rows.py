@@ -1,0 +1,165 @@
+"""Rows of PLY elements, text or binary."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator
+
+import numpy as np
+
+from apd_viewer.files.formats.ply_header import LINE, Element
+from apd_viewer.files.formats.polygons import Polygons
+from apd_viewer.files.formats.text import whole_numbers
+from apd_viewer.language import tr
+
+CODES = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "i8": "q", "u8": "Q"}
+CODES |= {"f4": "f", "f8": "d"}
+INDICES = ("vertex_indices", "vertex_index")
+_WORD = re.compile(rb"\S+")
+
+
+_MOST_CORNERS = 1 << 16  # of a face; more is a broken file
+
+
+def read_faces(content: bytes, start: int, element: Element, order: str) -> tuple[Polygons, int]:
+    """Faces, and the offset of the next element."""
+    name = next((name for name, length, _ in element.properties if length and name in INDICES), None)
+    if name is None:
+        raise ValueError(tr("its faces have no list of vertex_indices"))
+    if any(name == other and kind[0] == "f" for other, _, kind in element.properties):
+        raise ValueError(tr("its faces name vertices by fractions"))
+    if not order:
+        column = element.names.index(name)
+        words = rows_alike(content, start, element) if len(element.names) == 1 else None
+        if words is not None and all(row[0] == words[0][0] for row in words):
+            (k,) = whole_numbers([words[0][0]])
+            if 0 < k < len(words[0]):
+                corners = whole_numbers([word for row in words for word in row[1 : 1 + k]])
+                alike = [corners[at : at + k] for at in range(0, len(corners), k)]
+                return Polygons.of(alike), after_text(content, start, element)
+        faces = [whole_numbers(row[column][0].split()) for row in text_rows(content, start, element)]
+        return Polygons.of(faces), after_text(content, start, element)
+    binary = _faces_alike(content, start, element, order, name)
+    if binary is not None:
+        return binary
+    code = next(CODES[kind] for other, _, kind in element.properties if other == name)
+    size = struct.calcsize(code)
+    faces = []
+    for offsets in walk_rows(content, start, element, order):
+        count = (offsets[f"{name} end"] - offsets[name]) // size
+        faces.append(list(struct.unpack_from(f"{order}{count}{code}", content, offsets[name])))
+        end = offsets[""]
+    return Polygons.of(faces), end
+
+
+def _faces_alike(
+    content: bytes, start: int, element: Element, order: str, name: str
+) -> tuple[Polygons, int] | None:
+    """The same, if all rows are as long as the first one."""
+    first = next(walk_rows(content, start, element, order))
+    lengths = {
+        other: (first[f"{other} end"] - first[other]) // np.dtype(kind).itemsize
+        for other, length, kind in element.properties
+        if length is not None
+    }
+    table = element.table(order, lengths)
+    if element.rows * table.itemsize > len(content) - start:
+        return None
+    rows = np.frombuffer(content, table, element.rows, start)
+    if any((rows[f"{other} count"] != length).any() for other, length in lengths.items()):
+        return None
+    return Polygons.alike(rows[name].astype(np.int64)), start + rows.nbytes
+
+
+def walk_rows(content: bytes, start: int, element: Element, order: str) -> Iterator[dict[str, int]]:
+    """Offsets of every property by row ("... end" for list ends, "" for row ends)."""
+    sizes = [
+        (
+            name,
+            length and (order + CODES[length]),
+            np.dtype(length or kind).itemsize,
+            np.dtype(kind).itemsize,
+        )
+        for name, length, kind in element.properties
+    ]
+    try:
+        for _ in range(element.rows):
+            offsets: dict[str, int] = {}
+            for name, length, head, size in sizes:
+                if length:
+                    (count,) = struct.unpack_from(length, content, start)
+                    if not 0 <= count <= _MOST_CORNERS:
+                        raise ValueError(tr("a list of {count:,} is absurd").format(count=count))
+                    start += head
+                    offsets[name] = start
+                    start += count * size
+                    offsets[f"{name} end"] = start
+                else:
+                    offsets[name] = start
+                    start += size
+            offsets[""] = start
+            if start > len(content):
+                raise ValueError(ends_within(element))
+            yield offsets
+    except struct.error:
+        raise ValueError(ends_within(element)) from None
+
+
+def ends_within(element: Element) -> str:
+    """Error phrase for a file truncated within the element."""
+    return tr("it ends within its {rows:,} rows of {element}").format(rows=element.rows, element=element.name)
+
+
+def text_rows(content: bytes, start: int, element: Element) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:
+    """Words of every row by property, lists joined, with their spans."""
+    rows = 0
+    for begin, end in _text_lines(content, start) if element.rows else ():
+        words = [(word[0], *word.span()) for word in _WORD.finditer(content, begin, end)]
+        yield _row(words, element)
+        rows += 1
+        if rows == element.rows:
+            return
+    if rows < element.rows:
+        raise ValueError(ends_within(element))
+
+
+def _text_lines(content: bytes, start: int) -> Iterator[tuple[int, int]]:
+    """Begin and end of the non-empty lines."""
+    for line in LINE.finditer(content, start):
+        if not line[0].isspace():
+            yield line.span()
+
+
+def rows_alike(content: bytes, start: int, element: Element) -> list[list[bytes]] | None:
+    """Words of all rows if equally many in each, else None."""
+    end = after_text(content, start, element)
+    rows = [words for line in content[start:end].split(b"\n") if (words := line.split())]
+    alike = len(rows) == element.rows and all(len(row) == len(rows[0]) for row in rows)
+    return rows if rows and alike else None
+
+
+def _row(words: list[tuple[bytes, int, int]], element: Element) -> list[tuple[bytes, tuple[int, int]]]:
+    cells, k = [], 0
+    for _, length, _ in element.properties:
+        count = 1
+        if length is not None:
+            (count,) = whole_numbers([words[k][0]]) if k < len(words) else (0,)
+            k += 1
+        if count < 0 or k + count > len(words):
+            raise ValueError(ends_within(element))
+        own = words[k : k + count]
+        span = (own[0][1], own[-1][2]) if own else (0, 0)
+        cells.append((b" ".join(word for word, _, _ in own), span))
+        k += count
+    return cells
+
+
+def after_text(content: bytes, start: int, element: Element) -> int:
+    """Offset of the line after the rows of an element."""
+    if not element.rows:
+        return start
+    for row, (_, end) in enumerate(_text_lines(content, start)):
+        if row + 1 == element.rows:
+            return end
+    return len(content)

@@ -1,0 +1,75 @@
+"""Validated and read-only arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr, trn
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """Return ``array`` marked read-only (in place: no copy)."""
+    array.flags.writeable = False
+    return array
+
+
+def numbers(given: object, what: str) -> np.ndarray:
+    """Float64 copy of a caller's array, or InputError."""
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        array = np.array(None)
+    if array.dtype.kind not in "iuf":
+        raise InputError(
+            tr("{what} must be an array of real numbers with rows of equal length.").format(what=what)
+        )
+    return array.astype(np.float64)
+
+
+def whole_numbers(given: object, what: str) -> np.ndarray:
+    """Int64 copy of a caller's array, or InputError if that would round."""
+    array = numbers(given, what)
+    if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
+        raise InputError(
+            tr("{what} must be whole numbers: ids of vertices, counted from 0.").format(what=what)
+        )
+    return array.astype(np.int64)
+
+
+def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
+    """Raise InputError unless ``V`` (n, 3), ``F`` (m, 3) are a mesh with area."""
+    if V.ndim != 2 or V.shape[1] != 3:
+        raise InputError(
+            tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z a vertex.").format(
+                shape=V.shape
+            )
+        )
+    if F.ndim != 2 or F.shape[1] != 3:
+        raise InputError(
+            tr("Faces must be an (m, 3) array of triangles, not {shape}; triangulate the mesh first.").format(
+                shape=F.shape
+            )
+        )
+    if len(F) == 0:
+        raise InputError(tr("There are no faces in it; export the mesh as a surface."))
+    if not np.isfinite(V).all():
+        bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
+        said = trn(
+            "{n:,} vertex has a coordinate that is not a number (the first is vertex {first}); "
+            "repair the file.",
+            "{n:,} vertices have a coordinate that is not a number (the first is vertex {first}); "
+            "repair the file.",
+            len(bad),
+        )
+        raise InputError(said.format(n=len(bad), first=bad[0]))
+    if F.min() < 0 or F.max() >= len(V):
+        missing = int(((F < 0) | (len(V) <= F)).any(axis=1).sum())
+        said = trn(
+            "{n:,} face refers to missing vertices (there are {there:,}); "
+            "repair the file or export it again.",
+            "{n:,} faces refer to missing vertices (there are {there:,}); "
+            "repair the file or export it again.",
+            missing,
+        )
+        raise InputError(said.format(n=missing, there=len(V)))
