@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,7 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
 from apd_viewer.session.model.names import next_name
 
@@ -66,20 +67,21 @@ class Document:
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
     """
 
-    mesh: Mesh
-    labels: np.ndarray
-    grip: np.ndarray
-    member: np.ndarray
-    handles: tuple[Handle, ...] = (Handle(numbered(tr("Handle"), 1)),)
-    regions: tuple[NamedRegion, ...] = ()
-    method: str = DEFAULT_METHOD
-    tolerance: float = DEFAULT_TOLERANCE
-    stiffness: float = 0.0
-    area_stiffness: float = DEFAULT_AREA_STIFFNESS
-    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
-    area: float = 100.0
-    hold_area: bool = False
-    volume: float | None = None
+    mesh: Mesh = field(metadata=FACTORED)
+    labels: np.ndarray = field(metadata=FACTORED)
+    grip: np.ndarray = field(metadata=NOT_FACTORED)
+    member: np.ndarray = field(metadata=NOT_FACTORED)
+    # Each field of a handle declares it for itself.
+    handles: tuple[Handle, ...] = field(default=(Handle(numbered(tr("Handle"), 1)),), metadata=NOT_FACTORED)
+    regions: tuple[NamedRegion, ...] = field(default=(), metadata=NOT_FACTORED)
+    method: str = field(default=DEFAULT_METHOD, metadata=FACTORED)
+    tolerance: float = field(default=DEFAULT_TOLERANCE, metadata=NOT_FACTORED)
+    stiffness: float = field(default=0.0, metadata=FACTORED)
+    area_stiffness: float = field(default=DEFAULT_AREA_STIFFNESS, metadata=FACTORED)
+    shear_stiffness: float = field(default=DEFAULT_SHEAR_STIFFNESS, metadata=FACTORED)
+    area: float = field(default=100.0, metadata=NOT_FACTORED)
+    hold_area: bool = field(default=False, metadata=NOT_FACTORED)
+    volume: float | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it
 
@@ -173,7 +175,7 @@ class Document:
 
     def says_as(self, other: Document) -> bool:
         """Whether nothing was said between the two, but for paint that came to be as it had been."""
-        others = (field.name for field in fields(self) if field.name not in ("labels", "member"))
+        others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
         if any(getattr(self, name) is not getattr(other, name) for name in others):
             return False
         return np.array_equal(self.labels, other.labels) and np.array_equal(self.member, other.member)

@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 
 IDENTITY = frozen(np.eye(4))
 
@@ -27,10 +28,10 @@ class Handle:
         How far along the surface it draws free vertices along, mesh units.
     """
 
-    name: str
-    pose: np.ndarray = field(default_factory=lambda: IDENTITY)
-    pivot: np.ndarray | None = None
-    falloff: float = 0.0
+    name: str = field(metadata=NOT_FACTORED)
+    pose: np.ndarray = field(default_factory=lambda: IDENTITY, metadata=NOT_FACTORED)
+    pivot: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
+    falloff: float = field(default=0.0, metadata=FACTORED)
 
     def gripped(self) -> Handle:
         """The same handle, gripped where it is now."""

@@ -8,6 +8,8 @@ import numpy as np
 
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.factor_key import factored_fields
+from apd_viewer.session.model.named_parts import Handle
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +82,13 @@ class Reply:
     account: Account | None = None
 
 
+_OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
+
+
 def factored_for(document: Document) -> tuple[object, ...]:
-    """What a factorization depends on: where any of it differs, another one is needed."""
-    weights = document.stiffness, document.area_stiffness, document.shear_stiffness
-    falloffs = tuple(handle.falloff for handle in document.handles)
-    return (document.mesh, document.labels, document.method, *weights, falloffs)
+    """Key of a factorization: where any of it differs, another one is needed."""
+    of_handles = (getattr(handle, name) for handle in document.handles for name in _OF_HANDLE)
+    return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_handles)
 
 
 def alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:

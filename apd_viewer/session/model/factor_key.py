@@ -1,0 +1,21 @@
+"""The declaration, field by field, of the solver's factorization depending on it or not.
+
+A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
+each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from types import MappingProxyType
+
+FACTORED = MappingProxyType({"factored": True})
+NOT_FACTORED = MappingProxyType({"factored": False})
+
+
+def factored_fields(kind: type) -> tuple[str, ...]:
+    """Names of the fields of a dataclass declared FACTORED; raises TypeError if one declares neither."""
+    undeclared = [each.name for each in fields(kind) if "factored" not in each.metadata]
+    if undeclared:
+        raise TypeError(f"{kind.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")
+    return tuple(each.name for each in fields(kind) if each.metadata["factored"])

@@ -1,0 +1,109 @@
+"""Whatever a factorization depends on is in its key: a stale one is a wrong shape without a word."""
+
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+import pytest
+from driven_session import BENT, document
+
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.factor_key import FACTORED, factored_fields
+from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.requests import alike, factored_for
+
+METHODS = ["arap", "paper", "exact", "local"]
+
+
+def of_handle(said: Document, **what: object) -> Document:
+    return said.with_handle(0, replace(said.handles[0], **what))
+
+
+# Another value for every field.
+OF_DOCUMENT = {
+    "mesh": lambda said: replace(said, mesh=said.mesh.baked(frozen(said.mesh.V * [1.0, 1.0, 2.0]))),
+    "labels": lambda said: said.painted(np.flatnonzero(said.mesh.V[:, 2] == 1.0), 0),
+    "grip": lambda said: replace(said, grip=frozen(said.grip + 0.25)),
+    "member": lambda said: said.painted_region(np.flatnonzero(said.mesh.V[:, 2] < 5.0), 1),
+    "handles": lambda said: said.moved(0, BENT @ BENT),
+    "regions": lambda said: said.with_region(0, NamedRegion("Waist", 90.0)),
+    "method": lambda said: replace(said, method="exact" if said.method == "local" else "local"),
+    "tolerance": lambda said: replace(said, tolerance=0.1),
+    "stiffness": lambda said: replace(said, stiffness=0.5),
+    "area_stiffness": lambda said: replace(said, area_stiffness=7.0),
+    "shear_stiffness": lambda said: replace(said, shear_stiffness=7.0),
+    "area": lambda said: replace(said, area=120.0),
+    "hold_area": lambda said: replace(said, hold_area=True),
+    "volume": lambda said: replace(said, volume=80.0),
+}
+OF_HANDLE = {
+    "name": lambda said: of_handle(said, name="Neck"),
+    "pose": lambda said: of_handle(said, pose=frozen(BENT @ BENT)),
+    "pivot": lambda said: of_handle(said, pivot=np.ones(3)),
+    "falloff": lambda said: of_handle(said, falloff=2.0),
+}
+CHANGES = OF_DOCUMENT | OF_HANDLE
+
+
+def start(method: str) -> Document:
+    said = document(method)
+    said = said.with_next_region().painted_region(np.flatnonzero(said.mesh.V[:, 2] < 3.0), 1)
+    return said.with_region(0, NamedRegion("Waist", 105.0))
+
+
+def matrices(said: Document) -> list[np.ndarray]:
+    """Every matrix that is factored on the way to the first shape, and what is held."""
+    found = []
+
+    def factored(matrix):
+        found.append(matrix().toarray())
+        return LinearSolver(matrix())
+
+    held = said.constraints()
+    deformation = deformation_of(said, held, factored=factored)
+    deformation.aim(held.targets, None, held.soft_targets)
+    deformation.iterate()
+    return [*found, held.fixed]
+
+
+def same_matrices(one: Document, other: Document) -> bool:
+    a, b = matrices(one), matrices(other)
+    return len(a) == len(b) and all(map(np.array_equal, a, b))
+
+
+def test_every_field_declares_whether_the_factorization_depends_on_it():
+    assert set(OF_DOCUMENT) == {each.name for each in fields(Document)}
+    assert set(OF_HANDLE) == {each.name for each in fields(Handle)}
+    factored_fields(Document)
+    factored_fields(Handle)
+
+
+def test_a_field_that_declares_nothing_is_noticed():
+    @dataclass(frozen=True, eq=False)
+    class Longer(Document):
+        gravity: float = 0.0
+
+    @dataclass(frozen=True, eq=False)
+    class Declared(Document):
+        gravity: float = field(default=0.0, metadata=FACTORED)
+
+    with pytest.raises(TypeError, match=r"Longer\.gravity is neither"):
+        factored_fields(Longer)
+    assert "gravity" in factored_fields(Declared)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", CHANGES)
+def test_documents_with_the_same_key_have_the_same_matrices(name, method):
+    before = start(method)
+    after = CHANGES[name](before)
+    assert not alike(factored_for(before), factored_for(after)) or same_matrices(before, after)
+
+
+@pytest.mark.parametrize("name", [*factored_fields(Document), *factored_fields(Handle)])
+def test_each_field_of_the_key_changes_a_matrix(name):
+    """So the test before would notice if one of them were declared not to matter."""
+    before = start("local")
+    assert not same_matrices(before, CHANGES[name](before))
