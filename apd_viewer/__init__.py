@@ -69,7 +69,7 @@ def view(mesh: Any = None) -> None:
     except ImportError as error:
         raise InputError(
             tr(
-                "The window needs a library that is missing ({error}); the README names the system "
-                "packages to install."
+                "A library that the window needs is missing ({error}); install the system packages "
+                "listed in the README."
             ).format(error=error)
         ) from error

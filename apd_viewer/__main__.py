@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 2
     except KeyboardInterrupt:
-        print(tr("stopped; nothing was written"), file=sys.stderr)
+        print(tr("interrupted; nothing was written"), file=sys.stderr)
         return 130
     return 0
 

@@ -120,14 +120,14 @@ def test_a_catalogue_that_is_damaged_is_no_reason_to_stop(tmp_path, capsys):
     for content in (b"", b"no catalogue", path.read_bytes()[:300]):
         path.write_bytes(content)
         name, words = catalogue(tmp_path, [LANGUAGE])
-        assert (name, words.gettext("Readings")) == ("en", "Readings")
+        assert (name, words.gettext("Measurements")) == ("en", "Measurements")
         assert "compile it again" in capsys.readouterr().err
 
 
 def test_what_is_still_to_be_translated_is_said_in_english(tmp_path, monkeypatch):
     write_catalogue(tmp_path, spoken=lambda _: "")
     monkeypatch.setattr(language, "_catalogue", language.catalogue(tmp_path, [LANGUAGE])[1])
-    assert language.tr("No findings") == "No findings"
+    assert language.tr("No issues") == "No issues"
     assert language.trc("view", "Back") == "Back"
     assert [language.trn("{n} day ago", "{n} days ago", n) for n in (1, 2)] == ["{n} day ago", "{n} days ago"]
 

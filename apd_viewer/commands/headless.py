@@ -60,7 +60,7 @@ def _deform_parser() -> Parser:
         metavar="SEL",
         required=True,
         help=tr(
-            "one number a vertex: 0 held, 1 free, 2 handle, 3 the next, ...; or .json, .npz, .dmat, .ply"
+            "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
         ),
     )
     parser.add_argument(
@@ -68,21 +68,23 @@ def _deform_parser() -> Parser:
         metavar="DEF",
         required=True,
         action="append",
-        help=tr("4x4 matrix that moves the handle; once for each handle"),
+        help=tr("4x4 matrix that moves the handle; repeat for each handle"),
     )
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
     parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
-    parser.add_argument("--iterations", metavar="N", type=int, help=tr("exactly N; default: until converged"))
+    parser.add_argument(
+        "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
+    )
     parser.add_argument(
         "--tolerance",
         metavar="T",
         type=float,
         default=DEFAULT_TOLERANCE,
-        help=tr("of the area, for 'paper'; 0.001 is 0.1 %%"),
+        help=tr("area tolerance of 'paper'; 0.001 is 0.1 %%"),
     )
     _add_targets(parser)
     _add_stiffness(parser)
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the readings as JSON"))
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
     parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
     parser.set_defaults(run=_deform)
     return parser
@@ -93,10 +95,15 @@ def _add_targets(parser: Parser) -> None:
         "--area",
         metavar="PERCENT",
         type=float,
-        help=tr("total area asked for, in percent of the rest area; 100 for 'exact' and 'paper'"),
+        help=tr(
+            "target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"
+        ),
     )
     parser.add_argument(
-        "--volume", metavar="PERCENT", type=float, help=tr("volume asked for; without, it is free")
+        "--volume",
+        metavar="PERCENT",
+        type=float,
+        help=tr("target of the volume, in percent of the rest volume; default: free"),
     )
     parser.add_argument(
         "--region",
@@ -105,16 +112,29 @@ def _add_targets(parser: Parser) -> None:
         default=[],
         metavar=("NAME FILE", "PERCENT"),
         help=tr(
-            "a part to measure: its name, a file of one number a vertex (0 outside), and the area asked for"
+            "region to measure: name, file with one number per vertex (0 outside), optional target "
+            "area in percent"
         ),
     )
 
 
 def _add_stiffness(parser: Parser) -> None:
     for option, default, what in (
-        ("--stiffness", 0.0, tr("of bending, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'")),
-        ("--area-stiffness", DEFAULT_AREA_STIFFNESS, tr("how firmly 'local' keeps every triangle's area")),
-        ("--shear-stiffness", DEFAULT_SHEAR_STIFFNESS, tr("how firmly 'local' keeps every triangle's shape")),
+        (
+            "--stiffness",
+            0.0,
+            tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
+        ),
+        (
+            "--area-stiffness",
+            DEFAULT_AREA_STIFFNESS,
+            tr("how strongly 'local' keeps the area of each triangle"),
+        ),
+        (
+            "--shear-stiffness",
+            DEFAULT_SHEAR_STIFFNESS,
+            tr("how strongly 'local' keeps the shape of each triangle"),
+        ),
     ):
         parser.add_argument(
             option,
@@ -128,13 +148,13 @@ def _add_stiffness(parser: Parser) -> None:
 def _region(words: Sequence[str], vertices: int) -> Region:
     """A region from the words after ``--region``."""
     if len(words) not in (2, 3):
-        raise InputError(tr("--region takes a name, a file and, if an area is asked for, a percentage."))
+        raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
     name, path, *percent = words
     try:
         area = float(percent[0]) if percent else None
     except ValueError as error:
         raise InputError(
-            tr("--region {name}: {percent} is no percentage; write a number.").format(
+            tr("--region {name}: {percent} is not a percentage; enter a number.").format(
                 name=name, percent=percent[0]
             )
         ) from error
@@ -142,22 +162,22 @@ def _region(words: Sequence[str], vertices: int) -> Region:
 
 
 def _info_parser() -> Parser:
-    parser = Parser(prog="apd-viewer info", description=tr("Say what is in a mesh file."))
+    parser = Parser(prog="apd-viewer info", description=tr("Check a mesh file and describe its contents."))
     parser.add_argument("mesh", metavar="MESH")
-    parser.add_argument("--json", action="store_true", help=tr("for scripts"))
+    parser.add_argument("--json", action="store_true", help=tr("print JSON, for scripts"))
     parser.set_defaults(run=_info)
     return parser
 
 
 def _replay_parser() -> Parser:
-    parser = Parser(prog="apd-viewer replay", description=tr("Go on with a saved session without a window."))
-    parser.add_argument("session", metavar="SESSION", help=tr("file that the window has saved (.apd)"))
+    parser = Parser(prog="apd-viewer replay", description=tr("Re-run a saved session without a window."))
+    parser.add_argument("session", metavar="SESSION", help=tr("session file (.apd) saved by the window"))
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
-    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the readings as JSON"))
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
     parser.add_argument(
         "--from-rest",
         action="store_true",
-        help=tr("begin with the rest shape; without, a saved shape that has settled stays as it is"),
+        help=tr("start from the rest shape; default: a saved shape that has converged is kept"),
     )
     parser.set_defaults(run=_replay)
     return parser
@@ -253,11 +273,11 @@ def _summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
     lines = [state.format(output=output, method=result.method, effort=effort), *_readings(result)]
     lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
     lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
-    lines.append(tr("triangles change by up to {change:.3g} %").format(change=100 * result.local_change))
-    lines.append(tr("handle  {drift:.4g} from where it was put").format(drift=result.handle_drift))
+    lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
+    lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
     if abs(written.area / result.area - 1.0) > _ROUNDED:
         lines.append(
-            tr("rounding in the file changes the area to {area:.6g}; OBJ and OFF round less").format(
+            tr("rounding in the file changes the area to {area:.6g}; OBJ and OFF are more precise").format(
                 area=written.area
             )
         )
@@ -308,7 +328,7 @@ def _info(options: argparse.Namespace) -> None:
         return
     size = " x ".join(f"{extent:.6g}" for extent in found.size)
     print(
-        tr("{name}: {vertices:,} vertices, {faces:,} triangles, {pieces:,} piece(s)").format(
+        tr("{name}: {vertices:,} vertices, {faces:,} triangles, {pieces:,} connected part(s)").format(
             name=mesh.name, vertices=found.vertices, faces=found.faces, pieces=found.pieces
         )
     )
@@ -320,9 +340,9 @@ def _info(options: argparse.Namespace) -> None:
     print(tr("volume  {reading}").format(reading=volume))
     if found.volume_capped is not None:
         print(f"        {found.volume_capped:.6g} {about_caps(found.openings)}")
-    packed = tr("box     {reading}, the volume of the smallest one that was found")
+    packed = tr("box     {reading}, the volume of the smallest bounding box found")
     print(packed.format(reading=f"{examination.packed:.6g}"))
-    for sentence in [finding.sentence for finding in all_found] or [tr("Nothing unusual was found.")]:
+    for sentence in [finding.sentence for finding in all_found] or [tr("No issues found.")]:
         print(sentence)
 
 

@@ -66,13 +66,13 @@ def _write_curves(folder: Path, progress: Progress) -> None:
     from apd_viewer.figures.papers import draw_holds, draw_losses
 
     document = opened(*open_sample("bottle")).document
-    doing = tr("the loss against the angle")
+    doing = tr("area loss by angle")
     lost = losses(document, tick=lambda done, _: progress.show(_TABLES + _LOSSES * done, doing))
     said = [(60.0, "bottle-twist-60"), (120.0, "bottle-twist-120")]
     cases = [(degrees, paper_tables.CASES[name]) for degrees, name in said if name in paper_tables.CASES]
     draw_losses(lost, [(degrees, case.arap / case.rest - 1) for degrees, case in cases], folder)
     write_table(folder / "loss-against-angle.csv", Loss._fields, lost)
-    where = tr("what Eq. 8 does to the handle")
+    where = tr("handle drift with Eq. 8")
     before = _TABLES + _LOSSES
     held = holds(document, tick=lambda done, _: progress.show(before + _HOLDS * done, where))
     draw_holds(held, folder)

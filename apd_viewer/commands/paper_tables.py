@@ -48,7 +48,7 @@ TITLES = {
     "duck": tr("Table 2: bending a duck"),
 }
 _HEADINGS = (
-    tr("move"),
+    tr("motion"),
     "",
     tr("area at rest"),
     tr("ARAP"),
@@ -79,7 +79,7 @@ class Row(NamedTuple):
         return [
             (
                 case.title,
-                tr("here"),
+                tr("this program"),
                 f"{paper.area_rest:.3f}",
                 f"{arap.area:.3f}",
                 f"{100 * arap.area_error:+.2f} %",
@@ -96,7 +96,7 @@ class Row(NamedTuple):
                 f"{100 * (case.arap / case.rest - 1):+.2f} %",
                 f"{case.paper:g}",
                 f"{100 * (case.paper / case.rest - 1):+.3f} %",
-                tr("not said"),
+                tr("not given"),
                 tr("pass") if abs(case.paper / case.rest - 1) <= TOLERANCE else tr("fail"),
             ),
         ]
@@ -143,8 +143,8 @@ def verdict(rows: Sequence[Row]) -> str:
     """Whether all moves are within the tolerance, as a sentence."""
     failed = [row.case.title for row in rows if not row.passes]
     if not failed:
-        return tr("Pass: in all {count} moves APD keeps the area to within 0.1 %.").format(count=len(rows))
-    return tr("Fail: beyond 0.1 % are {moves}.").format(moves=", ".join(failed))
+        return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))
+    return tr("Fail: the area change exceeds 0.1 % in {moves}.").format(moves=", ".join(failed))
 
 
 def write_csv(rows: Iterable[Row], path: Path) -> None:

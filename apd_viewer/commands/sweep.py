@@ -95,7 +95,7 @@ def _sweep(options: argparse.Namespace) -> None:
         check_film(options.animation)
         if not (_is_in_output(options) or options.animation.parent.is_dir()):
             raise InputError(
-                tr("There is no folder {folder}; make it first or choose another.").format(
+                tr("There is no folder {folder}; create it or choose another.").format(
                     folder=options.animation.parent
                 )
             )
@@ -138,19 +138,17 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
     path = Path(options.file)
     if path.suffix.lower() == SUFFIX:
         if options.selection or options.transform:
-            raise InputError(
-                tr("A session has its own paint and motion; leave --selection and --transform away.")
-            )
+            raise InputError(tr("A session has its own paint and motion; omit --selection and --transform."))
         state, view = open_session(path)
         return state.document, view.camera
     if not options.selection or not (options.transform or options.twist):
         raise InputError(
-            tr("{name} is no session: give --selection, and --transform or --twist, or a .apd file.").format(
-                name=path.name
-            )
+            tr(
+                "{name} is not a session; give a .apd file, or --selection with --transform or --twist."
+            ).format(name=path.name)
         )
     if options.transform and options.twist:
-        raise InputError(tr("Give --transform or --twist, and not both."))
+        raise InputError(tr("Give either --transform or --twist, not both."))
     mesh = open_mesh(path)
     document = opened(mesh).document.with_selection(read_selection_file(options.selection, mesh))
     if options.transform and len(options.transform) != len(document.handles):
@@ -283,7 +281,7 @@ def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
         unsettled = sum(not step.frame.settled for step in own)
         if unsettled:
             lines.append(
-                tr("    {count} of {steps} shapes had not settled after {most} iterations").format(
+                tr("    {count} of {steps} shapes did not converge within {most} iterations").format(
                     count=unsettled, steps=len(own), most=sweep.iterations
                 )
             )

@@ -26,7 +26,7 @@ def check_film(path: Path) -> None:
     """Raise InputError unless a film can be written to ``path``."""
     if path.suffix.lower() not in KINDS:
         raise InputError(
-            tr("{name} is no name for an animation; end it in {kinds}.").format(
+            tr("{name} is not a file name of an animation; use the ending {kinds}.").format(
                 name=path.name, kinds=tr(" or ").join(KINDS)
             )
         )
@@ -35,7 +35,7 @@ def check_film(path: Path) -> None:
             import imageio_ffmpeg  # noqa: F401
         except ImportError:
             raise InputError(
-                tr("MP4 needs an encoder: install apd-viewer[video], or end the name in .gif.")
+                tr("MP4 needs an encoder: install apd-viewer[video], or use the ending .gif.")
             ) from None
 
 

@@ -36,7 +36,7 @@ def draw_losses(losses: Sequence[Loss], said: Sequence[tuple[float, float]], fol
 
     def fill(figure: Figure) -> None:
         axes = figure.subplots()
-        axes.set_title(tr("Change of the area by ARAP, %"))
+        axes.set_title(tr("Area change by ARAP, %"))
         axes.set_xlabel(tr("twist of the bottle, degrees"))
         axes.xaxis.set_major_locator(MultipleLocator(30))
         axes.set_xlim(0, 180)
@@ -45,7 +45,7 @@ def draw_losses(losses: Sequence[Loss], said: Sequence[tuple[float, float]], fol
         for stop, shade in zip(stops, _SHADES, strict=False):
             words = tr("stopped after 1 iteration") if stop == 1 else tr("after {n}").format(n=stop)
             _loss(axes, losses, stop, words, shade, 1.4)
-        _loss(axes, losses, 0, tr("settled, step by step"), BLUE, 2.2)
+        _loss(axes, losses, 0, tr("converged, step by step"), BLUE, 2.2)
         axes.plot(
             [degrees for degrees, _ in said],
             [100 * error for _, error in said],
@@ -79,20 +79,20 @@ def draw_holds(holds: Sequence[Held], folder: Path) -> None:
     def fill(figure: Figure) -> None:
         left, right = figure.subplots(1, 2)
         twists = [held for held in holds if held.motion == "twist"]
-        left.set_title(tr("Twist: how far the handle drifts"))
+        left.set_title(tr("Twist: drift of the handle"))
         left.set_xlabel(tr("twist, degrees"))
         left.set_ylabel(tr("drift, % of the height"))
         left.xaxis.set_major_locator(MultipleLocator(30))
         left.plot(*_curve(twists, 1.0), color=ORANGE, marker="^")
         left.set_ylim(bottom=0.0)
         pulls = [held for held in holds if held.motion == "pull"]
-        right.set_title(tr("Pull and push: where it ends"))
-        right.set_xlabel(tr("asked for, % of the height"))
-        right.set_ylabel(tr("got, % of the height"))
+        right.set_title(tr("Pull and push: displacement reached"))
+        right.set_xlabel(tr("requested, % of the height"))
+        right.set_ylabel(tr("reached, % of the height"))
         asked, _ = _curve(pulls, 100.0)
         right.plot(asked, asked, color=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
         right.annotate(
-            tr("where it was put"),
+            tr("requested"),
             (asked[-1], asked[-1]),
             (-6, 0),
             textcoords="offset points",
@@ -102,7 +102,7 @@ def draw_holds(holds: Sequence[Held], folder: Path) -> None:
         )
         right.plot(*_curve(pulls, 100.0), color=ORANGE, marker="^")
         right.annotate(
-            tr("where Eq. 8 leaves it"),
+            tr("reached with Eq. 8"),
             (asked[-1], _curve(pulls, 100.0)[1][-1]),
             (-6, 8),
             textcoords="offset points",

@@ -54,12 +54,14 @@ class Picture(NamedTuple):
 def check_picture(path: Path) -> None:
     """Raise InputError unless ``path`` names a picture."""
     if path.suffix.lower() != ".png":
-        raise InputError(tr("{name} is no name for a picture; end it in .png.").format(name=path.name))
+        raise InputError(
+            tr("{name} is not a file name of a picture; use the ending .png.").format(name=path.name)
+        )
 
 
 def no_pictures() -> str:
     """Reason for missing pictures of shapes, as a sentence."""
-    return tr("Shapes were not drawn: there is no OpenGL here that draws off screen (on Debian: libegl1).")
+    return tr("The shapes were not drawn: off-screen OpenGL is not available (on Debian, install libegl1).")
 
 
 def keep_shape(U: np.ndarray, path: Path) -> None:

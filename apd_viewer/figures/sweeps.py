@@ -39,8 +39,8 @@ def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "
         Of the files, without ending.
     """
     said = [
-        (tr("Change of the area, %"), [100 * step.frame.area_error for step in steps]),
-        (tr("Change of the volume, %"), [100 * (step.volume_error or 0.0) for step in steps]),
+        (tr("Area change, %"), [100 * step.frame.area_error for step in steps]),
+        (tr("Volume change, %"), [100 * (step.volume_error or 0.0) for step in steps]),
         (tr("ARAP energy"), [step.energy for step in steps]),
     ]
     if steps[0].volume_error is None:
@@ -87,7 +87,7 @@ def _places(steps: Sequence[Step], abscissa: str) -> np.ndarray:
 
 def _axis(abscissa: str) -> str:
     return {
-        "degrees": tr("turn of the handle, degrees"),
-        "way": tr("way of the handle, in the unit of the mesh"),
+        "degrees": tr("rotation of the handle, degrees"),
+        "way": tr("displacement of the handle, in the unit of the mesh"),
         "part": tr("part of the motion, %"),
     }[abscissa]

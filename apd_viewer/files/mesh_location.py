@@ -110,7 +110,8 @@ def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
     looked = tr(" and ").join(str(path) for path in places)
     raise InputError(
         tr(
-            "{name}, the mesh of {session}, is missing (looked for at {looked}); put it beside the session."
+            "{name}, the mesh of {session}, is missing (looked for at {looked}); put it in the "
+            "folder of the session."
         ).format(name=name, session=session.name, looked=looked)
     )
 
@@ -137,12 +138,12 @@ def _places(told: Fields, session: Path, name: str) -> list[Path]:
 
 def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
     before = told.count("vertices")
-    change = tr("it has changed since")
+    change = tr("it has been changed")
     if len(mesh.V) != before:
         change = tr("it has {n:,} vertices instead of {before:,}").format(n=len(mesh.V), before=before)
     return tr(
-        "{path} is not the mesh that {session} was made with ({change}); put the old file back, there or "
-        "beside the session."
+        "{path} is not the mesh that {session} was saved with ({change}); restore the original "
+        "file there or in the folder of the session."
     ).format(path=mesh.path, session=session.name, change=change)
 
 
@@ -167,7 +168,7 @@ def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
             check_mesh(V, mesh.F)
             mesh = mesh.baked(frozen(V))
     except InputError:
-        raise ValueError(tr("the copy of the mesh in it is damaged")) from None
+        raise ValueError(tr("its copy of the mesh is damaged")) from None
     if mesh.digest != told.text("digest"):
-        raise ValueError(tr("the copy of the mesh in it is another mesh"))
+        raise ValueError(tr("its copy of the mesh is a different mesh"))
     return mesh

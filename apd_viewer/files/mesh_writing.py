@@ -27,13 +27,13 @@ def check_target(path: str | Path) -> Path:
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            tr("{name} does not name a format to write; end it in {endings}.").format(
+            tr("{name} does not have a supported ending; use {endings}.").format(
                 name=path.name, endings=", ".join(WRITTEN)
             )
         )
     if not os.path.isdir(path.parent):  # noqa: PTH112
         raise InputError(
-            tr("There is no folder {folder}; make it first or choose another.").format(folder=path.parent)
+            tr("There is no folder {folder}; create it or choose another.").format(folder=path.parent)
         )
     if os.path.isdir(path):  # noqa: PTH112
         raise InputError(
@@ -91,14 +91,12 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
     """
     path = check_target(path)
     if np.shape(U) != mesh.V.shape:
-        raise InputError(
-            tr("There must be {n:,} positions, one for each vertex of the mesh.").format(n=len(mesh.V))
-        )
+        raise InputError(tr("Give {n:,} positions, one for each vertex of the mesh.").format(n=len(mesh.V)))
     if not np.isfinite(U).all():
         raise InputError(tr("A position is not a finite number; nothing was written."))
     if largest(U) > LARGEST:
         raise InputError(
-            tr("A position is as large as {largest:.3g}; nothing was written.").format(largest=largest(U))
+            tr("A position of {largest:.3g} is too large; nothing was written.").format(largest=largest(U))
         )
     from apd_viewer.geometry.mesh.operators import area  # loads what the first picture must not wait for
 
@@ -109,9 +107,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         V, F = U[:0], mesh.F[:0]
     if not _holds(V, F, mesh, U):
         raise InputError(
-            tr("{name} would not hold the shape as it is; choose another format to write.").format(
-                name=path.name
-            )
+            tr("{name} cannot store this shape accurately; choose another format.").format(name=path.name)
         )
     with replacing(path) as scratch:
         scratch.write_bytes(content)
@@ -137,13 +133,15 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
             raise InputError(f"{path.name}: {error}") from error
         except ValueError as error:  # normals, which nobody has looked at yet
             raise InputError(
-                tr(
-                    "{name} has normals that are not understood ({reason}); choose another format to write."
-                ).format(name=mesh.name, reason=in_one_line(error))
+                tr("{name} has normals that cannot be updated ({reason}); choose another format.").format(
+                    name=mesh.name, reason=in_one_line(error)
+                )
             ) from error
     if kind not in WRITTEN:
         raise InputError(
-            tr("{name} is of a kind that is not written anew; choose OBJ or PLY.").format(name=path.name)
+            tr("{name} is in a format that can only be updated, not created; choose OBJ or PLY.").format(
+                name=path.name
+            )
         )
     import trimesh  # here, because it takes longer to import than all the rest of a headless run
 

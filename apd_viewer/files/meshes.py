@@ -56,11 +56,11 @@ def read_mesh(path: Path, content: bytes | None = None) -> Mesh:
         ) from error
     except MemoryError as error:
         raise InputError(
-            tr("{name} is too large for the memory; make the mesh coarser.").format(name=path.name)
+            tr("{name} does not fit into memory; reduce the mesh first.").format(name=path.name)
         ) from error
     except ValueError as error:
         raise InputError(
-            tr("{name} is not a readable {kind} file ({reason}); export it again.").format(
+            tr("{name} is not a valid {kind} file ({reason}); export it again.").format(
                 name=path.name, kind=path.suffix[1:].upper(), reason=in_one_line(error)
             )
         ) from error
@@ -92,10 +92,10 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
-        raise InputError(tr("{path} is not a file; choose a mesh in it.").format(path=path))
+        raise InputError(tr("{path} is not a file; choose a mesh file.").format(path=path))
     if path.suffix.lower() not in (*FORMATS, *also):
         raise InputError(
-            tr("{name} is of a kind that cannot be opened; use {kinds}.").format(name=path.name, kinds=_NAMES)
+            tr("{name} is not a supported file type; use {kinds}.").format(name=path.name, kinds=_NAMES)
         )
     if path.stat().st_size == 0:
         raise InputError(tr("{name} is empty; export the mesh again.").format(name=path.name))

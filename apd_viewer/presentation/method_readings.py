@@ -62,18 +62,18 @@ def columns(state: State, unit: Unit) -> list[Column]:
     size = float(max(state.inspection.size))
     asked = f"{state.document.area:g}"
     energy = tr(
-        "How far the shape is from as rigid as possible: Eq. 1 of the paper for all methods alike, each edge "
-        "counted twice, whatever the method itself brings down"
+        "Deviation from rigidity: Eq. 1 of the paper for every method, each edge counted twice,"
+        " whichever energy the method minimises"
     )
     return [
         Column(
             tr("Area"),
-            tr("The total area in percent of the area at rest"),
+            tr("Total area in percent of the rest area"),
             lambda x: f"{100.0 * x['area'] / x['area_rest']:.4f}\u00a0%",
         ),
         Column(
             tr("Area error"),
-            tr("How far the area is from the {percent} % that are asked for").format(percent=asked),
+            tr("Deviation of the area from its target of {percent} %").format(percent=asked),
             lambda x: _error(x["area_miss"]),
         ),
         Column(
@@ -84,22 +84,22 @@ def columns(state: State, unit: Unit) -> list[Column]:
         Column(tr("Energy"), energy, lambda x: _known(x["energy"], lambda v: unit.area(significant(v, 5)))),
         Column(
             tr("Handle drift"),
-            tr("How far the handle is from where you put it"),
+            tr("Distance between the handle and the position you gave it"),
             lambda x: unit.length(length(x["handle_drift"], size)),
         ),
         Column(
             tr("Local change"),
-            tr("The largest change of the area of a triangle, up or down"),
+            tr("Largest area change of any triangle, up or down"),
             lambda x: f"{100.0 * x['local_change']:,.2f}\u00a0%",
         ),
         Column(
             tr("Iterations"),
-            tr("How many iterations it took to settle, from the rest shape"),
+            tr("Iterations from the rest shape to convergence"),
             lambda x: f"{x['iterations']:,.0f}",
         ),
         Column(
             tr("Time"),
-            tr("For factoring and iterating on this machine, beside whatever else it did"),
+            tr("Time for factoring and iterations on this computer"),
             lambda x: _known(x["seconds"], lambda v: f"{v:,.2f}\u00a0s"),
         ),
     ]
@@ -108,10 +108,10 @@ def columns(state: State, unit: Unit) -> list[Column]:
 def _about_volume(state: State) -> str:
     inspection = state.inspection
     if inspection.volume_capped is not None:
-        return tr("The volume in percent of the volume at rest, with the openings capped flat")
+        return tr("Volume in percent of the rest volume, with the openings capped flat")
     if why := inspection.nothing_to_keep:
         return tr("There is no volume: {why}.").format(why=why)
-    return tr("The enclosed volume in percent of the volume at rest")
+    return tr("Enclosed volume in percent of the rest volume")
 
 
 def _known(value: float, written: Callable[[float], str]) -> str:

@@ -55,13 +55,13 @@ def verdict(state: State) -> str:
             said = tr("{change} %, outside {tolerance} % of {asked} %")
         return said.format(change=change, tolerance=tolerance, asked=short(asked))
     if miss > MET * wanted:
-        return tr("{change} %, asked for {asked} %").format(
+        return tr("{change} %, target {asked} %").format(
             change=change, asked=signed(asked - 100.0, 3).rstrip("0").rstrip(".")
         )
     return (
         tr("{change} %, exact").format(change=change)
         if asked == 100.0
-        else tr("{change} %, exactly as asked").format(change=change)
+        else tr("{change} %, exactly on target").format(change=change)
     )
 
 
@@ -158,13 +158,13 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
     """How far a handle was moved and turned since it was gripped."""
     centre = document.centre(k)
     if centre is None:
-        return tr("Paint it with the tool Paint handle")
+        return tr("Paint it with Paint handle")
     pose = document.handles[k].pose
     moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
     cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
     turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
     way = length(float(np.linalg.norm(moved)), size)
-    return tr("moved {length}, turned {angle:.1f}°").format(length=unit.length(way), angle=turned)
+    return tr("moved {length}, rotated {angle:.1f}°").format(length=unit.length(way), angle=turned)
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
@@ -172,7 +172,7 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
-        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangle yet")
+        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangles yet")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and not document.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)

@@ -97,11 +97,11 @@ def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram:
         Part(tr("Area"), (Table(tuple(_area(state, unit))),)),
         Part(tr("Volume"), (Table(tuple(_volume(subject))),)),
         Part(tr("Size and mass"), tuple(_size(subject))),
-        Part(tr("What is asked"), tuple(_asked(state))),
+        Part(tr("Settings and targets"), tuple(_asked(state))),
         Part(tr("Handles"), (Table(tuple(_handles(state, unit))),)),
         Part(tr("Regions"), tuple(_regions(state, unit))),
         Part(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
-        Part(tr("Findings"), tuple(_findings(subject)), wide=True),
+        Part(tr("Mesh check"), tuple(_findings(subject)), wide=True),
         Part(tr("Mesh and file"), tuple(_mesh(state, unit, evidence.file))),
         Part(tr("Versions"), (Table(tuple(_versions())),)),
         Part(tr("How to reproduce it"), tuple(_again(state, evidence)), wide=True),
@@ -112,13 +112,13 @@ def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram:
         subtitle=tr("Report of a deformation, {date}").format(date=date),
         hero=(readings.area_percent(state), tr("area: {verdict}").format(verdict=readings.verdict(state))),
         parts=tuple(parts),
-        foot=tr("Made by APD Viewer {version}.").format(version=_version("apd-viewer")),
+        foot=tr("Created with APD Viewer {version}.").format(version=_version("apd-viewer")),
     )
 
 
 def _warnings(state: State) -> Iterator[Block]:
     if not state.frame.settled:
-        yield Note(tr("The shape had not settled yet when this report was made."), warns=True)
+        yield Note(tr("The shape had not converged when this report was created."), warns=True)
     if state.frame.unreached:
         yield Note(state.frame.unreached, warns=True)
 
@@ -126,7 +126,7 @@ def _warnings(state: State) -> Iterator[Block]:
 def _area(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
     yield tr("Area"), readings.area_percent(state), readings.area(state, unit)
     yield tr("Change"), readings.verdict(state), ""
-    yield tr("Largest local change"), readings.local_change(state), ""
+    yield tr("Largest local area change"), readings.local_change(state), ""
 
 
 def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
@@ -160,9 +160,9 @@ def _size(subject: Subject) -> Iterator[Block]:
     wall = ", ".join(text.strip() for text in subject.wall if text.strip())
     yield Table(
         (
-            (tr("Box"), *extent),
-            (tr("Box volume"), *box),
-            (tr("Packed volume"), *packed),
+            (tr("Bounding box"), *extent),
+            (tr("Bounding box volume"), *box),
+            (tr("Smallest box volume"), *packed),
             (tr("Compactness"), *readings.compact(state)),
             (tr("Wall"), wall or readings.NOTHING, ""),
             (tr("Mass"), readings.weight(grams), problem),
@@ -175,8 +175,8 @@ def _asked(state: State) -> Iterator[Block]:
     method = document.traits
     rows = [(tr("Method"), method.title, method.about)]
     area, volume, *_ = document.kept
-    rows.append((tr("Target of the area"), tr("free") if area is None else f"{area:g} %", ""))
-    rows.append((tr("Target of the volume"), tr("free") if volume is None else f"{volume:g} %", ""))
+    rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
+    rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
     if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
     if method.has_moduli:
@@ -264,23 +264,23 @@ def _findings(subject: Subject) -> Iterator[Block]:
     for finding in findings:
         yield Note(finding.sentence)
     if not findings:
-        yield Note(tr("No findings"))
+        yield Note(tr("No issues"))
 
 
 def _mesh(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[Block]:
     mesh, found = state.document.mesh, state.inspection
     rows = [(tr("File"), tr("none: the mesh was in memory") if file is None else file.place, "")]
     if file is not None and file.size is None:
-        rows.append(("", tr("It cannot be read any more."), ""))
+        rows.append(("", tr("It can no longer be read."), ""))
     elif file is not None:
         rows.append((tr("Size"), tr("{n:,} bytes").format(n=file.size), ""))
         rows.append((tr("SHA-256 of the file"), file.sha256, ""))
     rows += [
-        (tr("Digest of the mesh"), mesh.digest, tr("SHA-256 of positions and triangles at rest")),
+        (tr("Mesh digest"), mesh.digest, tr("SHA-256 of positions and triangles at rest")),
         (tr("Vertices"), f"{found.vertices:,}", ""),
         (tr("Faces"), f"{found.faces:,}", ""),
-        (tr("Pieces"), f"{found.pieces:,}", ""),
-        (tr("Extent at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
+        (tr("Connected parts"), f"{found.pieces:,}", ""),
+        (tr("Size at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
         (tr("Unit of length"), unit.title, ""),
     ]
     yield Table(tuple(rows))
@@ -307,16 +307,14 @@ def _again(state: State, evidence: Evidence) -> Iterator[Block]:
     suffix = mesh.origin.suffix if mesh.origin is not None else ".obj"
     if evidence.session:
         size = tr("{n:,} bytes").format(n=len(evidence.session))
-        yield Note(
-            tr("This session has the mesh, all that was asked, and the shape in it; the program opens it.")
-        )
+        yield Note(tr("This session contains the mesh, the settings and the shape; open it with APD Viewer."))
         yield Attached("report.apd", evidence.session, size)
     else:
-        yield Note(tr("Save the session as report.apd, with the mesh in it; it is too long for this page."))
+        yield Note(tr("The session is too large for this page; save it as report.apd, including the mesh."))
     yield Note(
         tr(
-            "Without a window it is deformed anew by this command, from the rest shape; "
-            "a large motion that was made step by step may end in another shape."
+            "This command repeats the deformation from the rest shape without a window; a large "
+            "motion made in steps may end in another shape."
         )
     )
     yield Command(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")

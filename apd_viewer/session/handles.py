@@ -71,4 +71,4 @@ class Handles:
 
     def reset(self, which: int) -> None:
         """Put one handle back where it was gripped; the mesh follows."""
-        self.pose(IDENTITY, which, tr("Put handle back"))
+        self.pose(IDENTITY, which, tr("Reset handle"))

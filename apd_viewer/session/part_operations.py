@@ -42,7 +42,7 @@ class Change(Enum):
 
     GROW = _Way(tr("Grow"), lambda state, member: grown(state.skin.start, state.skin.neighbour, member))
     SHRINK = _Way(tr("Shrink"), lambda state, member: shrunk(state.skin.start, state.skin.neighbour, member))
-    SMOOTH = _Way(tr("Smooth the border"), _smoothed)
+    SMOOTH = _Way(tr("Smooth boundary"), _smoothed)
     INVERT = _Way(tr("Invert"), lambda _, member: ~member)
     MIRROR_X = _Way(tr("Mirror along x"), _mirrored_along(0))
     MIRROR_Y = _Way(tr("Mirror along y"), _mirrored_along(1))

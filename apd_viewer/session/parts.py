@@ -38,7 +38,7 @@ class Parts:
         handles = state.document.handles
         if len(handles) >= MOST_HANDLES:
             self._listener.failed(
-                tr("There are {most} handles already; remove one of them first.").format(most=MOST_HANDLES)
+                tr("The limit is {most} handles; remove one first.").format(most=MOST_HANDLES)
             )
             return len(handles) - 1
         self._gestures.record(tr("Add handle"), state)
@@ -68,7 +68,7 @@ class Parts:
         regions = state.document.regions
         if len(regions) >= MOST_REGIONS:
             self._listener.failed(
-                tr("There are {most} regions already; remove one of them first.").format(most=MOST_REGIONS)
+                tr("The limit is {most} regions; remove one first.").format(most=MOST_REGIONS)
             )
             return len(regions) - 1
         self._gestures.record(tr("Add region"), state)

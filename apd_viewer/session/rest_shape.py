@@ -37,7 +37,7 @@ class RestShape:
         """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
         state = self._gestures.alone()
         if not state.is_at_rest:
-            self._gestures.record(tr("Reset handle"), state)
+            self._gestures.record(tr("Reset all handles"), state)
             rest = rest_frame(state.document.mesh, state.inspection)
             self._store.jump(state.at(state.document.at_rest(), rest))
 
@@ -48,9 +48,9 @@ class RestShape:
         def done(at_rest: State) -> None:
             state = self._gestures.alone()
             if state.document is not shown.document:
-                self._listener.failed(tr("Something else has been asked for meanwhile; bake the new shape."))
+                self._listener.failed(tr("The shape changed in the meantime; bake it again."))
                 return
-            self._gestures.record(tr("Bake as new rest"), state)
+            self._gestures.record(tr("Bake as rest shape"), state)
             self._store.jump(at_rest)
             self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self._store.unit))
 

@@ -41,9 +41,9 @@ MOTIONS = {
     Motion.MOVE_X: tr("Move along x"),
     Motion.MOVE_Y: tr("Move along y"),
     Motion.MOVE_Z: tr("Move along z"),
-    Motion.TURN_X: tr("Turn about x"),
-    Motion.TURN_Y: tr("Turn about y"),
-    Motion.TURN_Z: tr("Turn about z"),
+    Motion.TURN_X: tr("Rotate about x"),
+    Motion.TURN_Y: tr("Rotate about y"),
+    Motion.TURN_Z: tr("Rotate about z"),
     Motion.TWIST: tr("Twist"),
     Motion.BEND_X: tr("Bend about x"),
     Motion.BEND_Y: tr("Bend about y"),
@@ -78,9 +78,7 @@ def moved(
     """
     gripped = document.pivot(k)
     if gripped is None:
-        raise InputError(
-            tr("“{name}” holds nothing yet; paint it first.").format(name=document.handles[k].name)
-        )
+        raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
     pose = document.handles[k].pose
     centre = transform(pose, gripped[None])[0]
     kind, _, letter = motion.name.partition("_")
@@ -102,9 +100,9 @@ def moved(
 
 def _about_line(line: np.ndarray | None, angle: float) -> np.ndarray:
     if line is None:
-        raise InputError(tr("There is no line to bend about yet: pick it by two clicks on the mesh."))
+        raise InputError(tr("There is no line to bend about yet; pick it with two clicks on the mesh."))
     if np.array_equal(line[0], line[1]):
-        raise InputError(tr("Both ends of the line are one point; pick two that are apart."))
+        raise InputError(tr("Both ends of the line coincide; pick two different points."))
     return turned_about(line[0], line[1] - line[0], angle)
 
 
@@ -118,5 +116,5 @@ def _centre(document: Document, k: int) -> np.ndarray:
 
 def _base_centre(document: Document) -> np.ndarray:
     if not document.counts[BASE]:
-        raise InputError(tr("There is no base to twist or bend against; paint the part that stays in place."))
+        raise InputError(tr("Twisting and bending need a base; paint the part that stays in place."))
     return memo.centre(document.labels, document.grip, BASE)

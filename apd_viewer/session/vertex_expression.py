@@ -21,7 +21,7 @@ _ID = re.compile(r"(\d+)(?:\s*[–-]\s*(\d+))?")
 _COMPARED = re.compile(r"<=|>=|≤|≥|<|>")
 _HOLDS = {"<": np.less, ">": np.greater, "<=": np.less_equal, ">=": np.greater_equal}
 _HOLDS |= {"≤": np.less_equal, "≥": np.greater_equal}
-_HOW = tr("write ids such as 3, 10-20, or conditions such as y > 0.5Y and x < 0")
+_HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 0.5Y and x < 0")
 
 
 def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
@@ -38,7 +38,7 @@ def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
     """
     text = text.strip()
     if not text:
-        raise InputError(tr("There is nothing to choose by; {how}.").format(how=_HOW))
+        raise InputError(tr("Nothing was entered; {how}.").format(how=_HOW))
     if _IDS.fullmatch(text):
         return _by_ids(text, len(state.frame.U))
     found = np.zeros(len(state.frame.U), dtype=bool)
@@ -54,14 +54,14 @@ def _by_ids(text: str, n: int) -> np.ndarray:
     found = np.zeros(n, dtype=bool)
     rest = _ID.sub("", text).strip(" \t\n,;")
     if re.search(r"[–-]", rest):
-        raise InputError(tr("“{text}” has a range without both ends; {how}.").format(text=text, how=_HOW))
+        raise InputError(tr("“{text}” has an incomplete range; {how}.").format(text=text, how=_HOW))
     for first, last in _ID.findall(text):
         low, high = int(first), int(last or first)
         if max(low, high) >= n:
-            said = tr("There is no vertex {vertex:,}; they are numbered from 0 to {last:,}.")
+            said = tr("There is no vertex {vertex:,}; IDs run from 0 to {last:,}.")
             raise InputError(said.format(vertex=max(low, high), last=n - 1))
         if low > high:
-            said = tr("The range {first}-{last} runs backwards; write the lower id first.")
+            said = tr("The range {first}-{last} runs backwards; enter the lower ID first.")
             raise InputError(said.format(first=first, last=last))
         found[low : high + 1] = True
     return np.flatnonzero(found)
@@ -71,11 +71,11 @@ def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
     """Where a comparison holds, such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
     signs, sides = _COMPARED.findall(condition), _COMPARED.split(condition)
     if not signs:
-        raise InputError(tr("“{text}” is no condition; {how}.").format(text=condition.strip(), how=_HOW))
+        raise InputError(tr("“{text}” is not a condition; {how}.").format(text=condition.strip(), how=_HOW))
     values = [_side(side.strip(), state, unit) for side in sides]
     if not any(isinstance(value, np.ndarray) for value in values):
         raise InputError(
-            tr("“{text}” says nothing of x, y or z; {how}.").format(text=condition.strip(), how=_HOW)
+            tr("“{text}” does not use x, y or z; {how}.").format(text=condition.strip(), how=_HOW)
         )
     holds = np.ones(len(state.frame.U), dtype=bool)
     for sign, left, right in zip(signs, values, values[1:], strict=False):
@@ -94,7 +94,7 @@ def place(text: str, state: State, unit: Unit) -> np.ndarray:
     """The point (3,) whose coordinates a text gives as expressions, parted by semicolons or by commas."""
     parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
     if len(parts) != 3:
-        problem = tr("“{text}” is no point; write three coordinates such as 0, 0.5Y, 12mm.")
+        problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
         raise InputError(problem.format(text=text.strip()))
     names = names_of(state)
     return np.array([length(part, unit, names) for part in parts])

@@ -180,7 +180,9 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh.Trimesh
         return Mesh(mesh.vertices, mesh.faces)
     raise InputError(
-        tr("A {kind} cannot be shown; give a mesh or the path of one.").format(kind=type(mesh).__name__)
+        tr("A {kind} cannot be shown; pass a mesh or the path of a mesh file.").format(
+            kind=type(mesh).__name__
+        )
     )
 
 
@@ -190,7 +192,7 @@ def _check_display() -> None:
     if sys.platform.startswith("linux") and not named:
         raise InputError(
             tr(
-                "There is no display to open a window on; log in with one, or deform without a window: "
+                "No display is available for the window; log in with one, or deform without a window: "
                 "apd-viewer deform --help."
             )
         )

@@ -66,7 +66,7 @@ def connect_hand(
     """
     loop = canvas.ways[Way.LOOP]
     assert isinstance(loop, ClickSelector)
-    loop.missed.connect(lambda: tell(tr("This surface is closed: it has no border to choose.")))
+    loop.missed.connect(lambda: tell(tr("This surface is closed: it has no boundary to select.")))
     canvas.picker.asks.connect(prompt)
     canvas.painted.connect(session.painting.paint)
     canvas.region_painted.connect(session.painting.paint_region)

@@ -115,12 +115,12 @@ class Editing:
         self._canvas.picker.ask(
             1,
             lambda points: session.handles.set_pivot(points[0], parts.handle),
-            tr("Click the point of the mesh that the handle is to turn about; Esc calls it off"),
+            tr("Click the point of the mesh to rotate the handle about; Esc cancels"),
         )
 
     def _pick_line(self, _: Session, __: ActiveParts) -> None:
         self._take(Tool.MOVE)
-        words = tr("Click two points of the mesh: the line through them is the one to bend about")
+        words = tr("Click two points of the mesh to set the line to bend about")
         self._canvas.picker.ask(2, self._keep_line, words)
 
     def _keep_line(self, line: np.ndarray) -> None:

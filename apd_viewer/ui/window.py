@@ -165,7 +165,7 @@ class Window(QMainWindow):
         self.invitation = Invitation(view)
         self.recovery = RecoveryBar(view, self.filing)
         self.health = Health(self.canvas)
-        buttons = [QPushButton(tr("Open a mesh…"), objectName="primary", clicked=self.filing.ask_for_file)]
+        buttons = [QPushButton(tr("Open mesh…"), objectName="primary", clicked=self.filing.ask_for_file)]
         for name, title in SAMPLES.items():
             buttons.append(QPushButton(title, clicked=partial(self.filing.open_sample, name)))
         self._empty = Empty(view, buttons)
@@ -176,7 +176,7 @@ class Window(QMainWindow):
         self.measuring = Measuring(self.panel, self.health, self._memory, self.looks.heat)
         self._history = HistoryList()
         self.docks = Docks(self)
-        self.docks.add("readings", tr("Readings"), self.panel)
+        self.docks.add("readings", tr("Measurements"), self.panel)
         self.docks.add("history", tr("History"), self._history, shown=False)
         self.plots = Plots(self._memory, self.notice)
         below = Qt.DockWidgetArea.BottomDockWidgetArea

@@ -102,7 +102,7 @@ class Hand:
             self.journal.write("nothing")
             return
         self._click(offer.restore)
-        while self.document is before and not self.window.notice.text.startswith("What was left"):
+        while self.document is before and not self.window.notice.text.startswith("The unsaved work"):
             yield 0.005
         trouble = self.window.notice.text if self.document is before else self._broken()
         self.journal.write(*(("trouble", trouble) if trouble else ("restored", digest(self.document))))

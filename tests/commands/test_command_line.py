@@ -338,7 +338,7 @@ def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
 def test_a_piece_that_nothing_holds_stays_bit_for_bit(method, two_pieces, deformed):
     report, _, out = deformed(two_pieces, "--method", method, "--iterations", 3)
     (warning,) = report["warnings"]
-    assert warning == "A separate piece is held by nothing; it stays where it is."
+    assert warning == "1 connected part without base or handle; it stays where it is."
     assert warning in out.splitlines()
     result = deform(
         two_pieces.V, two_pieces.F, two_pieces.fixed, two_pieces.targets, method, 3, handle=two_pieces.handle
@@ -403,8 +403,8 @@ def one(label):
 
 
 WRONG_SELECTIONS = {
-    "one too few": (lambda labels: labels[1:], r"for a mesh of \d+ vertices, but this one has \d+"),
-    "one too many": (lambda labels: [*labels, 1], r"for a mesh of \d+ vertices, but this one has \d+"),
+    "one too few": (lambda labels: labels[1:], r"for a mesh of \d+ vertices, but this mesh has \d+"),
+    "one too many": (lambda labels: [*labels, 1], r"for a mesh of \d+ vertices, but this mesh has \d+"),
     "another label": (lambda labels: np.where(labels == 2, 12, labels), "a label other than 0"),
     "two handles": (lambda labels: np.where(labels == 2, 3, labels), "There are 2 handles but one motion"),
     "a negative label": (lambda labels: np.where(labels == 2, -1, labels), "a label other than 0"),
@@ -426,11 +426,11 @@ def test_a_wrong_selection(case, bar, refused):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0", "does not hold a 4x4 matrix"),
-        ("1 0 0 0 0 nan 0 0 0 0 1 0 0 0 0 1", "does not hold a 4x4 matrix"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0", "is not a 4x4 matrix"),
+        ("1 0 0 0 0 nan 0 0 0 0 1 0 0 0 0 1", "is not a 4x4 matrix"),
         ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0.5 1", "is not an affine transform"),
         ("a letter", "is not a transform"),
-        ("", "does not hold a 4x4 matrix"),
+        ("", "is not a 4x4 matrix"),
     ],
 )
 def test_a_wrong_transform(content, words, bar, refused):
@@ -451,8 +451,8 @@ def test_a_folder_in_place_of_a_file(file, bar, refused):
 @pytest.mark.parametrize(
     ("out", "words"),
     [
-        ("out.xyz", "does not name a format to write"),
-        ("out", "does not name a format to write"),
+        ("out.xyz", "does not have a supported ending"),
+        ("out", "does not have a supported ending"),
         ("gone/out.obj", "There is no folder"),
         ("in.obj/out.obj", "There is no folder"),
         ("x" * 300 + ".obj", "cannot be written"),
@@ -471,17 +471,17 @@ def test_a_wrong_output(out, words, bar, refused):
         ("--iterations", "-3", "at least 1"),
         ("--iterations", "2.5", "invalid int value: '2.5'"),
         ("--iterations", "many", "invalid int value: 'many'"),
-        ("--tolerance", "0", "tolerance must be greater than zero"),
-        ("--tolerance", "-1", "tolerance must be greater than zero"),
-        ("--tolerance", "nan", "tolerance must be greater than zero"),
+        ("--tolerance", "0", "tolerance must be greater than 0"),
+        ("--tolerance", "-1", "tolerance must be greater than 0"),
+        ("--tolerance", "nan", "tolerance must be greater than 0"),
         ("--tolerance", "small", "invalid float value: 'small'"),
-        ("--stiffness", "-1", "stiffness must be a number of at least zero"),
-        ("--area-stiffness", "nan", "area stiffness must be a number of at least zero"),
+        ("--stiffness", "-1", "stiffness must be a number of at least 0"),
+        ("--area-stiffness", "nan", "area stiffness must be a number of at least 0"),
         ("--area", "0", "What the area should be must be a percentage from 1 to 1000"),
         ("--volume", "-10", "What the volume should be must be a percentage from 1 to 1000"),
         ("--region", "lid", "--region takes a name, a file"),
         ("--unknown", "1", "unrecognized arguments: --unknown 1"),
-        ("--picture", "picture.jpg", "end it in .png"),
+        ("--picture", "picture.jpg", "use the ending .png"),
     ],
 )
 def test_a_wrong_option(option, value, words, refused):
@@ -521,7 +521,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
 
     monkeypatch.setattr(headless, "deform", interrupted)
     before = sorted(bar.folder.iterdir())
-    assert command(*bar.words()) == (130, "", "stopped; nothing was written\n")
+    assert command(*bar.words()) == (130, "", "interrupted; nothing was written\n")
     assert sorted(bar.folder.iterdir()) == before
 
 
@@ -632,7 +632,7 @@ def _unpainted(case, path):
 
 WRONG_SESSIONS = {
     "gone": (_gone, "There is no file .*a.apd; check the name"),
-    "empty": (_empty, "a.apd is not a readable session .its archive is broken.; save it again"),
+    "empty": (_empty, "a.apd is not a valid session .its archive is damaged.; save it again"),
     "without its mesh": (_without_mesh, "in.obj, the mesh of a.apd, is missing"),
     "with another mesh": (_other_mesh, "in.obj is not the mesh that a.apd was made with .it has changed"),
     "not painted": (_unpainted, "a.apd: There is no base: paint the part"),
@@ -664,7 +664,7 @@ def test_a_wrong_session(case, bar, saved, refused_replay):
 
 
 def test_wrong_words_of_a_replay(bar, refused_replay):
-    assert "does not name a format to write" in refused_replay(out=bar.folder / "out.xyz")
+    assert "does not have a supported ending" in refused_replay(out=bar.folder / "out.xyz")
     assert "There is no folder" in refused_replay(out=bar.folder / "gone" / "out.obj")
     assert "cannot be written" in refused_replay("--report", bar.folder / "gone" / "r.json")
     assert "unrecognized arguments: --method" in refused_replay("--method", "arap")
@@ -695,7 +695,7 @@ def test_info_for_people(bar, command):
     assert "2 x 2 x 5" in out
     assert re.search(r"(?m)^area +48$", out)
     assert re.search(r"(?m)^volume +20$", out)
-    assert "Nothing unusual" in out
+    assert "No issues" in out
 
 
 def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
@@ -706,18 +706,18 @@ def test_info_on_a_mesh_with_everything_that_can_be_found(tmp_path, command):
     found = json.loads(command("info", path, "--json")[1])
     assert found["pieces"] == 2
     assert found["volume"] is None
-    assert "open (16 border edges)" in found["why_no_volume"]
+    assert "open (16 boundary edges)" in found["why_no_volume"]
     said = command("info", path)[1]
     for words in (
-        "1 vertex repeats the position of another",
-        "1 vertex belongs to no face",
-        "1 face has no area",
-        "2 separate pieces",
+        "1 vertex has the same position as another",
+        "1 loose vertex",
+        "1 degenerate face",
+        "2 connected parts",
     ):
         assert sum(words in finding["sentence"] for finding in found["findings"]) == 1, words
         assert words in said
     assert re.search(r"(?m)^volume +none: the surface is open", said)
-    assert "Nothing unusual" not in said
+    assert "No issues" not in said
 
 
 def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tmp_path, command):
@@ -728,12 +728,12 @@ def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tm
     assert (found["volume_capped"], found["openings"]) == (pytest.approx(20), 1)
     assert found["packed_volume"] == pytest.approx(found["box_volume"]) == pytest.approx(20)
     assert found["self_intersections"] == 0
-    assert "20 with its mouth capped flat" in command("info", tmp_path / "in.obj")[1]
+    assert "20 with its opening capped flat" in command("info", tmp_path / "in.obj")[1]
     W, G = np.vstack([V, V + [0.6, 0.7, 4.1]]), np.vstack([F, F + len(V)])
     found = json.loads(command("info", Case(tmp_path, W, G).mesh, "--json")[1])
     (place,) = (each for each in found["findings"] if each["kind"] == "self-intersections")
     assert place["vertex_count"] >= found["self_intersections"] / 2 > 2
-    assert f"{found['self_intersections']} triangles pass through others" in place["sentence"]
+    assert f"{found['self_intersections']} intersecting triangles" in place["sentence"]
     assert place["sentence"] in command("info", tmp_path / "in.obj")[1]
 
 
@@ -744,7 +744,7 @@ def test_a_shape_that_passes_through_itself_is_reported_with_its_volume(tmp_path
     report, mesh, out = deformed(Case(tmp_path, *box(2, 2, 5), M=M), "--iterations", 50)
     assert report["self_intersections"] == len(crossings(mesh.V, mesh.F)) > 0
     assert report["self_intersections_rest"] == 0
-    assert f"{report['self_intersections']} triangles pass through others" in out
+    assert f"{report['self_intersections']} intersecting triangles" in out
     assert report["volume"] == pytest.approx(trimesh.Trimesh(mesh.V, mesh.F, process=False).volume, rel=1e-6)
 
 
@@ -756,7 +756,7 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
     assert report["volume_capped_rest"] == pytest.approx(20)
     assert report["volume_capped"] == pytest.approx(capped.volume_capped, rel=1e-9)
     assert report["openings"] == 1
-    assert re.search(r"(?m)^volume .* of 20 \(.*\), with its mouth capped flat$", out)
+    assert re.search(r"(?m)^volume .* of 20 \(.*\), with its opening capped flat$", out)
     assert report["self_intersections"] == report["self_intersections_rest"] == 0
     assert report["packed_volume"] <= report["box_volume"] == pytest.approx(np.prod(np.ptp(mesh.V, axis=0)))
     assert any("There is no volume" in warning for warning in report["warnings"])
@@ -886,6 +886,6 @@ def test_without_opengl_the_mesh_is_written_and_the_picture_is_not(bar, capsys, 
     path = bar.folder / "picture.png"
     path.write_bytes(b"of yesterday")
     assert main([*map(str, bar.words("--iterations", "3", "--picture", path))]) == 0
-    assert "Shapes were not drawn: there is no OpenGL" in capsys.readouterr().out
+    assert "The shapes were not drawn: off-screen OpenGL is not available" in capsys.readouterr().out
     assert path.read_bytes() == b"of yesterday"
     assert bar.out.exists()

@@ -46,7 +46,7 @@ def test_the_tables_say_what_was_measured_beside_what_the_paper_says(table):
     cells = [
         [cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if "%" in line
     ]
-    ours = [line for line in cells if line[1] == "here"]
+    ours = [line for line in cells if line[1] == "this program"]
     theirs = [line for line in cells if line[1] == "Li & Hui"]
     for row, own, said in zip(table, ours, theirs, strict=True):
         assert own[0] == row.case.title
@@ -143,7 +143,7 @@ def test_without_opengl_the_command_does_without_pictures_of_shapes(tmp_path, ca
 
     monkeypatch.setattr(shapes, "_START", "import os; os.abort()")
     assert main(["paper", "-o", str(tmp_path)]) == 0
-    assert "Shapes were not drawn" in capsys.readouterr().out
+    assert "The shapes were not drawn" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == FILES - {"bottle.png"}
 
 

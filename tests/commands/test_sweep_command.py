@@ -137,7 +137,7 @@ def test_shapes_that_do_not_settle_are_counted(session, sweep):
     _, said, _, folder = sweep(session, "--steps", 3, "--methods", "exact", "--iterations", 1)
     unsettled = sum(line["settled"] == "0" for line in read(folder))
     assert unsettled > 0
-    assert f"{unsettled} of 4 shapes had not settled after 1 iterations" in said
+    assert f"{unsettled} of 4 shapes did not converge within 1 iterations" in said
 
 
 def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path, monkeypatch):
@@ -147,18 +147,18 @@ def test_without_opengl_there_is_no_film_and_all_else(session, sweep, tmp_path, 
     film = tmp_path / "film.gif"
     status, said, _, folder = sweep(session, "--steps", 2, "--methods", "arap", "--animation", film)
     assert status == 0
-    assert "Shapes were not drawn" in said
+    assert "The shapes were not drawn" in said
     assert not film.exists()
     assert (folder / "sweep.svg").exists()
 
 
 WRONG = {
-    "no selection": (lambda bar: bar[:1], "is no session: give --selection"),
-    "no motion": (lambda bar: bar, "is no session: give --selection"),
-    "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "and not both"),
+    "no selection": (lambda bar: bar[:1], "is not a session; give a .apd file, or --selection"),
+    "no motion": (lambda bar: bar, "is not a session; give a .apd file, or --selection"),
+    "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "not both"),
     "a film of another kind": (
         lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
-        "end it in .gif or",
+        "use the ending .gif or",
     ),
     "an angle that is none": (lambda bar: [*bar, "--twist", "9mm"], "unit of length"),
     "a method that is none": (lambda bar: [*bar, "--twist", "9", "--methods", "arap,x"], "no method x"),

@@ -110,7 +110,7 @@ def target(request, tmp_path):
 @pytest.mark.parametrize("shape", [(3, 3), (163, 3), (164, 2), (164,), (3, 164), ()])
 def test_positions_of_another_shape(shape, ball, target):
     assert shape != ball.V.shape
-    with pytest.raises(InputError, match="There must be 164 positions, one for each vertex"):
+    with pytest.raises(InputError, match="Give 164 positions, one for each vertex"):
         save_mesh(ball, np.ones(shape), target)
 
 
@@ -124,14 +124,16 @@ def test_positions_that_are_no_numbers(value, ball, target):
 
 @pytest.mark.parametrize("suffix", WRITTEN)
 def test_positions_beyond_single_precision(suffix, ball, tmp_path):
-    with pytest.raises(InputError, match=r"A position is as large as [23](\.\d+)?e\+39; nothing was written"):
+    with pytest.raises(
+        InputError, match=r"A position of [23](\.\d+)?e\+39 is too large; nothing was written"
+    ):
         save_mesh(ball, 1e39 * ball.V, tmp_path / f"out{suffix}")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["out.xyz", "out", "out.obj.bak", ".obj"])
 def test_names_without_a_format(name, ball, tmp_path):
-    with pytest.raises(InputError, match=r"does not name a format to write; end it in \.obj, .*\.glb"):
+    with pytest.raises(InputError, match=r"does not have a supported ending; use \.obj, .*\.glb"):
         save_mesh(ball, ball.V, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 

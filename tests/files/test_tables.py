@@ -34,7 +34,7 @@ def test_a_table_may_have_words_counts_and_gaps(tmp_path):
 
 def test_a_table_that_cannot_be_written_leaves_what_was_there(tmp_path):
     (tmp_path / "taken.csv").mkdir()
-    with pytest.raises(InputError, match="choose another place"):
+    with pytest.raises(InputError, match="choose another location"):
         write_table(tmp_path / "taken.csv", ("a",), np.ones((1, 1)))
     with pytest.raises(InputError, match="cannot be written"):
         write_table(tmp_path / "nowhere" / "table.csv", ("a",), np.ones((1, 1)))

@@ -60,7 +60,7 @@ VERBS: dict[str, Callable[[Driven], object]] = {
     "Change area": lambda session: session.settings.set_area(110.0),
     "Change volume": lambda session: session.settings.set_volume(100.0),
     "Change stiffness": lambda session: session.settings.set_stiffness(0.01),
-    "Reset handle": lambda session: session.rest_shape.restore(),
+    "Reset all handles": lambda session: session.rest_shape.restore(),
 }
 ALIASES: dict[str, tuple[str, Callable[[Driven], object]]] = {
     "the region's name": ("Rename", lambda session: session.parts.rename_region(0, "Waist")),

@@ -297,7 +297,7 @@ def test_a_folder_that_cannot_be_made_is_said_once(tmp_path, bar):
     session.listen(0.1)
     session.close()
     assert len(session.told) == 1
-    assert session.told[0].startswith("Your work cannot be kept for the case of a crash (")
+    assert session.told[0].startswith("Autosave failed (")
 
 
 def test_a_disk_without_locks_is_said(session, folder, tmp_path, monkeypatch):
@@ -434,7 +434,7 @@ def test_what_is_damaged_is_refused_in_a_sentence_and_stays(session, folder, bar
     session.autosave.restore(left)
     session.until(lambda: session.failed)
     name = "bar.obj" if damage == "no mesh" else "a damaged session"
-    assert session.failed[0].startswith(f"What was left of {name} cannot be restored: ")
+    assert session.failed[0].startswith(f"The unsaved work on {name} cannot be restored: ")
     assert session.store.state is state
     assert not left.taken
     session.close()

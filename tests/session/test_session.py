@@ -38,7 +38,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
     return {
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
         "Move handle": lambda: session.drag(*(pose(k / 50) for k in range(30))),
-        "Reset handle": session.rest_shape.restore,
+        "Reset all handles": session.rest_shape.restore,
         "Change method": lambda: session.settings.set_method("arap"),
         "Change tolerance": lambda: session.settings.set_tolerance(0.01),
         "Open mesh": lambda: session.show_now(bar()),
@@ -46,7 +46,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
 
 
 @pytest.mark.parametrize(
-    "name", ["Paint", "Move handle", "Reset handle", "Change method", "Change tolerance", "Open mesh"]
+    "name", ["Paint", "Move handle", "Reset all handles", "Change method", "Change tolerance", "Open mesh"]
 )
 def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
     session.drag(BENT)
@@ -262,7 +262,7 @@ def test_nothing_to_undo_or_redo_is_no_error(empty):
     assert empty.store.state is state
 
 
-@pytest.mark.parametrize("name", ["Change tolerance", "Change method", "Reset handle"])
+@pytest.mark.parametrize("name", ["Change tolerance", "Change method", "Reset all handles"])
 def test_undo_goes_back_in_time_whatever_was_done_within_a_drag(session, tmp_path, name):
     ready(session)
     session.gestures.begin()

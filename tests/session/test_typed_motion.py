@@ -134,7 +134,7 @@ def test_one_handle_is_put_back_and_the_paint_stays(bent):
     bent.handles.reset(0)
     assert not bent.store.state.document.posed
     assert bent.store.state.document.labels is labels
-    assert bent.gestures.history.next_undo == "Put handle back"
+    assert bent.gestures.history.next_undo == "Reset handle"
     steps = len(bent.gestures.history.done)
     bent.handles.reset(0)
     assert len(bent.gestures.history.done) == steps, "it is back already"

@@ -57,12 +57,12 @@ def test_lengths_may_have_units():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "nothing to choose"),
-        (f"{N}", f"numbered from 0 to {N - 1}"),
+        ("", "Nothing was entered"),
+        (f"{N}", f"run from 0 to {N - 1}"),
         ("5-3", "backwards"),
-        ("3-", "both ends"),
-        ("z", "no condition"),
-        ("1 < 2", "says nothing of"),
+        ("3-", "incomplete range"),
+        ("z", "not a condition"),
+        ("1 < 2", "does not use"),
         ("z > 15mm", "unit"),
         ("z > q", "q"),
         ("q > 1", "q"),

@@ -318,7 +318,7 @@ def help_(driver):
     sheet.swap.click()
     driver.scene("keys that were swapped")
     sheet.back.click()
-    driver.scene("standard keys")
+    driver.scene("default keys")
     window.help.close()
     window.session.files.open_sample("bottle")
     driver.idle()
@@ -363,7 +363,7 @@ def files(driver):
     window.health.open()
     driver.wait()
     window.health.list.rows[0].chosen.emit()
-    driver.scene("the list of findings")
+    driver.scene("mesh check")
 
 
 def handouts(driver):

@@ -76,8 +76,8 @@ def test_the_window_was_listened_to(said):
 
 
 def test_a_word_that_was_forgotten_is_noticed():
-    assert foreign("Readings", []) == ["Readings"]
-    assert foreign("⟦Rreeaadings⟧ of the mesh", []) == ["of", "the", "mesh"]
+    assert foreign("Measurements", []) == ["Measurements"]
+    assert foreign("⟦Mmeeaasurements⟧ of the mesh", []) == ["of", "the", "mesh"]
     assert foreign("<b>⟦Ooppen⟧</b> (Ctrl+O)<br>⟦Ooppen a mmeesh⟧", ["Ctrl+O"]) == []
 
 

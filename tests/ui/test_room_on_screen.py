@@ -79,7 +79,7 @@ def test_a_click_for_a_border_where_there_is_none_says_so(full):
     mouse.move((x, y - 60))
     mouse.drag((x, y - 60), (x, y - 60))
     assert loop._hit is not None
-    assert "no border" in full.notice.text
+    assert "no boundary" in full.notice.text
 
 
 def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):

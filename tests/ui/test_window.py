@@ -144,7 +144,7 @@ def assert_settled_in_the_last_pose(window, shown):
     state = window.session.store.state
     assert window.session.store.activity is Activity.SETTLED
     assert abs(state.frame.area_error) <= 1e-9
-    assert window.panel.area.activity.text() == "settled"
+    assert window.panel.area.activity.text() == "converged"
     assert shown[-1][0] is state.frame.U
     assert shown[-1][1] is state.document.handles[0].pose
     held = state.document.labels == HANDLE
@@ -341,7 +341,7 @@ def test_a_separate_piece_that_nothing_holds_is_announced_and_stays(qtbot, windo
     qtbot.wait(50)
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
     idle(qtbot, window)
-    assert "held by nothing" in window.notice.text
+    assert "without base or handle" in window.notice.text
     assert np.array_equal(session.store.state.frame.U[n:], V + [3, 0, 0])
     assert not np.allclose(session.store.state.frame.U[:n], V)
 

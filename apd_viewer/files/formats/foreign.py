@@ -28,9 +28,9 @@ def read_3mf(content: bytes) -> Parsed:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
     except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
-        raise ValueError(tr("it is no archive, or a damaged one")) from error
+        raise ValueError(tr("it is not an archive, or it is damaged")) from error
     if size > _MOST:
-        raise ValueError(tr("it would unfold to {size:.0f} GiB").format(size=size / 2**30))
+        raise ValueError(tr("it would unpack to {size:.0f} GiB").format(size=size / 2**30))
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -45,5 +45,5 @@ def read_3mf(content: bytes) -> Parsed:
     except MemoryError:
         raise
     except Exception as error:  # it raises whatever it stumbles over
-        raise ValueError(tr("what its archive holds is damaged")) from error
+        raise ValueError(tr("the contents of its archive are damaged")) from error
     return Parsed(np.vstack(V), np.vstack(F), None)

@@ -89,14 +89,11 @@ class GltfFile:
             if block.position in written:
                 if np.abs(written[block.position] - new).max() > 1e-6 * np.ptp(old, axis=0).max():
                     raise InputError(
-                        tr(
-                            "The file shows one mesh in several places, which are no longer alike; "
-                            "choose another format to write."
-                        )
+                        tr("The file uses one mesh in several places that now differ; choose another format.")
                     )
                 continue
             if self._array(self.buffers, block.position).dtype != np.float32:
-                raise InputError(tr("The file holds rounded positions; choose another format to write."))
+                raise InputError(tr("The file stores rounded positions; choose another format."))
             written[block.position] = new
             if not moved.any():
                 continue
@@ -106,15 +103,13 @@ class GltfFile:
                 continue
             N = self._array(self.buffers, block.normal)
             if len(N) != len(old):
-                raise ValueError(tr("there are not as many as positions"))
+                raise ValueError(tr("their number differs from that of the positions"))
             if N.dtype == np.float32:
                 F = mesh.F[((mine.start <= mesh.F) & (mine.stop > mesh.F)).all(axis=1)] - mine.start
                 written[block.normal] = turned(old, new, F, N.astype(np.float64), F)
                 self._array(buffers, block.normal)[...] = written[block.normal]
         if any((self._array(buffers, k) != written[k].astype(np.float32)).any() for k in touched):
-            raise InputError(
-                tr("The file keeps several things in one place; choose another format to write.")
-            )
+            raise InputError(tr("The file shares its positions with other data; choose another format."))
         return self._packed(buffers, touched)
 
     def _array(self, buffers: list[Any], accessor: int) -> np.ndarray:
@@ -153,9 +148,9 @@ class GltfFile:
         uri = self.document["buffers"][k]["uri"]
         if not uri.startswith("data:"):
             raise InputError(
-                tr(
-                    "The file keeps its coordinates in another one, {uri}; pack both into a GLB first."
-                ).format(uri=uri)
+                tr("The coordinates are in a separate file, {uri}; pack both into a GLB first.").format(
+                    uri=uri
+                )
             )
         return uri.partition(",")[0] + "," + base64.b64encode(buffer).decode()
 
@@ -164,9 +159,9 @@ def _local(matrix: np.ndarray, U: np.ndarray) -> np.ndarray:
     """Local positions (n, 3) of ``U`` under the inverse matrix."""
     new = (U - matrix[:3, 3]) @ np.linalg.pinv(matrix[:3, :3]).T
     if np.abs(new).max() > np.finfo(np.float32).max:
-        raise InputError(tr("A node of the file shrinks a mesh to nothing; choose another format to write."))
+        raise InputError(tr("A node of the file scales a mesh to zero; choose another format."))
     if np.abs(carried(matrix, new) - U).max() > 1e-6 * np.abs(U).max():
-        raise InputError(tr("A node of the file flattens a mesh; choose another format to write."))
+        raise InputError(tr("A node of the file flattens a mesh; choose another format."))
     return new
 
 

@@ -36,11 +36,11 @@ def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
             )
         ) from None
     except ValueError:  # a number of thousands of digits
-        raise ValueError(tr("its JSON has an absurd number")) from None
+        raise ValueError(tr("its JSON has a number out of range")) from None
     except RecursionError:
-        raise ValueError(tr("its JSON is nested without end")) from None
+        raise ValueError(tr("its JSON is nested too deeply")) from None
     if not isinstance(document, dict):
-        raise ValueError(tr("its JSON is no document of glTF"))
+        raise ValueError(tr("its JSON is not a glTF document"))
     return text, document
 
 
@@ -50,11 +50,9 @@ def chunks_of(content: bytes) -> tuple[bytes, bytes | None]:
         raise ValueError(tr("it ends too early"))
     magic, version, _, length, kind = struct.unpack_from("<4sIII4s", content)
     if magic != b"glTF" or kind != b"JSON":
-        raise ValueError(tr("it does not begin as a GLB"))
+        raise ValueError(tr("it does not start with a GLB header"))
     if version != 2:
-        raise ValueError(
-            tr("it is of version {version}; only version 2 is supported").format(version=version)
-        )
+        raise ValueError(tr("it is version {version}; only version 2 is supported").format(version=version))
     begin = 20 + length
     if begin > len(content):
         raise ValueError(tr("it ends too early"))
@@ -69,19 +67,19 @@ def buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
     uri = told.get("uri")
     if uri is None:
         if blob is None:
-            raise ValueError(tr("its binary part is missing"))
+            raise ValueError(tr("its binary chunk is missing"))
         return blob
     if not isinstance(uri, str):
-        raise ValueError(tr("it does not say where its coordinates are"))
+        raise ValueError(tr("the location of its coordinates is missing"))
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2])
         except ValueError:
-            raise ValueError(tr("the coordinates within it are damaged")) from None
+            raise ValueError(tr("its embedded coordinates are damaged")) from None
     beside = path.parent / unquote(uri)
     # os.path and not Path: it says no where Path raises.
     if not os.path.isfile(beside):  # noqa: PTH113
-        raise ValueError(tr("it needs the file {uri} beside it").format(uri=uri))
+        raise ValueError(tr("the file {uri} is missing from its folder").format(uri=uri))
     return beside.read_bytes()
 
 
@@ -102,7 +100,7 @@ def array_of(document: dict[str, Any], buffers: list[Any], accessor: object, wid
     view = one(document, "bufferViews", told["bufferView"])
     code = whole(told, "componentType")
     if code not in _TYPES or told.get("type") != _NAMES[width]:
-        raise ValueError(tr("an accessor is of another type than it should be"))
+        raise ValueError(tr("an accessor has the wrong type"))
     one(document, "buffers", view.get("buffer"))
     kind, count, buffer = np.dtype(_TYPES[code]), whole(told, "count"), buffers[view["buffer"]]
     start = whole(view, "byteOffset", 0) + whole(told, "byteOffset", 0)
@@ -120,7 +118,7 @@ def triangles_of(document: dict[str, Any], buffers: list[Any], part: dict[str, A
     if "indices" in part:
         indices = array_of(document, buffers, part["indices"], 1)
         if indices.dtype.kind != "u":
-            raise ValueError(tr("its triangles are of another type than they should be"))
+            raise ValueError(tr("its triangles have the wrong type"))
         corners = indices[:, 0].astype(np.int64)
         if len(corners) and corners.max() >= count:
             raise ValueError(
@@ -130,7 +128,7 @@ def triangles_of(document: dict[str, Any], buffers: list[Any], part: dict[str, A
             )
     if mode == TRIANGLES:
         if len(corners) % 3:
-            raise ValueError(tr("a triangle is not whole"))
+            raise ValueError(tr("a triangle is incomplete"))
         return corners.reshape(-1, 3)
     k = np.arange(max(len(corners) - 2, 0))
     if mode == FAN:

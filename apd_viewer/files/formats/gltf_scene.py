@@ -19,7 +19,7 @@ def one(document: dict[str, Any], what: str, k: object) -> dict[str, Any]:
     """Element ``k`` of an array of the document; raises ValueError if missing."""
     things = a_list(document, what)
     if type(k) is not int or not 0 <= k < len(things) or not isinstance(things[k], dict):
-        raise ValueError(tr("it refers to one of its {what} that is not there").format(what=what))
+        raise ValueError(tr("it refers to an entry that is missing from its {what}").format(what=what))
     return things[k]
 
 
@@ -27,7 +27,7 @@ def a_list(told: dict[str, Any], key: str) -> list[Any]:
     """List under a key; raises ValueError if it is none."""
     found = told.get(key, [])
     if not isinstance(found, list):
-        raise ValueError(tr("its {key} are no list").format(key=key))
+        raise ValueError(tr("its {key} are not a list").format(key=key))
     return found
 
 
@@ -37,7 +37,7 @@ def whole(told: dict[str, Any], key: str, default: int | None = None) -> int:
     if isinstance(number, float) and number.is_integer():
         number = int(number)
     if type(number) is not int or not 0 <= number <= _MOST:
-        raise ValueError(tr("a {key} in it is missing or absurd").format(key=key))
+        raise ValueError(tr("a {key} in it is missing or out of range").format(key=key))
     return number
 
 
@@ -45,7 +45,7 @@ def parts(document: dict[str, Any], mesh: int) -> list[dict[str, Any]]:
     """The primitives of a mesh; all have attributes."""
     found = a_list(one(document, "meshes", mesh), "primitives")
     if not all(isinstance(part, dict) and isinstance(part.get("attributes"), dict) for part in found):
-        raise ValueError(tr("a part of a mesh has no attributes"))
+        raise ValueError(tr("a mesh primitive has no attributes"))
     return found
 
 
@@ -58,7 +58,7 @@ def placed(document: dict[str, Any]) -> dict[int, np.ndarray]:
         k, above = todo.pop()
         node = one(document, "nodes", k)
         if k in seen:
-            raise ValueError(tr("its nodes are no tree"))
+            raise ValueError(tr("its nodes do not form a tree"))
         seen.add(k)
         with np.errstate(all="ignore"):  # absurd positions are refused later
             matrix = above @ _matrix(node)
@@ -103,7 +103,7 @@ def _numbers(node: dict[str, Any], key: str, default: Any) -> np.ndarray:
                 tr("the {key} of a node does not have {n} numbers").format(key=key, n=len(default))
             )
         if not all(isinstance(number, int | float) and _is_sane(number) for number in given):
-            raise ValueError(tr("the {key} of a node has something else than numbers").format(key=key))
+            raise ValueError(tr("the {key} of a node contains something other than numbers").format(key=key))
     return np.array(given, dtype=np.float64)
 
 

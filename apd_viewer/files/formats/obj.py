@@ -106,7 +106,7 @@ def _not_understood(text: bytes) -> str:
         except ValueError:
             break
     line = text.count(b"\n", 0, match.start() + 1)
-    return tr("line {line} is not understood: {text}").format(
+    return tr("line {line} is not valid: {text}").format(
         line=line, text=match[0].strip().decode(errors="replace")[:60]
     )
 
@@ -143,7 +143,7 @@ def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
                 own = [_index(word[2], normals) if len(word) > 2 and word[2] else -1 for word in words]
             except ValueError as error:
                 raise ValueError(
-                    tr("line {line} is not understood: {text}").format(line=number, text=line[:60])
+                    tr("line {line} is not valid: {text}").format(line=number, text=line[:60])
                 ) from error
             yield corners, own
 

@@ -62,9 +62,9 @@ def read_off(content: bytes) -> Parsed:
     rows = list(lines(plain(content)))
     head = _HEAD.fullmatch(rows[0][1].strip()) if rows else None
     if head is None:
-        raise ValueError(tr("it does not begin with OFF"))
+        raise ValueError(tr("it does not start with OFF"))
     if head[4].split()[:1] == [b"BINARY"]:
-        raise ValueError(tr("it is of the binary kind, which is not supported"))
+        raise ValueError(tr("it is a binary OFF file, which is not supported"))
     counts = head[4].split()
     if not counts:
         counts, rows = rows[1][1].split() if len(rows) > 1 else [], rows[1:]
@@ -73,11 +73,13 @@ def read_off(content: bytes) -> Parsed:
     n, m = whole_numbers(counts[:2])
     if n < 0 or m < 0 or len(rows) < 1 + n + m:
         raise ValueError(
-            tr("it ends before its last face: {n:,} vertices and {m:,} faces were announced").format(n=n, m=m)
+            tr("it ends before its last face: its header declares {n:,} vertices and {m:,} faces").format(
+                n=n, m=m
+            )
         )
     vertices, has_normals = rows[1 : 1 + n], bool(head[3])
     if any(len(row.split()) < (6 if has_normals else 3) for _, row in vertices):
-        raise ValueError(tr("a vertex has too few numbers"))
+        raise ValueError(tr("a vertex has fewer than three coordinates"))
     polygons = Polygons.of([_polygon(row) for _, row in rows[1 + n : 1 + n + m]])
     V = numbers([word for _, row in vertices for word in row.split()[:3]]).reshape(-1, 3)
     return Parsed(V, polygons.triangles(V), OffFile(content, vertices, bool(head[2]), has_normals))
@@ -88,5 +90,5 @@ def _polygon(line: bytes) -> list[int]:
     words = line.split()
     (count,) = whole_numbers(words[:1])
     if count < 0 or len(words) < 1 + count:
-        raise ValueError(tr("a face is not whole: {text}").format(text=shown(line)))
+        raise ValueError(tr("a face is incomplete: {text}").format(text=shown(line)))
     return whole_numbers(words[1 : 1 + count])

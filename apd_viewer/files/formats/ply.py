@@ -58,7 +58,7 @@ class PlyFile:
         element, start = self.elements[at], self.starts[at]
         kinds = {name: kind for name, length, kind in element.properties if length is None}
         if any(kinds[axis][0] != "f" for axis in _AXES):
-            raise InputError(tr("The file holds whole numbers only; choose another format to write."))
+            raise InputError(tr("The file stores integer coordinates only; choose another format."))
         new: dict[tuple[str, ...], np.ndarray] = {_AXES: U}
         if all(kinds.get(name, "")[:1] == "f" for name in _NORMAL):
             N = self.columns(at, _NORMAL)
@@ -140,7 +140,7 @@ def read_ply(content: bytes) -> Parsed:
         if element.name == "vertex":
             missing = [axis for axis in _AXES if axis not in element.names]
             if missing:
-                raise ValueError(tr("its vertices have no {axis}").format(axis=missing[0]))
+                raise ValueError(tr("its vertices have no {axis} coordinate").format(axis=missing[0]))
             if any(length and name in _AXES for name, length, _ in element.properties):
                 raise ValueError(tr("its vertices have lists of coordinates"))
             V = file.columns(at, _AXES)

@@ -69,16 +69,14 @@ def read_header(content: bytes) -> tuple[str, list[Element], int]:
             case ["property", kind, name] if elements and kind in TYPES:
                 elements[-1].properties.append((name, None, TYPES[kind]))
             case ["format" | "element" | "property", *_]:
-                raise ValueError(
-                    tr("its header has a line that is not understood: {text}").format(text=shown(line))
-                )
+                raise ValueError(tr("its header has an invalid line: {text}").format(text=shown(line)))
     if order is None:
         raise ValueError(tr("its header does not say whether it is text or binary"))
     for names in ([element.name for element in elements], *(element.names for element in elements)):
         if len(set(names)) < len(names):
-            raise ValueError(tr("its header gives one name twice"))
+            raise ValueError(tr("its header uses one name twice"))
     if any(element.rows < 0 for element in elements):
-        raise ValueError(tr("its header announces less than nothing"))
+        raise ValueError(tr("its header declares a negative count"))
     if any(length and length[0] == "f" for element in elements for _, length, _ in element.properties):
-        raise ValueError(tr("its header announces lists of fractional lengths"))
+        raise ValueError(tr("its header declares lists of fractional lengths"))
     return order, elements, head.end()

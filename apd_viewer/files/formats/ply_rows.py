@@ -26,9 +26,9 @@ def read_faces(content: bytes, start: int, element: Element, order: str) -> tupl
     """Faces, and the offset of the next element."""
     name = next((name for name, length, _ in element.properties if length and name in INDICES), None)
     if name is None:
-        raise ValueError(tr("its faces have no list of vertex_indices"))
+        raise ValueError(tr("its faces have no vertex_indices list"))
     if any(name == other and kind[0] == "f" for other, _, kind in element.properties):
-        raise ValueError(tr("its faces name vertices by fractions"))
+        raise ValueError(tr("its faces have fractional vertex indices"))
     if not order:
         column = element.names.index(name)
         words = rows_alike(content, start, element) if len(element.names) == 1 else None
@@ -90,7 +90,7 @@ def walk_rows(content: bytes, start: int, element: Element, order: str) -> Itera
                 if length:
                     (count,) = struct.unpack_from(length, content, start)
                     if not 0 <= count <= _MOST_CORNERS:
-                        raise ValueError(tr("a list of {count:,} is absurd").format(count=count))
+                        raise ValueError(tr("a list length of {count:,} is out of range").format(count=count))
                     start += head
                     offsets[name] = start
                     start += count * size
@@ -108,7 +108,9 @@ def walk_rows(content: bytes, start: int, element: Element, order: str) -> Itera
 
 def ends_within(element: Element) -> str:
     """Error phrase for a file truncated within the element."""
-    return tr("it ends within its {rows:,} rows of {element}").format(rows=element.rows, element=element.name)
+    return tr("it ends before the last of its {rows:,} rows of {element}").format(
+        rows=element.rows, element=element.name
+    )
 
 
 def text_rows(content: bytes, start: int, element: Element) -> Iterator[list[tuple[bytes, tuple[int, int]]]]:

@@ -30,7 +30,7 @@ class Polygons(NamedTuple):
         try:
             corner = np.fromiter(chain.from_iterable(faces), np.int64, int(start[-1]))
         except OverflowError:
-            raise ValueError(tr("a face names a vertex by an absurd number")) from None
+            raise ValueError(tr("a face has a vertex index out of range")) from None
         return cls(corner, start)
 
     @classmethod

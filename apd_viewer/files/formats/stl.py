@@ -32,7 +32,7 @@ class StlFile:
     def extras(self) -> tuple[str, ...]:
         """Contents besides positions and triangles, in words."""
         facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
-        return (tr("attributes of facets"),) if facets is not None and facets["attribute"].any() else ()
+        return (tr("facet attributes"),) if facets is not None and facets["attribute"].any() else ()
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (3 m, 3) and updated normals."""
@@ -95,10 +95,8 @@ def _text(content: bytes) -> np.ndarray:
     words = content.split(None, 1)
     last = content.rstrip().rpartition(b"\n")[2].split(None, 1)
     if not words or words[0].lower() != b"solid" or not last or last[0].lower() != b"endsolid":
-        raise ValueError(
-            tr("it does not go from solid to endsolid, and its length is not that of a binary file")
-        )
+        raise ValueError(tr("it has no solid ... endsolid, and its size is not that of a binary STL file"))
     V = _numbers(_VERTEX, content)
     if len(V) != 3 * len(_FACETS.findall(content)) or len(V) != len(_VERTICES.findall(content)):
-        raise ValueError(tr("a facet is not whole"))
+        raise ValueError(tr("a facet is incomplete"))
     return V

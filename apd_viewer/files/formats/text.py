@@ -35,7 +35,7 @@ def numbers(words: Sequence[bytes]) -> np.ndarray:
         return np.array([float(word) for word in words], dtype=np.float64)
     except ValueError:
         bad = next(word for word in words if not _names(float, word))
-        raise ValueError(tr("{text} is no number").format(text=shown(bad))) from None
+        raise ValueError(tr("{text} is not a number").format(text=shown(bad))) from None
 
 
 def whole_numbers(words: Sequence[bytes]) -> list[int]:
@@ -44,7 +44,7 @@ def whole_numbers(words: Sequence[bytes]) -> list[int]:
         return [int(word) for word in words]
     except ValueError:
         bad = next(word for word in words if not _names(int, word))
-        raise ValueError(tr("{text} is no whole number").format(text=shown(bad))) from None
+        raise ValueError(tr("{text} is not a whole number").format(text=shown(bad))) from None
 
 
 def shown(said: bytes) -> str:

@@ -31,16 +31,16 @@ class _Refusals(NamedTuple):
 
 
 _HANDLES = _Refusals(
-    tr("It has {n:,} handles, but there can be {most}; remove some."),
-    tr("It has a handle without a name; name all of them."),
-    tr("The name of a handle has signs that are no text; correct it."),
-    tr("It has two handles of one name; give each its own."),
+    tr("It has {n:,} handles, but the limit is {most}; remove some."),
+    tr("One of its handles has no name; name all handles."),
+    tr("The name of a handle has invalid characters; correct it."),
+    tr("Two of its handles have the same name; rename one."),
 )
 _REGIONS = _Refusals(
-    tr("It has {n:,} regions, but there can be {most}; remove some."),
-    tr("It has a region without a name; name all of them."),
-    tr("The name of a region has signs that are no text; correct it."),
-    tr("It has two regions of one name; give each its own."),
+    tr("It has {n:,} regions, but the limit is {most}; remove some."),
+    tr("One of its regions has no name; name all regions."),
+    tr("The name of a region has invalid characters; correct it."),
+    tr("Two of its regions have the same name; rename one."),
 )
 
 
@@ -81,7 +81,7 @@ class Selection:
         _check_names(_REGIONS, self.regions, MOST_REGIONS)
         if len(self.areas) != len(self.regions) or not all(map(_is_area, self.areas)):
             raise InputError(
-                tr("The area of a region is no percentage from {least:g} to {most:g}; correct it.").format(
+                tr("The area of a region is not a percentage from {least:g} to {most:g}; correct it.").format(
                     least=LEAST_AREA, most=MOST_AREA
                 )
             )
@@ -116,7 +116,7 @@ class Selection:
 def labels_of(numbers: np.ndarray, n: int) -> np.ndarray:
     """Labels (n,) uint8 from a file's numbers; raises InputError on bad ones."""
     last = HANDLE + MOST_HANDLES - 1
-    otherwise = tr("It has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it.")
+    otherwise = tr("It has a label other than 0 (base), 1 (free) and 2 to {last} (handles); correct it.")
     return _codes(numbers, n, last, otherwise.format(last=last))
 
 
@@ -131,15 +131,15 @@ def check_count(found: int, n: int) -> None:
     if found != n:
         raise InputError(
             tr(
-                "It is for a mesh of {found:,} vertices, but this one has {n:,}; use the file that was "
-                "made for it."
+                "It is for a mesh of {found:,} vertices, but this mesh has {n:,}; choose the file made "
+                "for this mesh."
             ).format(found=found, n=n)
         )
 
 
 def _codes(numbers: np.ndarray, n: int, last: int, otherwise: str) -> np.ndarray:
     if numbers.ndim != 1 or numbers.dtype.kind not in "iuf":
-        raise ValueError(tr("it has something other than one number a vertex"))
+        raise ValueError(tr("it does not have one number per vertex"))
     check_count(len(numbers), n)
     if not np.isin(numbers, np.arange(last + 1)).all():
         raise InputError(otherwise)

@@ -44,7 +44,7 @@ def read_dmat(content: bytes, mesh: Mesh) -> Selection:
     else:
         groups = numbers(content[start:].split())
     if len(groups) != rows:
-        raise ValueError(tr("it has {n:,} numbers, but announces {rows:,}").format(n=len(groups), rows=rows))
+        raise ValueError(tr("it has {n:,} numbers, but declares {rows:,}").format(n=len(groups), rows=rows))
     return Selection.of(_labels(groups))
 
 
@@ -52,7 +52,7 @@ def _head(content: bytes, start: int) -> tuple[int, int, int]:
     """Column and row counts, and the offset of the following line."""
     head = _HEAD.match(content, start)
     if head is None:
-        raise ValueError(tr("it does not begin with the numbers of columns and rows"))
+        raise ValueError(tr("it does not start with the numbers of columns and rows"))
     return int(head[1]), int(head[2]), head.end()
 
 
@@ -60,12 +60,12 @@ def _labels(groups: np.ndarray) -> np.ndarray:
     """Labels (n,) for the group of each vertex, (n,) floats."""
     whole = np.isfinite(groups) & (groups == np.rint(groups))
     if not (whole & (groups >= _FREE) & (groups < _LARGEST)).all():
-        raise InputError(tr("It has a number that is neither -1 (free) nor 0, 1, 2 and so on; correct it."))
+        raise InputError(tr("It has a number other than -1 (free), 0, 1, 2 and so on; correct it."))
     held = groups != _FREE
     present, order = np.unique(groups[held], return_inverse=True)
     if len(present) > 1 + MOST_HANDLES:
         raise InputError(
-            tr("It has {n:,} groups, but there can be a base and {most} handles; join some.").format(
+            tr("It has {n:,} groups, but the limit is a base and {most} handles; merge some.").format(
                 n=len(present), most=MOST_HANDLES
             )
         )

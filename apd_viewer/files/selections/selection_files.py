@@ -69,11 +69,11 @@ def read_selection_file(path: str | Path, mesh: Mesh) -> Selection:
         raise InputError(f"{path.name}: {in_one_line(error)}") from error
     except MemoryError as error:
         raise InputError(
-            tr("{name} is too large for the memory; choose another file.").format(name=path.name)
+            tr("{name} does not fit into memory; choose another file.").format(name=path.name)
         ) from error
     except ValueError as error:
         raise InputError(
-            tr("{name} is not a readable selection ({reason}); choose another file.").format(
+            tr("{name} is not a valid selection ({reason}); choose another file.").format(
                 name=path.name, reason=in_one_line(error)
             )
         ) from error
@@ -103,15 +103,15 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
     write = _WRITERS.get(path.suffix.lower())
     if write is None:
         raise InputError(
-            tr("{name} does not name a format to write; end it in {endings}.").format(
+            tr("{name} does not have a supported ending; use {endings}.").format(
                 name=path.name, endings=", ".join(SELECTION_FORMATS)
             )
         )
     if _is_file_of(mesh, path):
-        raise InputError(tr("{name} is the file of the mesh; choose another name.").format(name=path.name))
+        raise InputError(tr("{name} is the mesh file; choose another name.").format(name=path.name))
     if len(selection.labels) != len(mesh.V):
         raise InputError(
-            tr("The selection is of {n:,} vertices, but the mesh has {other:,}; nothing was written.").format(
+            tr("The selection has {n:,} vertices, but the mesh has {other:,}; nothing was written.").format(
                 n=len(selection.labels), other=len(mesh.V)
             )
         )
@@ -122,8 +122,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
         if not np.array_equal(there.labels, selection.labels):
             raise InputError(
                 tr(
-                    "{name} would be read with other labels, for it counts only what holds a vertex; choose "
-                    ".json, which holds all."
+                    "{name} cannot store an empty base or handle, so its labels would change; choose .json."
                 ).format(name=path.name)
             )
     return _dropped(selection, there)
@@ -139,13 +138,13 @@ def _is_file_of(mesh: Mesh, path: Path) -> bool:
 def _dropped(selection: Selection, there: Selection) -> tuple[str, ...]:
     """Contents of the selection missing from ``there``."""
     renamed, fewer = _lost(selection.handles, there.handles)
-    lost = (tr("names of the handles"),) * renamed + (tr("handles that hold no vertex"),) * fewer
+    lost = (tr("handle names"),) * renamed + (tr("empty handles"),) * fewer
     if not np.array_equal(selection.member, there.member):
         return (*lost, tr("regions"))
     renamed, fewer = _lost(selection.regions, there.regions)
-    lost += (tr("names of the regions"),) * renamed + (tr("regions that hold no vertex"),) * fewer
+    lost += (tr("region names"),) * renamed + (tr("empty regions"),) * fewer
     if selection.areas[: len(there.areas)] != there.areas:
-        lost += (tr("areas of the regions"),)
+        lost += (tr("region targets"),)
     return lost
 
 

@@ -69,11 +69,9 @@ def read_json(content: bytes, mesh: Mesh) -> Selection:
     """Selection in a file; raises ValueError or InputError if not for ``mesh``."""
     said = _object(_loaded(content), tr("it"))
     if said.get("format") != _FORMAT:
-        raise ValueError(tr("it does not say that its format is “{format}”").format(format=_FORMAT))
+        raise ValueError(tr("its format is not “{format}”").format(format=_FORMAT))
     if said.get("version") != _VERSION:
-        raise InputError(
-            tr("It is of a version that this program does not know; write it again as version 1.")
-        )
+        raise InputError(tr("Its version is not supported; save it again as version 1."))
     same_mesh = _is_for(_object(said.get("mesh"), tr("its “mesh”")), mesh)
     n = len(mesh.V)
     handles = _parts(said, "handles", MOST_HANDLES)
@@ -96,24 +94,24 @@ def _loaded(content: bytes) -> object:
     except UnicodeDecodeError:
         raise ValueError(tr("it is not text in UTF-8")) from None
     except json.JSONDecodeError as error:
-        raise ValueError(tr("its line {line:,} is no JSON").format(line=error.lineno)) from None
+        raise ValueError(tr("line {line:,} is not valid JSON").format(line=error.lineno)) from None
     except (ValueError, RecursionError):  # a number of thousands of digits, brackets in brackets
-        raise ValueError(tr("it is no JSON that can be read")) from None
+        raise ValueError(tr("it is not valid JSON")) from None
 
 
 def _object(value: object, what: str) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise ValueError(tr("{what} is no object with keys").format(what=what))
+        raise ValueError(tr("{what} is not a JSON object").format(what=what))
     return value
 
 
 def _parts(said: dict[str, Any], key: str, most: int) -> list[dict[str, Any]]:
     parts = said.get(key, [])
     if not isinstance(parts, list):
-        raise ValueError(tr("its “{key}” are no list").format(key=key))
+        raise ValueError(tr("its “{key}” are not a list").format(key=key))
     if len(parts) > most:
         raise InputError(
-            tr("It has {n:,} {key}, but there can be {most}; remove some.").format(
+            tr("It has {n:,} {key}, but the limit is {most}; remove some.").format(
                 n=len(parts), key=key, most=most
             )
         )
@@ -124,13 +122,13 @@ def _is_for(about: dict[str, Any], mesh: Mesh) -> bool:
     """True if made for this very mesh; raises InputError on other counts."""
     n, m, digest = about.get("vertices"), about.get("faces"), about.get("digest", mesh.digest)
     if type(n) is not int or type(m) is not int or not isinstance(digest, str):
-        raise ValueError(tr("it does not say how many vertices and faces its mesh has"))
+        raise ValueError(tr("the numbers of vertices and faces of its mesh are missing"))
     check_count(n, len(mesh.V))
     if m != len(mesh.F):
         raise InputError(
             tr(
-                "It is for a mesh of {found:,} triangles, but this one has {n:,}; use the file that was made "
-                "for it."
+                "It is for a mesh of {found:,} triangles, but this mesh has {n:,}; choose the file made"
+                " for this mesh."
             ).format(found=m, n=len(mesh.F))
         )
     return digest == mesh.digest
@@ -144,7 +142,7 @@ def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndar
         ids = _ids(part, n)
         if taken[ids].any():
             raise InputError(
-                tr("Vertex {vertex} is in two parts that exclude each other; correct one.").format(
+                tr("Vertex {vertex} is in two parts that cannot overlap; remove it from one.").format(
                     vertex=ids[taken[ids]][0]
                 )
             )
@@ -156,19 +154,19 @@ def _codes(parts: list[object], n: int, other: int, codes: list[int]) -> np.ndar
 def _ids(runs: object, n: int) -> np.ndarray:
     """Vertices (k,) int named by ids and runs of ids."""
     if not isinstance(runs, list):
-        raise ValueError(tr("a part of it has no list of vertices"))
+        raise ValueError(tr("one of its parts has no list of vertices"))
     pairs = [run if isinstance(run, list) else [run, run] for run in runs]
     if not all(len(pair) == 2 and type(pair[0]) is int and type(pair[1]) is int for pair in pairs):
-        raise ValueError(tr("its vertices are not all ids and pairs of ids"))
+        raise ValueError(tr("its vertices must be ids or pairs of ids"))
     if not all(0 <= first <= last < n for first, last in pairs):
         raise InputError(
-            tr("It names a vertex that does not exist (they go from 0 to {last:,}); correct it.").format(
+            tr("It refers to a vertex that does not exist (ids run from 0 to {last:,}); correct it.").format(
                 last=n - 1
             )
         )
     first, last = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     lengths = last - first + 1
     if lengths.sum() > n:  # before what they name takes more memory than there is
-        raise InputError(tr("A part of it names a vertex twice; correct it."))
+        raise InputError(tr("One of its parts lists a vertex twice; correct it."))
     ends = np.cumsum(lengths)
     return np.arange(lengths.sum()) + np.repeat(last + 1 - ends, lengths)

@@ -58,14 +58,14 @@ def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
             with np.load(io.BytesIO(content), allow_pickle=False) as file:
                 return {key: np.asarray(file[key]) for key in _KEYS if key in file.files}
     except Exception as error:  # zipfile and NumPy raise whatever they stumble over
-        raise ValueError(tr("it is no archive of arrays, or a damaged one")) from error
-    raise ValueError(tr("it would unfold to {size:,} bytes").format(size=size))
+        raise ValueError(tr("it is not an NPZ archive, or it is damaged")) from error
+    raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
 
 
 def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
     names = arrays.get(key, np.array([], dtype=np.str_))
     if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
-        raise ValueError(tr("its “{key}” are no list of names").format(key=key))
+        raise ValueError(tr("its “{key}” are not a list of names").format(key=key))
     codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
     if codes.max(initial=0) > sys.maxunicode:  # Python would make broken texts of them
         raise ValueError(tr("its “{key}” are damaged").format(key=key))
@@ -75,11 +75,11 @@ def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
 def _areas(arrays: dict[str, np.ndarray]) -> list[float | None]:
     areas = arrays.get("areas", np.array([]))
     if areas.dtype.kind not in "iuf" or areas.ndim != 1 or len(areas) > _MOST_NAMES:
-        raise ValueError(tr("its “areas” are no list of numbers"))
+        raise ValueError(tr("its “areas” are not a list of numbers"))
     return [None if np.isnan(area) else float(area) for area in areas]
 
 
 def _is(digest: np.ndarray, expected: str) -> bool:
     if digest.dtype.kind != "U" or digest.ndim != 0:
-        raise ValueError(tr("its “digest” is no text"))
+        raise ValueError(tr("its “digest” is not text"))
     return bool(digest == expected)

@@ -49,7 +49,7 @@ def read_selection_ply(content: bytes, mesh: Mesh) -> Selection:
     there = {name for name, length, kind in file.elements[at].properties if not length and kind[0] in "iu"}
     if _LABEL not in there:
         raise InputError(
-            tr("Its vertices have no whole-number property “{name}”; choose a file with a selection.").format(
+            tr("Its vertices have no integer property “{name}”; choose a file with a selection.").format(
                 name=_LABEL
             )
         )

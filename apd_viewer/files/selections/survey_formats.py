@@ -16,10 +16,10 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 _SELECTION = tr(
-    "{name} is not a selection: one integer (0 held, 1 free, 2 handle) a vertex; choose another file."
+    "{name} is not a selection with one integer (0 base, 1 free, 2 handle) per vertex; choose another file."
 )
-_REGION = tr("{name} is not a region: one number (0 outside, 1 inside) a vertex; choose another file.")
-_TRANSFORM = tr("{name} is not a transform: four rows of four numbers; choose another file.")
+_REGION = tr("{name} is not a region with one number (0 outside, 1 inside) per vertex; choose another file.")
+_TRANSFORM = tr("{name} is not a transform with four rows of four numbers; choose another file.")
 
 
 def read_selection(path: str | Path, n: int) -> np.ndarray:
@@ -40,7 +40,7 @@ def read_selection(path: str | Path, n: int) -> np.ndarray:
     if not np.isin(labels, np.arange(BASE, last + 1)).all():
         raise InputError(
             tr(
-                "{name} has a label other than 0 (held), 1 (free) and 2 to {last} (handles); correct it."
+                "{name} has a label other than 0 (base), 1 (free) and 2 to {last} (handles); correct it."
             ).format(name=path.name, last=last)
         )
     return frozen(labels.astype(np.uint8))
@@ -76,7 +76,7 @@ def read_transform(path: str | Path) -> np.ndarray:
     numbers = _numbers(path, _TRANSFORM)
     if len(numbers) != 16 or not np.isfinite(numbers).all():
         raise InputError(
-            tr("{name} does not hold a 4x4 matrix; write four rows of four numbers.").format(name=path.name)
+            tr("{name} is not a 4x4 matrix; write four rows of four numbers.").format(name=path.name)
         )
     M = numbers.reshape(4, 4)
     if not np.array_equal(M[3], [0, 0, 0, 1]):
@@ -91,8 +91,8 @@ def _one_a_vertex(path: Path, n: int, otherwise: str) -> np.ndarray:
     if len(numbers) != n:
         raise InputError(
             tr(
-                "{name} is for a mesh of {found:,} vertices, but this one has {n:,}; use the file that was "
-                "made for it."
+                "{name} is for a mesh of {found:,} vertices, but this mesh has {n:,}; choose the file "
+                "made for this mesh."
             ).format(name=path.name, found=len(numbers), n=n)
         )
     return numbers

@@ -67,14 +67,14 @@ class Archive:
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(content))
         except _BROKEN:
-            raise ValueError(tr("its archive is broken")) from None
+            raise ValueError(tr("its archive is damaged")) from None
 
     def content(self, name: str) -> bytes:
         """The content of a member."""
         try:
             entry = self._zip.getinfo(name)
         except KeyError:
-            raise ValueError(tr("“{name}” is missing in it").format(name=name)) from None
+            raise ValueError(tr("“{name}” is missing from it").format(name=name)) from None
         if entry.file_size > self._most:
             raise ValueError(tr("“{name}” in it is too large").format(name=name))
         try:
@@ -85,7 +85,7 @@ class Archive:
                 if len(content) != entry.file_size:
                     raise EOFError
         except _BROKEN:
-            raise ValueError(tr("“{name}” in its archive is broken").format(name=name)) from None
+            raise ValueError(tr("“{name}” in it is damaged").format(name=name)) from None
         return content
 
     def array(self, name: str, kind: str, shape: tuple[int, ...]) -> np.ndarray:
@@ -102,7 +102,7 @@ class Archive:
         start = 10 + int.from_bytes(content[8:10], "little")
         header = _HEADER.fullmatch(content[10:start])
         if header is None or not content.startswith(_MAGIC):
-            raise ValueError(tr("“{name}” in it is no array").format(name=name))
+            raise ValueError(tr("“{name}” in it is not an array").format(name=name))
         found = tuple(int(size) for size in header[2].split(b",") if size.strip())
         size = start + math.prod(shape) * np.dtype(kind).itemsize
         if (header[1].decode(), found, len(content)) != (kind, shape, size):

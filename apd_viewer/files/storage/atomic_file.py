@@ -51,9 +51,9 @@ def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            tr(
-                "{path} cannot be written ({reason}); choose another place. Nothing was changed there."
-            ).format(path=path, reason=reason)
+            tr("{path} cannot be written ({reason}); choose another location. Nothing was changed.").format(
+                path=path, reason=reason
+            )
         ) from error
     finally:
         if scratch is not None:

@@ -43,7 +43,7 @@ def filling(folder: Path) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            tr("The folder {folder} cannot be written ({reason}); choose another place.").format(
+            tr("The folder {folder} cannot be written ({reason}); choose another location.").format(
                 folder=folder, reason=reason
             )
         ) from error

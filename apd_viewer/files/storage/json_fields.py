@@ -109,7 +109,7 @@ def _damaged(name: str) -> ValueError:
 
 def _refused(word: str) -> object:
     """Refuse NaN and Infinity, written by Python and invalid in JSON."""
-    raise ValueError(tr("{word} is no number").format(word=word))
+    raise ValueError(tr("{word} is not a number").format(word=word))
 
 
 def _is_grid(said: object, shape: tuple[int, ...]) -> bool:

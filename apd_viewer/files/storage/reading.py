@@ -33,7 +33,7 @@ def content_of(path: Path) -> bytes:
         ) from error
     except MemoryError as error:
         raise InputError(
-            tr("{name} is too large for the memory; choose another file.").format(name=path.name)
+            tr("{name} does not fit into memory; choose another file.").format(name=path.name)
         ) from error
 
 

@@ -56,16 +56,16 @@ def of_vertices(mesh: Mesh) -> Iterator[Finding]:
     repeated = int(exact.sum()) - len(weld.first)
     if repeated:
         said = trn(
-            "{n:,} vertex repeats the position of another; they move together.",
-            "{n:,} vertices repeat the position of another; they move together.",
+            "{n:,} vertex has the same position as another; they move together.",
+            "{n:,} vertices have the same position as another; they move together.",
             repeated,
         ).format(n=repeated)
         yield _found("repeated vertices", said, np.flatnonzero(repeats))
     if weld.offset is not None:
         near = np.flatnonzero(weld.offset.any(axis=1))
         said = trn(
-            "{n:,} vertex lies within {part:g} of the mesh's size from another; they move together.",
-            "{n:,} vertices lie within {part:g} of the mesh's size from another; they move together.",
+            "{n:,} vertex is closer than {part:g} × the mesh size to another; they move together.",
+            "{n:,} vertices are closer than {part:g} × the mesh size to another; they move together.",
             len(near),
         ).format(n=len(near), part=TOLERANCE)
         yield _found("cracks", said, near)
@@ -74,8 +74,8 @@ def of_vertices(mesh: Mesh) -> Iterator[Finding]:
     unused = np.flatnonzero(~used)
     if len(unused):
         said = trn(
-            "{n:,} vertex belongs to no face; it goes along with the nearest surface.",
-            "{n:,} vertices belong to no face; they go along with the nearest surface.",
+            "{n:,} loose vertex without a face; it follows the nearest surface.",
+            "{n:,} loose vertices without a face; they follow the nearest surface.",
             len(unused),
         ).format(n=len(unused))
         yield _found("unreferenced vertices", said, unused)
@@ -86,7 +86,9 @@ def of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
     flat = areas == 0.0
     if n := int(flat.sum()):
         said = trn(
-            "{n:,} face has no area and no stiffness.", "{n:,} faces have no area and no stiffness.", n
+            "{n:,} degenerate face without area or stiffness.",
+            "{n:,} degenerate faces without area or stiffness.",
+            n,
         ).format(n=n)
         yield _found("faces without area", said, mesh.F[flat])
     longest = np.zeros(len(mesh.F))
@@ -96,8 +98,8 @@ def of_faces(mesh: Mesh, areas: np.ndarray) -> Iterator[Finding]:
     needles = ~flat & (longest > _NEEDLE * 2.0 * areas)
     if n := int(needles.sum()):
         said = trn(
-            "{n:,} face is a needle, over {times:g} times as long as high; it bends worse there.",
-            "{n:,} faces are needles, over {times:g} times as long as high; it bends worse there.",
+            "{n:,} sliver triangle (aspect ratio > {times:g}); the result may be poor there.",
+            "{n:,} sliver triangles (aspect ratio > {times:g}); the result may be poor there.",
             n,
         ).format(n=n, times=_NEEDLE)
         yield _found("needles", said, mesh.F[needles])
@@ -110,38 +112,38 @@ def of_joints(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
     found = defects(F[proper], len(first))
     if n := len(found.doubled):
         said = trn(
-            "{n:,} face repeats another; its area counts twice.",
-            "{n:,} faces repeat another; its area counts twice.",
+            "{n:,} duplicate face; its area counts twice.",
+            "{n:,} duplicate faces; their area counts twice.",
             n,
         ).format(n=n)
         yield _found("doubled faces", said, mesh.F[proper[found.doubled]])
     if n := len(found.crowded):
         said = trn(
-            "{n:,} edge has more than two faces: the surface is not manifold there.",
-            "{n:,} edges have more than two faces: the surface is not manifold there.",
+            "{n:,} non-manifold edge with more than two faces.",
+            "{n:,} non-manifold edges with more than two faces.",
             n,
         ).format(n=n)
         yield _found("crowded edges", said, first[found.crowded])
     if n := len(found.bow_ties):
         said = trn(
-            "{n:,} vertex joins surfaces that meet nowhere else around it.",
-            "{n:,} vertices join surfaces that meet nowhere else around it.",
+            "{n:,} non-manifold vertex; the surfaces there meet only at a point.",
+            "{n:,} non-manifold vertices; the surfaces there meet only at a point.",
             n,
         ).format(n=n)
         yield _found("bow ties", said, first[found.bow_ties])
     if n := len(found.flipped):
         said = trn(
-            "{n:,} face looks the other way than the surface around: there is no volume.",
-            "{n:,} faces look the other way than the surface around: there is no volume.",
+            "{n:,} flipped face; there is no volume.",
+            "{n:,} flipped faces; there is no volume.",
             n,
         ).format(n=n)
         yield _found("flipped faces", said, mesh.F[proper[found.flipped]])
     if found.one_sided:
-        yield _found("one side only", tr("The surface has one side only, like a Möbius strip."))
+        yield _found("one side only", tr("The surface is not orientable, like a Möbius strip."))
     if n := len(found.border):
         said = trn(
-            "The surface is open: it has {n:,} border edge.",
-            "The surface is open: it has {n:,} border edges.",
+            "The surface is open: it has {n:,} boundary edge.",
+            "The surface is open: it has {n:,} boundary edges.",
             n,
         ).format(n=n)
         yield _found("open borders", said, first[found.border])
@@ -153,7 +155,7 @@ def of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]
     if len(names) > 1:
         others = np.setdiff1d(names, names[np.argmax(sizes)])
         vertices = mesh.F[np.isin(piece[F[:, 0]], others)]
-        said = tr("There are {n:,} separate pieces; one that is not held stays where it is.")
+        said = tr("{n:,} connected parts; those without base or handle stay where they are.")
         yield _found("separate pieces", said.format(n=len(names)), vertices)
 
 
@@ -170,7 +172,7 @@ def of_size(mesh: Mesh) -> Iterator[Finding]:
         yield _found("huge", tr("The mesh is {size:.3g} across; check its unit.").format(size=size))
     if away > _FAR * size > 0.0:
         said = tr(
-            "The mesh lies {away:.3g} from the origin, {times:,.0f} times its size; "
-            "formats in single precision would round it."
+            "The mesh is {away:.3g} from the origin, {times:,.0f} times its size; single-precision "
+            "formats would round it."
         )
         yield _found("far away", said.format(away=away, times=away / size))

@@ -56,7 +56,7 @@ class Inspection:
     @property
     def nothing_to_keep(self) -> str:
         """Reason for a missing volume, as a phrase; empty if there is a volume."""
-        return "" if self.volume else self.why_no_volume or tr("the surface encloses nothing")
+        return "" if self.volume else self.why_no_volume or tr("the surface encloses no volume")
 
 
 def inspect(mesh: Mesh) -> Inspection:

@@ -66,7 +66,9 @@ class RestMesh:
         if self.area <= 0.0:
             raise InputError(tr("The mesh has no area: all its faces are degenerate; export it again."))
         if not np.isfinite(self.area):
-            raise InputError(tr("The mesh is too large to compute with: choose a larger unit of length."))
+            raise InputError(
+                tr("The coordinates are too large to compute with; choose a larger unit of length.")
+            )
         self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinnings)
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
@@ -140,8 +142,8 @@ class RestMesh:
         if not loose:
             return None
         if loose == 1:
-            return tr("A separate piece is held by nothing; it stays where it is.")
-        return tr("{loose:,} separate pieces are held by nothing; they stay where they are.").format(
+            return tr("1 connected part without base or handle; it stays where it is.")
+        return tr("{loose:,} connected parts without base or handle; they stay where they are.").format(
             loose=loose
         )
 

@@ -31,9 +31,7 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
     """Int64 copy of a caller's array, or InputError if that would round."""
     array = numbers(given, what)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
-        raise InputError(
-            tr("{what} must be whole numbers: ids of vertices, counted from 0.").format(what=what)
-        )
+        raise InputError(tr("{what} must be whole numbers: vertex ids, counted from 0.").format(what=what))
     return array.astype(np.int64)
 
 
@@ -41,7 +39,7 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
     """Raise InputError unless ``V`` (n, 3), ``F`` (m, 3) are a mesh with area."""
     if V.ndim != 2 or V.shape[1] != 3:
         raise InputError(
-            tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z a vertex.").format(
+            tr("Vertices must be an (n, 3) array, not {shape}; give one row x y z per vertex.").format(
                 shape=V.shape
             )
         )
@@ -52,7 +50,7 @@ def check_mesh(V: np.ndarray, F: np.ndarray) -> None:
             )
         )
     if len(F) == 0:
-        raise InputError(tr("There are no faces in it; export the mesh as a surface."))
+        raise InputError(tr("No faces: this looks like a point cloud; reconstruct a surface first."))
     if not np.isfinite(V).all():
         bad = np.flatnonzero(~np.isfinite(V).all(axis=1))
         said = trn(

@@ -92,7 +92,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
     border, crowded, one_way = odd_edges(F, n)
     if border:
         return trn(
-            "the surface is open ({n:,} border edge)", "the surface is open ({n:,} border edges)", border
+            "the surface is open ({n:,} boundary edge)", "the surface is open ({n:,} boundary edges)", border
         ).format(n=border)
     if crowded:
         return trn(
@@ -100,7 +100,7 @@ def why_no_volume(F: np.ndarray, n: int) -> str | None:
             "the surface is not manifold ({n:,} edges with more than two faces)",
             crowded,
         ).format(n=crowded)
-    return tr("the faces are not oriented alike") if one_way else None
+    return tr("the faces are not consistently oriented") if one_way else None
 
 
 @njit(cache=True, nogil=True)

@@ -125,7 +125,7 @@ def what_is_missing(labels: np.ndarray) -> str | None:
     if not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
     if not (labels >= HANDLE).any():
-        return tr("There is no handle: paint the part to be moved as handle.")
+        return tr("There is no handle: paint the part to move as handle.")
     if not (labels == FREE).any():
-        return tr("Everything is painted: erase some paint, so that a part is free to deform.")
+        return tr("Everything is painted: erase some paint to leave a part free to deform.")
     return None

@@ -107,7 +107,7 @@ def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
     R = left @ right
     if sizes[-1] <= _FLAT * sizes[0] or np.linalg.det(R) < 0:
         raise InputError(
-            tr("The motion mirrors or flattens the handle, which no way leads to; give another one.")
+            tr("The motion mirrors or flattens the handle, so no path leads there; give another motion.")
         )
     rigid = np.eye(4)
     rigid[:3, :3] = R
@@ -115,7 +115,7 @@ def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
     motion = decomposed(rigid, centre)
     if np.pi - motion.angle < _HALF_TURN:
         raise InputError(
-            tr("The motion is half a turn, which has two ways round; give it as a twist of 180deg.")
+            tr("The motion is a half turn, whose direction is ambiguous; give it as a twist of 180deg.")
         )
     along = (motion.displacement @ motion.axis) * motion.axis
     across = motion.displacement - along

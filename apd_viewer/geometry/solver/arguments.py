@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 # What vertices are named for: what they are called as an array, and what is said where one is not there.
 _SAID = {
-    "held": (tr("The held vertices"), tr("A held vertex does not exist: ids go from 0 to {last:,}.")),
-    "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids go from 0 to {last:,}.")),
+    "held": (tr("The held vertices"), tr("A held vertex does not exist: ids run from 0 to {last:,}.")),
+    "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids run from 0 to {last:,}.")),
 }
 
 
@@ -45,11 +45,11 @@ def handle_of(
         ids = np.unique(rest.weld.inverse[vertex_ids(ids, len(rest.V), "handle")])
         if not np.isin(ids, solve_ids).all():
             raise InputError(
-                tr("A handle vertex is not held; name the handle's vertices among the held ones.")
+                tr("A handle vertex is not held; include the vertices of the handle in the held vertices.")
             )
         mine = np.searchsorted(solve_ids, ids)
         if (number[mine] > 0).any():
-            raise InputError(tr("A vertex belongs to two handles; give it to one of them."))
+            raise InputError(tr("A vertex belongs to two handles; remove it from one."))
         number[mine] = k
     return number
 

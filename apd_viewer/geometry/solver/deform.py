@@ -169,12 +169,14 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         unsettled = (frame.unreached,)
     elif solver.missed:
         unsettled = (
-            tr("Not met after {iteration:,} iterations: {missed}.").format(
+            tr("Targets not met after {iteration:,} iterations: {missed}.").format(
                 iteration=frame.iteration, missed=solver.missed
             ),
         )
     elif not frame.settled and frame.iteration == MOST_ITERATIONS:
-        unsettled = (tr("The shape had not settled after {most:,} iterations.").format(most=MOST_ITERATIONS),)
+        unsettled = (
+            tr("The shape did not converge within {most:,} iterations.").format(most=MOST_ITERATIONS),
+        )
     return Result(
         U=frame.U,
         method=solver.method,

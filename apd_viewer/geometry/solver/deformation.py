@@ -222,16 +222,18 @@ class Deformation:
                 )
             )
         if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
-            raise InputError(tr("A target is absurdly far from the mesh; check its unit and the transform."))
+            raise InputError(
+                tr("A target position is too far from the mesh; check the unit and the transform.")
+            )
         asked = targets[self._chosen] - self.rest.weld.offset_of(self.fixed[self._chosen])
         apart = targets - self.rest.weld.offset_of(self.fixed) - asked[self._inverse.ravel()]
         if np.abs(apart).max() > (1e-9 + self.rest.weld.slack) * self.rest.diagonal:
-            raise InputError(tr("A vertex is held at two places at once; give it one target."))
+            raise InputError(tr("A vertex has two target positions; give it one."))
         if U is not None:
-            U = numbers(U, tr("Positions to start from"))
+            U = numbers(U, tr("Start positions"))
             if U.shape != self.rest.V.shape or not np.isfinite(U).all():
                 raise InputError(
-                    tr("Positions to start from must be {n} finite positions.").format(n=len(self.rest.V))
+                    tr("Start positions must be {n} finite positions.").format(n=len(self.rest.V))
                 )
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
@@ -355,5 +357,5 @@ class Deformation:
         if missed is None:
             return None
         return tr(
-            "Out of reach in this pose: {missed}. Move the handle less, or ask for another value."
+            "Out of reach in this pose: {missed}. Move the handle less or choose another target."
         ).format(missed=missed)

@@ -131,7 +131,7 @@ def make_goals(
         goals.append(_goal("the area", rest.shape.whole, False, rest.area, area))
     if inside is not None:
         if rest.why_no_volume or not rest.volume:
-            why = rest.why_no_volume or tr("the surface encloses nothing")
+            why = rest.why_no_volume or tr("the surface encloses no volume")
             raise InputError(tr("There is no volume to keep: {why}; leave the volume free.").format(why=why))
         goals.append(_goal("the volume", rest.shape.whole, True, rest.volume, inside))
     for region in regions:
@@ -140,7 +140,7 @@ def make_goals(
             at_rest = patch.area(rest.shape.V)
             if at_rest <= 0.0:
                 raise InputError(
-                    tr("The region “{name}” covers no whole triangle; make it larger.").format(
+                    tr("The region “{name}” contains no complete triangle; make it larger.").format(
                         name=region.name
                     )
                 )
@@ -151,7 +151,7 @@ def make_goals(
 def _goal(name: str, patch: Patch, is_volume: bool, rest: float, percent: float) -> Goal:
     if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
         raise InputError(
-            tr("What {name} should be must be a percentage from {least:g} to {most:g}, such as 100.").format(
+            tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
                 name=_WORDS.get(name, name), least=_LEAST, most=_MOST
             )
         )

@@ -86,7 +86,7 @@ METHODS = {
     "exact": Method(
         title=tr("Exact"),
         short_title=tr("Exact"),
-        keeps=tr("Keeps the total area exactly, and the handles where you put them."),
+        keeps=tr("Keeps the total area exactly and the handles in place."),
         gives_up=tr("Gives up a little rigidity."),
         material=_rigid,
         keeps_total_area=True,
@@ -105,7 +105,7 @@ METHODS = {
         title=tr("Paper (Li & Hui)"),
         short_title=tr("Paper"),
         keeps=tr("Keeps the total area within the tolerance."),
-        gives_up=tr("Gives up a little of where you put the handles."),
+        gives_up=tr("Lets the handles drift a little."),
         material=_rigid,
         keeps_total_area=True,
         keeps_only_total_area=True,
@@ -116,7 +116,7 @@ METHODS = {
     "arap": Method(
         title=tr("ARAP"),
         short_title=tr("ARAP"),
-        keeps=tr("Keeps the shape as rigid as possible, and the handles in place."),
+        keeps=tr("Keeps the shape as rigid as possible and the handles in place."),
         gives_up=tr("Gives up the area."),
         material=_rigid,
     ),
@@ -137,18 +137,18 @@ def check_method(name: str, handle_of: np.ndarray) -> Method:
     """The method of that name; raises InputError if there is none, or too little is held for it."""
     if not isinstance(name, str) or name not in METHODS:
         raise InputError(
-            tr("There is no method {method!r}; choose one of {methods}.").format(
+            tr("Unknown method {method!r}; choose one of {methods}.").format(
                 method=name, methods=", ".join(METHODS)
             )
         )
     if len(handle_of) == 0:
-        raise InputError(tr("Nothing is held; name the vertices that stay or move as given."))
+        raise InputError(tr("No vertices are held; give the vertices of the base and the handles."))
     method = METHODS[name]
     if method.moves_handles and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(
-            tr(
-                "The method {method!r} needs base and handle; name the handle's vertices among the held ones."
-            ).format(method=name)
+            tr("The method {method!r} needs base and handle; give the vertices of the handle too.").format(
+                method=name
+            )
         )
     return method
 
@@ -156,15 +156,15 @@ def check_method(name: str, handle_of: np.ndarray) -> Method:
 def check_tolerance(tolerance: float) -> None:
     """Raise InputError unless the tolerance is greater than zero."""
     if not isinstance(tolerance, Real) or not tolerance > 0.0:
-        raise InputError(tr("The tolerance must be greater than zero, such as 0.001 for 0.1 %."))
+        raise InputError(tr("The tolerance must be greater than 0, such as 0.001 for 0.1 %."))
 
 
 def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
     """The weights of the energy that a method minimises; raises InputError if one is no stiffness."""
     for weight, otherwise in (
-        (stiffness, tr("The stiffness must be a number of at least zero.")),
-        (area_stiffness, tr("The area stiffness must be a number of at least zero.")),
-        (shear_stiffness, tr("The shear stiffness must be a number of at least zero.")),
+        (stiffness, tr("The stiffness must be a number of at least 0.")),
+        (area_stiffness, tr("The area stiffness must be a number of at least 0.")),
+        (shear_stiffness, tr("The shear stiffness must be a number of at least 0.")),
     ):
         if not isinstance(weight, Real) or isinstance(weight, bool) or not 0.0 <= weight < np.inf:
             raise InputError(otherwise)

@@ -15,7 +15,7 @@ def baked(state: State) -> State:
     mesh = state.document.mesh.baked(state.frame.U)
     inspection = inspect(mesh)
     if inspection.area <= 0.0:
-        raise InputError(tr("The shape has no area any more and cannot be at rest; undo a step first."))
+        raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
     document = replace(state.document.regripped(mesh.V), mesh=mesh).at_rest()
     at_rest = State(document, inspection, state.skin, rest_frame(mesh, inspection))
     return at_rest.at(document, replace(at_rest.frame, regions=document.region_areas(mesh.V)))

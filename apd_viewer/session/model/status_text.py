@@ -22,8 +22,8 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
     if len(findings) > 1:
         n = len(findings)
         return trn(
-            "The mesh has {n} finding: the badge at the lower right lists and shows it.",
-            "The mesh has {n} findings: the badge at the lower right lists and shows them.",
+            "Mesh check: {n} issue; click the badge at the lower right to see it.",
+            "Mesh check: {n} issues; click the badge at the lower right to see them.",
             n,
         ).format(n=n)
     return findings[0].sentence if findings else None
@@ -38,14 +38,14 @@ def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
     """What is 100 % from now on, and what it was of the rest area before."""
-    return tr("This is the rest shape now: 100 % is {area}, {percent} % of before. Undo goes back.").format(
+    return tr("New rest shape: 100 % is now {area}, {percent} % of before. Undo to go back.").format(
         area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}"
     )
 
 
 def about_session(name: str, embedded: bool) -> str:
     """What is in a session file that was written."""
-    said = tr("Saved {name}, with a copy of the mesh in it.") if embedded else tr("Saved {name}.")
+    said = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
     return said.format(name=name)
 
 
@@ -58,13 +58,15 @@ def about_selection(name: str, left_out: Sequence[str]) -> str:
 def about_loaded_selection(name: str, selection: Selection) -> str:
     """What a selection file was made for."""
     if selection.same_mesh:
-        return tr("Painted as {name} says.").format(name=name)
-    return tr("Painted as {name} says; it was made for another shape of as many vertices.").format(name=name)
+        return tr("Selection loaded from {name}.").format(name=name)
+    return tr(
+        "Selection loaded from {name}; it was made for another shape with the same number of vertices."
+    ).format(name=name)
 
 
 def about_caps(openings: int) -> str:
     """How a surface with so many openings was closed to measure its volume."""
-    said = trn("with its mouth capped flat", "with its {n:,} openings capped flat", openings)
+    said = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)
     return said.format(n=openings)
 
 
@@ -75,6 +77,6 @@ def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]
     # Here, because the window shows some of these sentences before it is loaded.
     from apd_viewer.geometry.analysis.findings import Finding
 
-    said = tr("{n:,} triangles pass through others; the volume is wrong by what they share.")
+    said = tr("{n:,} intersecting triangles; the volume counts overlaps twice.")
     where = frozen(np.unique(mesh.F[crossing]))
     return (Finding("self-intersections", said.format(n=len(crossing)), where),)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _START = START.format(module="processes.factor_main")
 _MOST_DEATHS = 3
-_ENDED = tr("the process that factors has ended {times} times; it may lack memory")
+_ENDED = tr("the factoring process ended {times} times; memory may be low")
 
 
 class FarFactor:

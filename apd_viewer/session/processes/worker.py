@@ -37,12 +37,12 @@ from apd_viewer.session.processes.requests import Reply, Request
 MOST_DEATHS = 3  # one after another, without a shape
 _CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
 
-_DIED = tr("The solver ended unexpectedly and was started again; nothing is lost.")
+_DIED = tr("The solver stopped unexpectedly and was restarted; nothing was lost.")
 _GIVEN_UP = tr(
-    "The solver ended {times} times over this, and left no word; it may lack memory. "
-    "Undo the last step, or close other programs and try again."
+    "The solver stopped {times} times without an error message; memory may be low. Undo the"
+    " last step, or close other programs and try again."
 )
-_NOT_SENT = tr("The solver cannot be asked ({why}); undo the last step.")
+_NOT_SENT = tr("The solver does not respond ({why}); undo the last step.")
 _NOT_STARTED = tr("The solver cannot be started ({why}); close other programs and try again.")
 
 

@@ -61,7 +61,7 @@ class Quantity:
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.value):
-            raise InputError(tr("The result is too large; write smaller numbers."))
+            raise InputError(tr("The result is too large; enter smaller numbers."))
 
     @property
     def powers(self) -> tuple[float, float]:
@@ -80,7 +80,7 @@ class Quantity:
         if other.powers in (_BARE, self.powers):
             return self
         raise InputError(
-            tr("It adds or compares {kind} and {other}; take both of one kind.").format(
+            tr("This adds or compares {kind} and {other}; use one kind for both.").format(
                 kind=self.kind, other=other.kind
             )
         )
@@ -93,22 +93,22 @@ class Quantity:
 
     def __truediv__(self, other: Quantity) -> Quantity:
         if other.value == 0.0:
-            raise InputError(tr("It divides by zero; write another divisor."))
+            raise InputError(tr("This divides by zero; enter another divisor."))
         return Quantity(self.value / other.value, self.length - other.length, self.angle - other.angle)
 
     def __pow__(self, other: Quantity) -> Quantity:
         if other.powers != _BARE:
-            raise InputError(tr("An exponent cannot be {kind}; write a number.").format(kind=other.kind))
+            raise InputError(tr("An exponent cannot be {kind}; enter a number.").format(kind=other.kind))
         try:
             value = self.value**other.value
         except ZeroDivisionError:
             raise InputError(
-                tr("It divides by zero: 0 has no negative power; write another exponent.")
+                tr("This divides by zero: 0 has no negative power; enter another exponent.")
             ) from None
         except OverflowError:
             value = math.inf
         if isinstance(value, complex):
-            raise InputError(tr("A negative number has no such root; write a positive one."))
+            raise InputError(tr("A negative number has no such root; enter a positive one."))
         return Quantity(value, self.length * other.value, self.angle * other.value)
 
 
@@ -146,12 +146,14 @@ def _said(
 ) -> float:
     text = text.translate(_SPELLINGS).strip()
     if not text:
-        raise InputError(tr("There is nothing to read; write {wanted}.").format(wanted=wanted))
+        raise InputError(tr("Nothing was entered; enter {wanted}.").format(wanted=wanted))
     if len(text) > MOST_CHARACTERS:
-        raise InputError(tr("It is too long; write at most {most} characters.").format(most=MOST_CHARACTERS))
+        raise InputError(
+            tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
+        )
     said = _Reader(_tokens(text), names, unit).whole()
     if said.powers not in (_BARE, powers):
-        raise InputError(tr("This is {kind}; write {wanted}.").format(kind=said.kind, wanted=wanted))
+        raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
     return said.value
 
 
@@ -164,7 +166,7 @@ def _tokens(text: str) -> list[str]:
         found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
         if not found:
             raise InputError(
-                tr("{text} has no meaning here; take it away.").format(text=_quoted(text[at:].lstrip()[0]))
+                tr("{text} is not allowed here; remove it.").format(text=_quoted(text[at:].lstrip()[0]))
             )
         token, at = found[1], found.end()
         if token == "(":
@@ -224,7 +226,7 @@ class _Reader:
     def _signed(self) -> Quantity:
         self._nested += 1
         if self._nested > _MOST_NESTED:
-            raise InputError(tr("It is nested too deeply; write it with fewer parentheses."))
+            raise InputError(tr("Too many nested parentheses; use fewer."))
         sign = 1.0
         while self._token in ("+", "-"):
             sign *= 1.0 if self._take() == "+" else -1.0
@@ -258,7 +260,7 @@ class _Reader:
 
     def _arguments(self) -> list[Quantity]:
         if self._take() != "(":
-            raise InputError(tr("A function needs parentheses; write it as in sqrt(2)."))
+            raise InputError(tr("A function needs parentheses, as in sqrt(2)."))
         values = [self._sum()]
         while self._token == ",":
             self._take()
@@ -270,7 +272,7 @@ class _Reader:
         if self._token and self._token != ")":
             raise self._misplaced()
         if not self._take():
-            raise InputError(tr("A parenthesis is open; close it."))
+            raise InputError(tr("A parenthesis is not closed; close it."))
 
     def _unit_behind(self) -> Quantity:
         """The unit behind a number; 1 if there is none."""
@@ -296,13 +298,13 @@ class _Reader:
     def _unit_of_length(self, word: str) -> Quantity:
         if self._unit is None:
             raise InputError(
-                tr("{text} is a unit of length, which has no place here; take it away.").format(
+                tr("{text} is a unit of length, which is not allowed here; remove it.").format(
                     text=_quoted(word)
                 )
             )
         if self._unit is Unit.NONE:
             raise InputError(
-                tr("The unit of the mesh is not known; choose it before writing a length in {word}.").format(
+                tr("The unit of the mesh is not set; choose it before entering a length in {word}.").format(
                     word=word
                 )
             )
@@ -310,15 +312,15 @@ class _Reader:
 
     def _misplaced(self) -> InputError:
         if not self._token:
-            return InputError(tr("Something is missing at the end; complete it."))
+            return InputError(tr("The expression is incomplete; complete it."))
         if _is_number(self._token):
             return InputError(
-                tr("There is no sign before {text}; write one, such as * or +.").format(
+                tr("An operator is missing before {text}; enter one such as * or +.").format(
                     text=_quoted(self._token)
                 )
             )
         return InputError(
-            tr("{text} is out of place; take it away or complete what is around it.").format(
+            tr("{text} is not expected here; remove it or complete the expression.").format(
                 text=_quoted(self._token)
             )
         )
@@ -332,7 +334,7 @@ def _number(token: str) -> Quantity:
     point = token.replace(",", ".")
     if _THOUSANDS.fullmatch(token):
         raise InputError(
-            tr("“{token}” could be {point} or {other}; write it without the comma.").format(
+            tr("“{token}” could mean {point} or {other}; enter it without the comma.").format(
                 token=token, point=point, other=token.replace(",", "")
             )
         )
@@ -348,7 +350,7 @@ def _called(name: str, values: list[Quantity]) -> Quantity:
         return replace(first, value=_OF_MANY[name](value.value for value in values))
     if len(values) != 1:
         raise InputError(
-            tr("{name} takes one value, not {n}; write it as in {name}(1).").format(name=name, n=len(values))
+            tr("{name} takes one value, not {n}, as in {name}(1).").format(name=name, n=len(values))
         )
     if name == "abs":
         return replace(first, value=abs(first.value))
@@ -360,26 +362,26 @@ def _called(name: str, values: list[Quantity]) -> Quantity:
 def _of_angle(name: str, value: Quantity) -> Quantity:
     if value.powers not in (_BARE, (0.0, 1.0)):
         raise InputError(
-            tr("{name} cannot be taken of {kind}; write an angle, as in {name}(30deg).").format(
+            tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
                 name=name, kind=value.kind
             )
         )
     turn = math.radians(value.value)
     if name == "tan" and abs(math.cos(turn)) < _NO_COSINE:
-        raise InputError(tr("The tangent of a right angle is infinite; write another angle."))
+        raise InputError(tr("The tangent of a right angle is infinite; enter another angle."))
     return Quantity(_OF_ANGLES[name](turn))
 
 
 def _to_angle(name: str, value: Quantity) -> Quantity:
     if value.powers != _BARE:
         raise InputError(
-            tr("{name} cannot be taken of {kind}; write a number, as in {name}(0.5).").format(
+            tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(
                 name=name, kind=value.kind
             )
         )
     if name != "atan" and abs(value.value) > 1.0:
         raise InputError(
-            tr("{name} can be taken of numbers from -1 to 1 only; write one of these.").format(name=name)
+            tr("{name} accepts only numbers from -1 to 1; enter one of these.").format(name=name)
         )
     return Quantity(math.degrees(_TO_ANGLES[name](value.value)), angle=1.0)
 

@@ -58,14 +58,14 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
     if not any(text.strip() for text in wall):
         return None
     if unit is Unit.NONE:
-        raise InputError(tr("A mass needs the unit of the mesh; choose it beside the area."))
+        raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
     if not wall.thickness.strip():
-        raise InputError(tr("A mass needs the thickness of the wall; type it, such as 0.3mm."))
+        raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
     thickness = length(wall.thickness, unit, {})
     if not thickness > 0.0:
-        raise InputError(tr("A wall must be thicker than nothing; type a thickness such as 0.3mm."))
+        raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
     if not wall.density.strip():
-        raise InputError(tr("A mass needs the density of the wall; type it, such as 1.38 g/cm³."))
+        raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
     litres = unit.litres(area * thickness)
     assert litres is not None
     return 1000.0 * litres * density(wall.density)
@@ -78,17 +78,17 @@ def density(text: str) -> float:
     if parted is not None and parted["amount"]:
         said = re.sub(r"\s", "", parted["unit"])
         if said not in _DENSITIES:
-            raise InputError(
-                tr("“{unit}” is no unit of density here; write g/cm³ or kg/m³.").format(unit=said)
-            )
+            raise InputError(tr("“{unit}” is not a unit of density; use g/cm³ or kg/m³.").format(unit=said))
         amount, factor = parted["amount"], _DENSITIES[said]
     try:
         value = factor * number(amount, {})
     except InputError:
-        sentence = tr("“{text}” is no density; write one such as 1.38 g/cm³.")
+        sentence = tr("“{text}” is not a density; enter one such as 1.38 g/cm³.")
         raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None
     if not 0.0 < value <= _HEAVIEST:
         raise InputError(
-            tr("Nothing has a density of {value:.4g} g/cm³; type one such as 1.38 g/cm³.").format(value=value)
+            tr("A density of {value:.4g} g/cm³ is out of range; enter one such as 1.38 g/cm³.").format(
+                value=value
+            )
         )
     return value

@@ -25,7 +25,7 @@ from apd_viewer.session.storage.session_file import save_session
 
 _LOGGER = logging.getLogger(__name__)
 _PATIENCE = 10.0  # s, for the disk, when the program ends
-_FAILED = tr("Your work cannot be kept for the case of a crash ({why}); save the session now and then.")
+_FAILED = tr("Autosave failed ({why}); save the session regularly.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,7 +63,7 @@ class Leftover:
         except InputError as error:
             why = str(error.__cause__ or error).rstrip(".")
             raise InputError(
-                tr("What was left of {name} cannot be restored: {why}.").format(name=self.name, why=why)
+                tr("The unsaved work on {name} cannot be restored: {why}.").format(name=self.name, why=why)
             ) from error
         self.mesh = found[0].document.mesh
         return found
@@ -112,7 +112,7 @@ def owned(folder: Path) -> tuple[Path, Lock]:
         path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
         if (lock := take(lock_path(path))) is not None:
             return path, lock
-    raise OSError(tr("no file in it can be locked"))
+    raise OSError(tr("files in it cannot be locked"))
 
 
 def lock_path(path: Path) -> Path:

@@ -72,7 +72,9 @@ def save_session(
     path = Path(path)
     if path.suffix.lower() != SUFFIX:
         raise InputError(
-            tr("{name} is no name for a session; end it in {ending}.").format(name=path.name, ending=SUFFIX)
+            tr("{name} is not a file name of a session; use the ending {ending}.").format(
+                name=path.name, ending=SUFFIX
+            )
         )
     document, mesh = state.document, state.document.mesh
     copy = copy_of(mesh) if embed or not is_there(mesh) else {}
@@ -139,13 +141,13 @@ def _explained(path: Path) -> Iterator[None]:
         raise
     except ValueError as error:
         raise InputError(
-            tr(
-                "{name} is not a readable session ({reason}); save it again, or open another copy of it."
-            ).format(name=path.name, reason=error)
+            tr("{name} is not a valid session ({reason}); save it again or open another copy.").format(
+                name=path.name, reason=error
+            )
         ) from error
     except MemoryError as error:
         raise InputError(
-            tr("{name} is too large for the memory; close other programs.").format(name=path.name)
+            tr("{name} does not fit into memory; close other programs.").format(name=path.name)
         ) from error
 
 
@@ -154,13 +156,13 @@ def _content(path: Path) -> bytes:
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():
-        raise InputError(tr("{path} is not a file; choose a session in it.").format(path=path))
+        raise InputError(tr("{path} is not a file; choose a session file.").format(path=path))
     return content_of(path)
 
 
 def _check_version(said: Fields, path: Path) -> None:
     if said.text("format") != FORMAT:
-        raise ValueError(tr("it is of another kind"))
+        raise ValueError(tr("it is another type of file"))
     version = said.count("version")
     if version > VERSION:
         raise InputError(
@@ -181,5 +183,5 @@ def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V
         X = arrays[name]
         if not np.isfinite(X).all() or (np.abs(X - mesh.V) > farthest).any():
-            raise ValueError(tr("“{name}” in it is no shape of the mesh").format(name=name))
+            raise ValueError(tr("“{name}” in it is not a shape of the mesh").format(name=name))
     return arrays

@@ -64,11 +64,11 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
     regions = tuple(_region(part) for part in said.parts("regions", MOST_REGIONS))
     labels, member, method = arrays["labels"], arrays["member"], said.text("method")
     if not handles or labels.max() >= HANDLE + len(handles):
-        raise ValueError(tr("“labels” in it name a handle that is not there"))
+        raise ValueError(tr("“labels” in it refer to a handle that does not exist"))
     if member.max() > len(regions):
-        raise ValueError(tr("“member” in it names a region that is not there"))
+        raise ValueError(tr("“member” in it refers to a region that does not exist"))
     if method not in METHODS:
-        raise ValueError(tr("its “method” is none of this program"))
+        raise ValueError(tr("its “method” is unknown"))
     return Document(
         mesh,
         labels,
@@ -90,7 +90,9 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
 def _handle(said: Fields) -> Handle:
     pose = said.numbers("pose", 4, 4)
     if not np.array_equal(pose[3], _MOTIONLESS):
-        raise ValueError(tr("the “pose” of a handle is no motion: its last row must be 0 0 0 1"))
+        raise ValueError(
+            tr("the “pose” of a handle is not an affine transform: its last row must be 0 0 0 1")
+        )
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
     falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
     return Handle(said.text("name"), frozen(pose), pivot, falloff)
@@ -157,7 +159,7 @@ def view_of(said: Fields) -> View:
     """The view again."""
     unit = said.text("unit") if said.says("unit") else ""
     if unit not in [each.value for each in Unit]:
-        raise ValueError(tr("its “unit” is none of this program"))
+        raise ValueError(tr("its “unit” is unknown"))
     wall = _wall(said.part("wall")) if said.says("wall") else Wall()
     overlay = said.text("overlay") if said.says("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
@@ -167,7 +169,7 @@ def view_of(said: Fields) -> View:
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
-        raise ValueError(tr("its “camera” looks nowhere"))
+        raise ValueError(tr("its “camera” has no direction"))
     angle = camera.number("angle", _LEAST, np.pi - _LEAST)
     return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay)
 

@@ -195,26 +195,28 @@ def sweep_of(
         If there is nothing to sweep; the message says why.
     """
     if not 1 <= steps <= MOST_STEPS:
-        raise InputError(tr("A sweep takes 1 to {most} steps; give another number.").format(most=MOST_STEPS))
+        raise InputError(tr("A sweep has 1 to {most} steps; enter another number.").format(most=MOST_STEPS))
     if not 0.0 < to <= 100.0:
-        raise InputError(tr("The end of a sweep is a part of the motion above 0, such as 1 or 1.5."))
+        raise InputError(
+            tr("The end of a sweep must be a fraction of the motion greater than 0, such as 1 or 1.5.")
+        )
     if iterations < 1:
-        raise InputError(tr("A step takes at least one iteration; give a larger number."))
+        raise InputError(tr("Each step needs at least one iteration; enter a larger number."))
     for method in methods:
         if method not in METHODS:
             raise InputError(
-                tr("There is no method {method}; choose from {methods}.").format(
+                tr("Unknown method {method}; choose from {methods}.").format(
                     method=method, methods=", ".join(METHODS)
                 )
             )
     if not methods or len(set(methods)) < len(methods):
-        raise InputError(tr("Name every method once, and at least one."))
+        raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
     paths = _twisting(document, twists) if twists else _posed(document)
     if not any(map(_moves, paths)):
         raise InputError(
-            tr("No handle has moved, so there is no motion to sweep; move one, or give a twist.")
+            tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
     parts = tuple(to * k / steps for k in range(steps + 1))
     return Sweep(document, paths, parts, tuple(methods), iterations)
@@ -248,9 +250,7 @@ def _line(document: Document, k: int, base: np.ndarray) -> np.ndarray:
     """From the centre of the base to that of handle ``k``."""
     centre = document.centre(k)
     if centre is None:
-        raise InputError(
-            tr("“{name}” holds nothing yet; paint it first.").format(name=document.handles[k].name)
-        )
+        raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
     line: np.ndarray = centre - base
     if not line.any():
         raise InputError(

@@ -21,16 +21,16 @@ from apd_viewer.ui.widgets.icons import SIZE
 from apd_viewer.ui.widgets.theme import Theme
 
 _VIEWS = (
-    (trc("view", "Front"), tr("Look at the mesh from the front"), "1", "front"),
-    (trc("view", "Right"), tr("Look at the mesh from the right"), "3", "side"),
-    (trc("view", "Top"), tr("Look at the mesh from the top"), "7", "top"),
-    (trc("view", "Back"), tr("Look at the mesh from the back"), "Ctrl+1", "-front"),
-    (trc("view", "Left"), tr("Look at the mesh from the left"), "Ctrl+3", "-side"),
-    (trc("view", "Bottom"), tr("Look at the mesh from the bottom"), "Ctrl+7", "-top"),
+    (trc("view", "Front"), tr("View the mesh from the front"), "1", "front"),
+    (trc("view", "Right"), tr("View the mesh from the right"), "3", "side"),
+    (trc("view", "Top"), tr("View the mesh from the top"), "7", "top"),
+    (trc("view", "Back"), tr("View the mesh from the back"), "Ctrl+1", "-front"),
+    (trc("view", "Left"), tr("View the mesh from the left"), "Ctrl+3", "-side"),
+    (trc("view", "Bottom"), tr("View the mesh from the bottom"), "Ctrl+7", "-top"),
 )
 _OPEN_SAMPLE = {
-    "bottle": tr("Open the PET bottle, painted"),
-    "duck": tr("Open the rubber duck, painted"),
+    "bottle": tr("Open the PET bottle, with base and handle painted"),
+    "duck": tr("Open the rubber duck, with base and handle painted"),
 }
 _KEYS = QKeySequence.StandardKey
 
@@ -70,10 +70,10 @@ class Actions:
         make = self._maker.make
         self.open = make(tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, "open")
         self.export = make(
-            tr("&Export…"), "export", tr("Write the deformed mesh to a file"), "Ctrl+E", "export"
+            tr("&Export…"), "export", tr("Export the deformed mesh to a file"), "Ctrl+E", "export"
         )
         self.save = make(
-            tr("&Save session"), "save", tr("Save what was said and the shape"), _KEYS.Save, "save"
+            tr("&Save session"), "save", tr("Save paint, handles, settings and shape"), _KEYS.Save, "save"
         )
         self.save_as = make(
             tr("Save session &as…"), "save", tr("Save the session to another file"), "Ctrl+Shift+S", "save_as"
@@ -81,14 +81,14 @@ class Actions:
         self.report = make(
             tr("&Report…"),
             "report",
-            tr("Write pictures, readings and all that was asked to a page for the browser"),
+            tr("Save pictures, measurements and settings as an HTML page"),
             "Ctrl+Shift+E",
             "report",
         )
         self.picture = make(
             tr("Save &picture…"),
             "picture",
-            tr("Write the view as a picture of any size, with or without its background"),
+            tr("Save the view as a picture of any size, with or without background"),
             "Ctrl+Shift+P",
             "save_picture",
         )
@@ -104,19 +104,19 @@ class Actions:
 
     def _make_edit(self) -> None:
         make = self._maker.make
-        self.undo = make(tr("&Undo"), "undo", tr("Take the last step back"), _KEYS.Undo, "undo")
-        self.redo = make(tr("&Redo"), "redo", tr("Do again what was taken back"), _KEYS.Redo, "redo")
+        self.undo = make(tr("&Undo"), "undo", tr("Undo the last step"), _KEYS.Undo, "undo")
+        self.redo = make(tr("&Redo"), "redo", tr("Redo the last step"), _KEYS.Redo, "redo")
         self.reset = make(
-            tr("Re&set handles"),
+            tr("Re&set all handles"),
             "reset",
-            tr("Put all handles back, and the mesh in its rest shape"),
+            tr("Reset all handles and return the mesh to its rest shape"),
             "Ctrl+R",
             "reset",
         )
         self.bake = make(
-            tr("&Bake as new rest"),
+            tr("&Bake as rest shape"),
             "bake",
-            tr("Take this shape for the rest shape: its area becomes the 100 % of all that follows"),
+            tr("Make this shape the rest shape: its area becomes 100 %"),
             "Ctrl+Shift+R",
             "bake",
         )
@@ -129,18 +129,18 @@ class Actions:
 
     def _make_view(self) -> None:
         make, switch = self._maker.make, self._maker.switch
-        self.frame = make(tr("&Frame the mesh"), "frame", tr("Show the whole mesh"), "F", "frame")
+        self.frame = make(tr("&Frame mesh"), "frame", tr("Zoom to the whole mesh"), "F", "frame")
         self.findings = make(
-            tr("Fi&ndings"),
+            tr("Mesh &check"),
             "warning",
-            tr("List what is unusual about the mesh, and show where"),
+            tr("List the issues found in the mesh and show where they are"),
             "Ctrl+I",
             "findings",
         )
         self.views = [make(title, "view", tip, key, "look", axis) for title, tip, key, axis in _VIEWS]
-        self.edges = switch(tr("&Edges"), "edges", tr("Show the edges of the triangles"), "W", "edges")
+        self.edges = switch(tr("&Edges"), "edges", tr("Show the triangle edges"), "W", "edges")
         self.smooth = switch(
-            tr("&Smooth shading"), "smooth", tr("Shade over the edges"), None, "smooth", True
+            tr("&Smooth shading"), "smooth", tr("Shade smoothly across edges"), None, "smooth", True
         )
         self.looks = LookActions(self._maker)
         self.schemes = self._make_schemes()
@@ -148,9 +148,13 @@ class Actions:
     def _make_schemes(self) -> QMenu:
         menu = QMenu(tr("&Appearance"), self._window)
         for title, scheme, tip in (
-            (tr("As the &system"), Qt.ColorScheme.Unknown, tr("Light or dark as the system is")),
-            (tr("&Light"), Qt.ColorScheme.Light, tr("Dark letters on light panels")),
-            (tr("&Dark"), Qt.ColorScheme.Dark, tr("Light letters on dark panels")),
+            (
+                tr("&System default"),
+                Qt.ColorScheme.Unknown,
+                tr("Follow the light or dark mode of the system"),
+            ),
+            (tr("&Light"), Qt.ColorScheme.Light, tr("Use the light theme")),
+            (tr("&Dark"), Qt.ColorScheme.Dark, tr("Use the dark theme")),
         ):
             action = self._maker.make(title, "scheme", tip, None, "scheme", scheme)
             action.setData(scheme.value)
@@ -160,11 +164,11 @@ class Actions:
 
     def _make_help(self) -> list[QAction]:
         make = self._maker.make
-        keys = tr("List all keys, and change them")
-        tour = tr("Show the program in five steps, on a bottle")
-        tables = tr("Re-run the tables of Li and Hui, with figures")
+        keys = tr("View and change the keyboard shortcuts")
+        tour = tr("Learn the program in five steps, on a bottle")
+        tables = tr("Reproduce the tables of Li and Hui, with figures")
         diagnostics = tr("Copy versions, graphics driver and the end of the log, for a report of a defect")
-        about = tr("Versions, licence and source of the method")
+        about = tr("Version, licence and source of the method")
         return [
             make(tr("&Shortcuts…"), "keyboard", keys, ("F1", "?"), "shortcuts"),
             make(tr("&Tour"), "tour", tour, None, "tour"),

@@ -34,7 +34,7 @@ class LookActions:
         self.off = make(
             tr("&No overlay"),
             "overlay-off",
-            tr("Show what is painted, and no overlay"),
+            tr("Show the paint without an overlay"),
             "Alt+0",
             "no_measure",
         )
@@ -46,9 +46,21 @@ class LookActions:
         }
         maker.one_of([self.off, *self.measures.values()])
         self.worst = [
-            make(tr("Ne&xt worst place"), "worst", tr("Go to where the overlay shows most"), "C", "worst", 1),
             make(
-                tr("Pre&vious worst place"), "worst", tr("Go back to what was worse"), "Shift+C", "worst", -1
+                tr("Ne&xt extreme"),
+                "worst",
+                tr("Go to the next extreme value of the overlay"),
+                "C",
+                "worst",
+                1,
+            ),
+            make(
+                tr("Pre&vious extreme"),
+                "worst",
+                tr("Go to the previous extreme value of the overlay"),
+                "Shift+C",
+                "worst",
+                -1,
             ),
         ]
 
@@ -59,29 +71,29 @@ class LookActions:
                     "ghost",
                     tr("&Rest shape"),
                     "ghost",
-                    tr("Show the rest shape around the mesh, as if of glass"),
+                    tr("Show the rest shape as a transparent ghost"),
                     "A",
                 ),
                 (
                     "compare",
                     tr("&Before and after"),
                     "compare",
-                    tr("Drag a slider to see the way from the rest shape"),
+                    tr("Drag a slider to see the path from the rest shape"),
                     "Shift+A",
                 ),
-                ("cut", tr("Se&ction"), "cut", tr("Cut the mesh by a plane, to see its inside"), "S"),
+                ("cut", tr("Se&ction"), "cut", tr("Cut the mesh with a plane to see inside"), "S"),
                 (
                     "ground",
                     tr("&Axes and grid"),
                     "ground",
-                    tr("Show the axes, and a grid in the unit of length on which the mesh stands"),
+                    tr("Show the axes and a ground grid in the unit of length"),
                     "I",
                 ),
                 (
                     "turntable",
                     tr("&Turntable"),
                     "turntable",
-                    tr("Let the camera go around the mesh until the mouse takes it"),
+                    tr("Rotate the camera around the mesh until you use the mouse"),
                     "Shift+T",
                 ),
             )

@@ -22,9 +22,9 @@ _NUDGES = (
     (tr("Nudge farther"), tr("Move the active handle a little farther"), "farther", "PgUp", (0, 0, -1)),
 )
 _ALONG = {
-    Along.WORLD: (tr("&World axes"), tr("Let arrows and rings stand along the axes of the mesh"), "Shift+W"),
-    Along.HANDLE: (tr("&Handle's axes"), tr("Let arrows and rings turn with the handle"), "L"),
-    Along.VIEW: (tr("&View's axes"), tr("Let arrows and rings stand along the picture"), "Shift+V"),
+    Along.WORLD: (tr("&World axes"), tr("Align gizmo to the axes of the mesh"), "Shift+W"),
+    Along.HANDLE: (tr("&Handle axes"), tr("Align gizmo to the handle"), "L"),
+    Along.VIEW: (tr("&View axes"), tr("Align gizmo to view"), "Shift+V"),
 }
 
 
@@ -48,71 +48,71 @@ class PoseActions:
             make(
                 tr("&Add handle"),
                 "add",
-                tr("Add one more part to be moved by itself"),
+                tr("Add another handle"),
                 "Shift+H",
                 "add_handle",
             ),
             make(
                 tr("&Next handle"),
                 "next-handle",
-                tr("Take the next handle into the hand"),
+                tr("Select next handle"),
                 "N",
                 "next_handle",
             ),
             make(
                 tr("Add &region"),
                 "add",
-                tr("Add one more part whose area is measured"),
+                tr("Add another region to measure or keep its area"),
                 "Shift+R",
                 "add_region",
             ),
         ]
         self.typed = make(
-            tr("&Type a motion"),
+            tr("&Enter motion"),
             "type",
-            tr("Type by how much the handle moves, turns, twists or bends"),
+            tr("Enter an amount to move, rotate, twist or bend the handle"),
             "Ctrl+M",
             "type_motion",
         )
         self.put_back = make(
-            tr("&Put back"),
+            tr("Rese&t handle"),
             "reset",
-            tr("Put the active handle back where it was gripped"),
+            tr("Return the active handle to its rest position"),
             "Shift+M",
             "put_back",
         )
         self.compare = make(
             tr("&Compare methods…"),
             "methods",
-            tr("See side by side what the methods make of this pose, with a table of the readings"),
+            tr("Compare the methods side by side in this pose, with a table of measurements"),
             "Ctrl+Shift+M",
             "compare_methods",
         )
         self.pivots = [
             make(
-                tr("Pick the p&ivot"),
+                tr("Pick p&ivot"),
                 "pivot",
-                tr("Click the point of the mesh that the handle turns about"),
+                tr("Click the point of the mesh to rotate the handle about"),
                 "V",
                 "pick_pivot",
             ),
             make(
-                tr("T&ype the pivot…"),
+                tr("Set pivot b&y coordinates…"),
                 "pivot",
-                tr("Type the coordinates of the point that the handle turns about"),
+                tr("Enter the coordinates of the point to rotate the handle about"),
                 "Ctrl+Shift+V",
                 "type_pivot",
             ),
             make(
-                tr("Pivot at the &centre"),
+                tr("Pivot at &centre"),
                 "pivot",
-                tr("Turn about the middle of the handle again"),
+                tr("Rotate about the centre of the handle"),
                 "Shift+P",
                 "centre_pivot",
             ),
         ]
         self.sweep = make(
-            tr("&Sweep…"), "sweep", tr("Go along the motion in steps: area, volume and energy"), None, "sweep"
+            tr("&Sweep…"), "sweep", tr("Plot area, volume and energy along the motion"), None, "sweep"
         )
         self.nudges = [
             make(title, f"nudge-{name}", tip, key, "nudge", step) for title, tip, name, key, step in _NUDGES

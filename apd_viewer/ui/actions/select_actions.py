@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 # Title, icon, tip, keys, and the name in apd_viewer.session.part_operations.Change, which is loaded later.
 _CHANGES = (
-    (tr("&Grow"), "grow", tr("Add the vertices next to the part in hand"), "Ctrl++", "GROW"),
-    (tr("S&hrink"), "shrink", tr("Take its outermost vertices from the part in hand"), "Ctrl+-", "SHRINK"),
+    (tr("&Grow"), "grow", tr("Add the neighbouring vertices to the active part"), "Ctrl++", "GROW"),
+    (tr("S&hrink"), "shrink", tr("Remove the outermost vertices from the active part"), "Ctrl+-", "SHRINK"),
     (
-        tr("&Smooth the border"),
+        tr("&Smooth boundary"),
         "smooth-border",
-        tr("Straighten the border of the part in hand"),
+        tr("Smooth the boundary of the active part"),
         "Ctrl+B",
         "SMOOTH",
     ),
     (
         tr("In&vert"),
         "invert",
-        tr("Paint what is not painted, and free the part in hand"),
+        tr("Paint the unpainted vertices and clear the active part"),
         "Ctrl+Shift+I",
         "INVERT",
     ),
@@ -35,7 +35,7 @@ _MIRRORS = tuple(
     (
         tr("Along {axis}").format(axis=axis),
         "mirror",
-        tr("Add the mirror image of the part in hand along {axis}").format(axis=axis),
+        tr("Add the mirror image of the active part along {axis}").format(axis=axis),
         None,
         f"MIRROR_{axis}",
     )
@@ -64,34 +64,44 @@ class SelectActions:
         }
         maker.one_of(self.ways.values())
         self.through = maker.switch(
-            tr("Select &through"),
+            tr("&X-ray (select hidden)"),
             "through",
-            tr("Let box, lasso and polygon take what the surface hides too"),
+            tr("Let box, lasso and polygon also select hidden vertices"),
             "T",
             "through",
         )
         self.sizes = [
-            maker.make(tr("&Larger brush"), "grow", tr("Enlarge the brush"), "]", "larger"),
+            maker.make(tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", "larger"),
             maker.make(tr("S&maller brush"), "shrink", tr("Make the brush smaller"), "[", "smaller"),
             maker.make(
-                tr("Si&ze of the brush…"),
+                tr("Brush si&ze…"),
                 "way-brush",
-                tr("Type the radius of the brush, in pixels or as a length on the mesh"),
+                tr("Enter the brush radius, in pixels or as a length on the mesh"),
                 "Shift+D",
                 "type_brush",
             ),
         ]
         self.numbers = maker.make(
-            tr("By &numbers…"),
+            tr("Select by ID or expressio&n…"),
             "type",
-            tr("Choose vertices by ids or coordinates"),
+            tr("Select vertices by ID or by conditions on their coordinates"),
             "Ctrl+L",
             "choose_by_numbers",
         )
         self.files = [
-            maker.make(tr("&Load selection…"), "open", tr("Paint as a file says"), None, "load_selection"),
             maker.make(
-                tr("Save selec&tion…"), "save", tr("Write what is painted to a file"), None, "save_selection"
+                tr("&Load selection…"),
+                "open",
+                tr("Load base, handles and regions from a file"),
+                None,
+                "load_selection",
+            ),
+            maker.make(
+                tr("Save selec&tion…"),
+                "save",
+                tr("Save base, handles and regions to a file"),
+                None,
+                "save_selection",
             ),
         ]
         self.changes = [maker.make(*words[:4], "reshape", words[4]) for words in _CHANGES]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.preferences.preferences import Memory
     from apd_viewer.ui.tools.canvas import Canvas
 
-_AT_REST = tr("All methods agree on a mesh at rest: move a handle first, then compare.")
+_AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then compare.")
 
 
 class Comparing:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 _FEWEST = 2
 _SIZE = QSize(1280, 800)
-_NO_ROOM = tr("There is not enough memory to compare methods on this mesh; close other programs.")
+_NO_ROOM = tr("Not enough memory to compare methods on this mesh; close other programs.")
 
 
 class _Ready(NamedTuple):
@@ -111,16 +111,16 @@ class ComparisonWindow(QWidget):
     def _lay_out(self) -> None:
         self.status = Hint(objectName="quiet")
         self.status.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.stop = QPushButton(tr("Stop"), toolTip=tr("End the solver; what has come stays (Esc)"))
+        self.stop = QPushButton(tr("Stop"), toolTip=tr("Stop the solver and keep the results so far (Esc)"))
         self.stop.clicked.connect(self._stop)
         self.again = QPushButton(
-            tr("Compare again"), toolTip=tr("Begin anew, with what the main window shows now")
+            tr("Compare again"), toolTip=tr("Compare again, with the current shape of the main window")
         )
         self.again.clicked.connect(self.again_asked)
-        self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Write the readings as CSV"))
+        self.save_table = QPushButton(tr("Save table…"), toolTip=tr("Save the measurements as CSV"))
         self.save_table.clicked.connect(partial(self._ask, ".csv"))
         self.save_picture = QPushButton(
-            tr("Save picture…"), toolTip=tr("Write the shapes, with their names and the legend, as PNG")
+            tr("Save picture…"), toolTip=tr("Save the shapes with their names and the legend as PNG")
         )
         self.save_picture.clicked.connect(partial(self._ask, ".png"))
         head = QHBoxLayout(spacing=16)
@@ -211,7 +211,7 @@ class ComparisonWindow(QWidget):
         for method, check in self.checks.items():
             needed = len(chosen) <= _FEWEST and method in chosen
             check.setEnabled(not needed)
-            about = tr("Two methods are compared at least.") if needed else METHODS[method].about
+            about = tr("At least two methods must be selected.") if needed else METHODS[method].about
             check.setToolTip(about)
         self.linked.show_views(chosen)
         self.table.show_methods([METHODS[method].title for method in chosen])
@@ -270,7 +270,7 @@ class ComparisonWindow(QWidget):
     def _ask(self, suffix: str) -> None:
         assert self._state is not None
         proposed = self._memory.folder / f"{self._state.document.mesh.stem}-methods{suffix}"
-        path = file_dialogs.ask_where(self, tr("Save the comparison"), proposed)
+        path = file_dialogs.ask_where(self, tr("Save comparison"), proposed)
         if path is None:
             return
         try:
@@ -278,7 +278,7 @@ class ComparisonWindow(QWidget):
         except InputError as error:
             self._say(str(error), warn=True)
         else:
-            self._say(tr("Wrote {name}.").format(name=path.name))
+            self._say(tr("Saved {name}.").format(name=path.name))
 
     def _outcomes(self) -> list[tuple[str, Outcome]]:
         assert self.comparison is not None
@@ -330,12 +330,12 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
     """How far a method is, more about that, and what went wrong."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:
-        return (tr("waits") if method in comparison.waiting else tr("not begun")), "", ""
+        return (tr("queued") if method in comparison.waiting else tr("not started")), "", ""
     frame = outcome.frame
     if outcome.failure:
         return tr("failed"), outcome.failure, outcome.failure
     if outcome.finished and frame is not None:
-        said = tr("settled") if frame.converged else tr("not reached")
+        said = tr("converged") if frame.converged else tr("did not converge")
         return said, frame.unreached or "", ""
     if method == comparison.under_way:
         return (tr("iteration {n:,}").format(n=frame.iteration) if frame else tr("preparing")), "", ""

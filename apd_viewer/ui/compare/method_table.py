@@ -29,7 +29,7 @@ class OutcomeTable(QTableWidget):
     """Methods down, readings across; figures stand under each other."""
 
     def __init__(self) -> None:
-        super().__init__(objectName="outcomes", accessibleName=tr("Readings of the methods"))
+        super().__init__(objectName="outcomes", accessibleName=tr("Measurements of the methods"))
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
         self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)

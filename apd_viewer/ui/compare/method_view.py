@@ -50,7 +50,7 @@ class MethodView(QWidget):
         self.title = title
         self._state, self._value = QLabel(objectName="quiet"), QLabel()
         self._state.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self._value.setToolTip(tr("Local area change at the place with the ring"))
+        self._value.setToolTip(tr("Local area change at the ring"))
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         head = QWidget(objectName="head")
         head.setFixedHeight(HEAD)

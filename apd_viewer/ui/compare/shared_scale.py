@@ -39,11 +39,11 @@ class SharedScale(QWidget):
         self._span: tuple[float, float] | None = None
         self.setFixedWidth(_WIDTH)
         self._bar = ScaleBar()
-        tip = tr("The change at the ends of the scale, where the colours are strongest")
+        tip = tr("Change at the ends of the scale, where the colours are strongest")
         self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=9, suffix="\u00a0%")
         self.reach.setRange(1e-7, 1e9)
         self.reach.valueChanged.connect(lambda percent: self._rescale(percent / 100.0))
-        tip = tr("Let the scale end at the largest change of all shapes")
+        tip = tr("Fit the scale to the largest change of all shapes")
         self.fit = QPushButton(tr("Fit"), toolTip=tip)
         self.fit.clicked.connect(self._fit)
         grid = QGridLayout(self, horizontalSpacing=8, verticalSpacing=6)

@@ -15,7 +15,7 @@ from apd_viewer.session.model.view import SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
-_WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session with the mesh in it (*.apd)")
+_WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
     endings=" ".join("*" + suffix for suffix in SELECTION_FORMATS)
@@ -31,7 +31,7 @@ def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
 def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
     """Where to save the session, and whether with a copy of the mesh in it."""
     path, chosen = QFileDialog.getSaveFileName(
-        parent, tr("Save the session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
+        parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
     if not path:
         return None
@@ -41,7 +41,7 @@ def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bo
 
 def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
     """Which file says what to paint."""
-    path, _ = QFileDialog.getOpenFileName(parent, tr("Load a selection"), str(folder), _SELECTIONS)
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Load selection"), str(folder), _SELECTIONS)
     return Path(path) if path else None
 
 
@@ -50,7 +50,7 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
-        tr("Save the selection"),
+        tr("Save selection"),
         str(folder / f"{mesh.stem}-selection.json"),
         ";;".join(filters.values()),
     )
@@ -65,7 +65,7 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
-        tr("Export the deformed mesh"),
+        tr("Export deformed mesh"),
         str(folder / f"{mesh.stem}-deformed{suffix}"),
         ";;".join(filters.values()),
         filters[suffix],
@@ -91,7 +91,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
     answer = QMessageBox.question(
         parent,
         tr("Export as {kind}?").format(kind=kind),
-        tr("As {kind}, {name} is written without its {named}. As {own}, nothing is lost.").format(
+        tr("Exporting {name} as {kind} loses its {named}. Exporting as {own} loses nothing.").format(
             kind=kind, name=mesh.name, named=named, own=own
         ),
         buttons.Save | buttons.Cancel,
@@ -107,20 +107,18 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
     if not target.exists():
         return target
     question = tr("{name} already exists. Replace it?").format(name=target.name)
-    answer = QMessageBox.question(
-        parent, tr("Replace the file?"), question, buttons.Yes | buttons.No, buttons.No
-    )
+    answer = QMessageBox.question(parent, tr("Replace file?"), question, buttons.Yes | buttons.No, buttons.No)
     return target if answer == buttons.Yes else None
 
 
 def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write a report."""
-    return ask_where(parent, tr("Write a report"), folder / f"{mesh.stem}-report.html")
+    return ask_where(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     """Where to write a picture."""
-    return ask_where(parent, tr("Save the picture"), folder / f"{mesh.stem}.png")
+    return ask_where(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 
 
 def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
@@ -137,8 +135,8 @@ def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
     buttons = QMessageBox.StandardButton
     return QMessageBox.question(
         parent,
-        tr("Close without exporting?"),
-        tr("The deformed mesh has not been exported. Closing loses it."),
+        tr("Export before closing?"),
+        tr("Export the deformed mesh before closing? It is lost otherwise."),
         buttons.Save | buttons.Discard | buttons.Cancel,
         buttons.Cancel,
     )

@@ -20,7 +20,7 @@ _PAPER = "#ffffff"
 
 def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
     """Where to write a file of plots; None if the user thought better of it."""
-    return file_dialogs.ask_where(parent, tr("Save the plots"), folder / f"{name}{suffix}")
+    return file_dialogs.ask_where(parent, tr("Save plots"), folder / f"{name}{suffix}")
 
 
 def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:

@@ -49,10 +49,10 @@ class RecoveryBar(QFrame):
         self._symbol = QLabel()
         self._text = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
         self.restore = self._button(
-            tr("Restore"), tr("Open it as one step, which can be undone"), self._restore
+            tr("Restore"), tr("Restore the unsaved work as one step that can be undone"), self._restore
         )
         self.restore.setObjectName("primary")
-        self.discard = self._button(tr("Discard"), tr("Remove it for good"), self._discard)
+        self.discard = self._button(tr("Discard"), tr("Delete the unsaved work permanently"), self._discard)
         self.later = QToolButton(
             accessibleName=tr("Not now"), toolTip=tr("Ask at the next start"), iconSize=SIZE
         )
@@ -129,9 +129,7 @@ class RecoveryBar(QFrame):
             left = self._waiting[0]
             name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
             self._text.setText(
-                tr("Unsaved when the program ended: {name}, {when}").format(
-                    name=name, when=ago(time.time() - left.time)
-                )
+                tr("Unsaved work: {name}, {when}").format(name=name, when=ago(time.time() - left.time))
             )
             self.raise_()
             self._place()

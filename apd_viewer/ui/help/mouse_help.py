@@ -26,16 +26,16 @@ class Gesture(NamedTuple):
 
 
 # What apd_viewer.ui.scene.navigation does whatever tool is in the hand.
-_ALWAYS = tr("right drag turns, middle button or Shift+drag shifts, Ctrl+right drag zooms")
+_ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right drag zooms")
 
 
 def gestures() -> list[Gesture]:
     """All that the mouse does."""
     plain = [tool for tool in Tool if not tool.words.is_brush]
     found = [
-        Gesture(tr("With every tool"), "view", _ALWAYS),
+        Gesture(tr("With any tool"), "view", _ALWAYS),
         *(Gesture(tool.words.title, tool.words.icon, tool.words.hint) for tool in plain),
-        Gesture(tr("While you paint"), Tool.HANDLE.words.icon, Tool.HANDLE.modifiers),
+        Gesture(tr("While painting"), Tool.HANDLE.words.icon, Tool.HANDLE.modifiers),
         *(Gesture(way.words.title, way.words.icon, way.words.hint) for way in Way),
     ]
     return [gesture._replace(words=gesture.words[:1].upper() + gesture.words[1:]) for gesture in found]

@@ -43,10 +43,10 @@ class ActionRow(QFrame):
         self.keys = KeyField(entry)
         standard = native(entry.standard) or trc("keys", "none")
         self.back = small_button(
-            tr("Back to the standard keys of {title}: {standard}").format(
+            tr("Restore the default keys of {title}: {standard}").format(
                 title=entry.title, standard=standard
             ),
-            tr("Back to the standard: {standard}").format(standard=standard),
+            tr("Restore default: {standard}").format(standard=standard),
         )
         row = QHBoxLayout(self, spacing=8)
         row.setContentsMargins(*_EDGES)

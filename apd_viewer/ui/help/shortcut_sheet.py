@@ -29,8 +29,8 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 from apd_viewer.ui.widgets.wrapping_row import arrange
 
 _MARGIN, _WIDEST, _NARROWEST = 12, 560, 160
-_HINT = tr("Click keys to change them.")
-_WAITING = tr("Press new keys; Delete takes the old ones away, Esc leaves them.")
+_HINT = tr("Click a shortcut to change it.")
+_WAITING = tr("Press new keys; Delete removes the shortcut, Esc cancels.")
 
 
 class ShortcutSheet(QFrame):
@@ -76,12 +76,12 @@ class ShortcutSheet(QFrame):
 
     def _make_head(self) -> QHBoxLayout:
         self.search = QLineEdit(
-            placeholderText=tr("Search for an action, keys or a gesture"),
-            accessibleName=tr("Search the shortcuts"),
+            placeholderText=tr("Search for an action, a shortcut or a gesture"),
+            accessibleName=tr("Search shortcuts"),
             clearButtonEnabled=True,
         )
         self.search.textChanged.connect(self._filter)
-        self._close = small_button(tr("Close the shortcuts"), tr("Close (Esc)"))
+        self._close = small_button(tr("Close shortcuts"), tr("Close (Esc)"))
         self._close.clicked.connect(self.dismissed)
         row = QHBoxLayout(spacing=8)
         row.addWidget(self.search, 1)
@@ -94,12 +94,12 @@ class ShortcutSheet(QFrame):
         return self._scroll
 
     def _make_foot(self) -> QHBoxLayout:
-        self.line = QLabel(wordWrap=True, accessibleName=tr("What is going on"))
+        self.line = QLabel(wordWrap=True, accessibleName=tr("Status"))
         self.line.setMinimumHeight(2 * self.line.fontMetrics().lineSpacing())
         self.swap = QPushButton(tr("Swap"), objectName="primary")
         self.swap.clicked.connect(self._swap)
-        self.back = QPushButton(tr("All back to the standard"))
-        self.back.setToolTip(tr("Give all actions their standard keys"))
+        self.back = QPushButton(tr("Restore all defaults"))
+        self.back.setToolTip(tr("Restore the default keys of all actions"))
         self.back.clicked.connect(self._reset_all)
         row = self._foot = QHBoxLayout(spacing=8)
         row.setContentsMargins(8, 0, 4, 0)
@@ -154,7 +154,7 @@ class ShortcutSheet(QFrame):
         found = sum(group.show_found(text.casefold().split()) for group in self._groups)
         if self._groups:
             self._nothing.setVisible(not found)
-            self._nothing.setText(tr("Nothing here is called “{text}”.").format(text=text.strip()))
+            self._nothing.setText(tr("No results for “{text}”.").format(text=text.strip()))
 
     @property
     def _shown(self) -> list[ActionRow]:
@@ -184,12 +184,14 @@ class ShortcutSheet(QFrame):
 
     def _offer_swap(self, row: ActionRow, keys: str, other: str) -> None:
         taken = next(key for key in split(keys) if self._shortcuts.holder(key, row.entry))
-        self._say(tr("{keys} belongs to “{action}”.").format(keys=native(taken), action=other), warn=True)
+        self._say(
+            tr("{keys} is already used by “{action}”.").format(keys=native(taken), action=other), warn=True
+        )
         self._wish = row, keys
-        self.swap.setText(tr("Swap") if row.entry.keys else tr("Take it"))
+        self.swap.setText(tr("Swap") if row.entry.keys else tr("Reassign"))
         instead = native(row.entry.keys) or tr("no keys")
         self.swap.setToolTip(
-            tr("“{action}” gets {keys} instead (Esc: leave all as it is)").format(action=other, keys=instead)
+            tr("“{action}” gets {keys} instead (Esc cancels)").format(action=other, keys=instead)
         )
         self.swap.setAccessibleDescription(self.line.text())
         self.swap.show()
@@ -203,7 +205,7 @@ class ShortcutSheet(QFrame):
     def _give(self, row: ActionRow, keys: str) -> None:
         self._shortcuts.give(row.entry, keys)
         self._say(
-            tr("“{action}” has {keys} now.").format(
+            tr("“{action}” now has {keys}.").format(
                 action=row.entry.title, keys=native(keys) or tr("no keys")
             )
         )
@@ -212,7 +214,7 @@ class ShortcutSheet(QFrame):
 
     def _reset_all(self) -> None:
         self._shortcuts.reset_all()
-        self._say(tr("All actions have their standard keys."))
+        self._say(tr("All actions have their default keys."))
         self._show_keys()
         self.search.setFocus()
 

@@ -21,8 +21,8 @@ _READING_TIME = 1500  # ms for the area, once the shape has settled
 _RING, _AREA = 1, 2  # the steps that ask for an act
 
 _NOT_HELD = tr(
-    "This is the area of the whole surface. Turn the ring once more and watch it: the method that is chosen "
-    "lets it change, the method Exact holds it."
+    "This is the total area. Drag the ring again and watch it: the current method lets it "
+    "change, the method Exact keeps it."
 )
 
 
@@ -48,33 +48,30 @@ def steps(places: Places) -> tuple[Step, ...]:
     return (
         Step(
             tr(
-                "The blue base of this bottle stays in place, the orange top is the handle that you move. "
+                "The blue base of this bottle stays in place; the orange top is the handle to move. "
                 "Drag beside the bottle to look around."
             ),
             places.mesh,
         ),
         Step(
-            tr("Drag the green ring around the handle, and the bottle twists."),
+            tr("Drag the green ring around the handle to twist the bottle."),
             places.rings,
-            tr("The ring is out of sight: take “Move handle”, then “Frame the mesh”."),
+            tr("The ring is out of view: choose “Move handle”, then “Frame mesh”."),
         ),
         Step(
-            tr(
-                "This is the area of the whole surface. Turn the ring once more: the shape changes, "
-                "the area does not."
-            ),
+            tr("This is the total area. Drag the ring again: the shape changes, the area does not."),
             places.area,
-            tr("The area is out of sight: open the readings in the View menu, and scroll up."),
+            tr("The area is out of view: open Measurements in the View menu and scroll up."),
         ),
         Step(
             tr(
-                "With these you paint parts of your own: base, handle and region, and the eraser frees them "
-                "again."
+                "Paint your own base, handle and region with these tools; Erase makes painted vertices "
+                "free again."
             ),
             places.brushes,
         ),
         Step(
-            tr("Export writes the shape to a file. Now open a mesh of your own, or drop it on the window."),
+            tr("Export saves the shape to a file. Now open your own mesh, or drop it on the window."),
             places.export,
         ),
     )

@@ -64,8 +64,8 @@ class BeforeAfter(QFrame):
         self._canvas = canvas
         self._mesh: Mesh | None = None
         self.slider = _Held()
-        self.slider.setAccessibleName(tr("From rest to now"))
-        self.slider.setToolTip(tr("Drag to see the way from rest; let go to see the shape as it is"))
+        self.slider.setAccessibleName(tr("Path from rest"))
+        self.slider.setToolTip(tr("Drag to see the path from rest; release to see the current shape"))
         self.slider.valueChanged.connect(self._blend)
         self.close_button = small_button(tr("Close before and after"), tr("Close"))
         self.close_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)

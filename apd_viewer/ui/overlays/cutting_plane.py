@@ -53,16 +53,16 @@ class CuttingPlane(QFrame):
         self.axes = tuple(self._axis_button(k, name) for k, name in enumerate("XYZ"))
         self.axes[2].setChecked(True)
         self._group.idClicked.connect(lambda _: self._cut())
-        self.flip = small_button(tr("Other side"), tr("Show the other side of the plane"))
+        self.flip = small_button(tr("Flip"), tr("Show the other side of the plane"))
         self.flip.setCheckable(True)
         self.flip.toggled.connect(self._cut)
         self.slider = Slider(_WAY)
         self.slider.setValue(_STEPS // 2)
         self.slider.neutral_asked.connect(lambda: self.slider.setValue(_STEPS // 2))
-        self.slider.setAccessibleName(tr("Place of the section"))
+        self.slider.setAccessibleName(tr("Section position"))
         self.slider.valueChanged.connect(self._cut)
         self._place = QLabel()
-        self.close_button = small_button(tr("Close the section"), tr("Show the whole shape"))
+        self.close_button = small_button(tr("Close section"), tr("Show the whole shape"))
         self.close_button.clicked.connect(self.dismissed)
         for button in (self.close_button, self.flip, *self.axes):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -72,7 +72,7 @@ class CuttingPlane(QFrame):
 
     def _axis_button(self, number: int, name: str) -> QToolButton:
         button = QToolButton(text=name, objectName="axis", checkable=True)
-        button.setToolTip(tr("Cut across {axis}").format(axis=name))
+        button.setToolTip(tr("Cut perpendicular to {axis}").format(axis=name))
         button.setAccessibleName(button.toolTip())
         self._group.addButton(button, number)
         return button

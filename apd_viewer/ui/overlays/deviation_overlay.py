@@ -198,7 +198,7 @@ class HeatMap(QObject):
         self._seen = now
         if measure.waits:
             self._task.give_up()
-            self._legend.say(tr("Measured once the shape has come to rest."))
+            self._legend.say(tr("Measured when the shape has converged."))
             if surface.worn is not None:
                 surface.wear(None)
             self._resting.start()
@@ -218,7 +218,7 @@ class HeatMap(QObject):
     def _take(self, result: object) -> None:
         """Take what the thread has found."""
         if result is None:
-            self._legend.say(tr("There is not enough memory to measure this mesh."))
+            self._legend.say(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _Ready) and result.mesh is self._mesh:
             self._change, self._write = result.change, result.write
             self._legend.say("")

@@ -29,7 +29,7 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 def _counted(number: int) -> str:
-    return trn("{n} finding", "{n} findings", number).format(n=number)
+    return trn("{n} issue", "{n} issues", number).format(n=number)
 
 
 class Badge(QToolButton):
@@ -50,11 +50,11 @@ class Badge(QToolButton):
         self.setVisible(number is not None)
         self.setEnabled(bool(number))
         if not number:
-            self.setText(tr("No findings"))
-            self.setToolTip(tr("Nothing unusual was found in the mesh when it was opened"))
+            self.setText(tr("No issues"))
+            self.setToolTip(tr("No issues were found when the mesh was opened"))
         else:
             self.setText(_counted(number))
-            tip = tr("What is unusual about the mesh, and where")
+            tip = tr("Issues found in the mesh, and where they are")
             self.setToolTip(with_keys(tip, self._action) if self._action else tip)
         self.setAccessibleName(self.text())
         self._draw_symbol()
@@ -171,7 +171,7 @@ class FindingList(QFrame):
         self._canvas = canvas
         self.rows: list[FindingRow] = []
         self._title = QLabel(objectName="heading")
-        self._close = small_button(tr("Close the list of findings"), tr("Close (Esc)"))
+        self._close = small_button(tr("Close mesh check"), tr("Close (Esc)"))
         self._close.clicked.connect(self.dismissed)
         head = QHBoxLayout()
         head.setContentsMargins(8, 0, 0, 0)

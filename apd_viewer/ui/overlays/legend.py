@@ -47,25 +47,27 @@ class Legend(QFrame):
         self.hide()
 
     def _make_parts(self) -> None:
-        self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("What the colours show"))
+        self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("Quantity shown in colour"))
         for measure in Measure:
             self.choice.addItem(measure.words.title, measure)
         self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
-        self.close_button = small_button(tr("Switch the overlay off"), tr("Switch the overlay off"))
+        self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
         self.close_button.clicked.connect(lambda: self.chosen.emit(None))
         self.bar = ScaleBar()
         self._note = QLabel(objectName="quiet", wordWrap=True)
         self._cursor, self._largest = QLabel(), QLabel()
-        self.worst = small_button(tr("Next worst place"), tr("Go to the next worst place"))
+        self.worst = small_button(tr("Next extreme"), tr("Go to the next extreme"))
         self.worst.clicked.connect(self.worst_asked)
-        tip = tr("The change at the ends of the scale, where the colours are strongest")
+        tip = tr("Change at the ends of the scale, where the colours are strongest")
         self.reach = Number(brief=True, accessibleName=tr("Range"), toolTip=tip, decimals=_DECIMALS)
-        tip = tr("Changes up to this one are shown as none")
+        tip = tr("Changes up to this value are shown as neutral")
         self.neutral = Number(brief=True, accessibleName=tr("Neutral"), toolTip=tip, decimals=_DECIMALS)
         for field in (self.reach, self.neutral):
             field.setFixedWidth(100)
             field.valueChanged.connect(self._enter)
-        self.fit = QPushButton(tr("Fit"), toolTip=tr("Let the scale end at the largest change there is now"))
+        self.fit = QPushButton(
+            tr("Fit"), toolTip=tr("Fit the scale to the largest change of the current shape")
+        )
         self.fit.clicked.connect(self.fit_asked)
         for button in (self.fit, self.worst, self.close_button):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas

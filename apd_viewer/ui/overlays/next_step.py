@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import Document
 
-_TWIST = tr("Drag a ring around the handle to twist, an arrow to bend")
+_TWIST = tr("Drag a ring to rotate, an arrow to move")
 
 
 class NextStep:
@@ -57,7 +57,7 @@ class NextStep:
         if not document.counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.counts[HANDLE:].any():
-            return with_keys(tr("Now paint the part to be moved: the handle"), self._tools[Tool.HANDLE])
+            return with_keys(tr("Now paint the part to move: the handle"), self._tools[Tool.HANDLE])
         if document.problem:
             return document.problem
         if not document.counts[HANDLE + handle]:
@@ -66,7 +66,7 @@ class NextStep:
                 tr("Paint the part that “{name}” moves").format(name=name), self._tools[Tool.HANDLE]
             )
         if tool is Tool.REGION and not document.member.any():
-            return tr("Paint a part whose area you want to see, or to keep")
+            return tr("Paint a part to measure its area or keep it")
         if self._moved:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])

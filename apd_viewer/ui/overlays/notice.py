@@ -35,9 +35,7 @@ class Notice(QFrame):
         self._text = QLabel(wordWrap=True)
         self._text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._symbol = QLabel()
-        self._close = QToolButton(
-            accessibleName=tr("Dismiss the message"), toolTip=tr("Dismiss"), iconSize=SIZE
-        )
+        self._close = QToolButton(accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE)
         self._close.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 8, 8, 8)
@@ -137,7 +135,7 @@ class Empty(QWidget):
         self.setObjectName("empty")
         column = QVBoxLayout(self)
         column.setSpacing(12)
-        title = QLabel(tr("Drop a mesh here, or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
+        title = QLabel(tr("Drop a mesh here or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
         self._row = QHBoxLayout()
         for button in buttons:

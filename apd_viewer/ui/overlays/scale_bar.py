@@ -21,7 +21,7 @@ class ScaleBar(QWidget):
     """
 
     def __init__(self) -> None:
-        super().__init__(accessibleName=tr("Colours of the overlay"))
+        super().__init__(accessibleName=tr("Overlay colours"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._scale = Scale(Measure.AREA, 0.1)
         self._unit = Unit.NONE

@@ -27,7 +27,7 @@ class WayBar(QToolBar):
     """
 
     def __init__(self, canvas: Viewport, actions: SelectActions) -> None:
-        super().__init__(tr("Ways to choose vertices"), canvas, objectName="ways")
+        super().__init__(tr("Selection tools"), canvas, objectName="ways")
         shield(self)
         self._canvas = canvas
         self.setOrientation(Qt.Orientation.Vertical)
@@ -50,7 +50,7 @@ class WayBar(QToolBar):
         """Redraw the chevron of the menu, which the style draws black on any ground."""
         more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
         more.setIcon(icon("unfolded", theme))
-        more.setToolTip(tr("More ways, and changes to what is chosen"))
+        more.setToolTip(tr("More selection tools and operations"))
 
     def _fit(self) -> None:
         """Be no higher than the canvas: what there is no room for is in a menu at the end."""

@@ -43,24 +43,24 @@ class Typed:
         self._give_up = give_up
         self.vertices = TypedCard(
             canvas.viewport,
-            tr("Choose by numbers"),
-            tr("Ids or conditions of the vertices to choose"),
-            tr("y > 0.8Y and x < 0      or ids: 3, 10-20"),
-            tr("Return adds, Alt+Return removes, Ctrl+Return replaces, Esc closes."),
+            tr("Select by ID or expression"),
+            tr("IDs or conditions of the vertices to select"),
+            tr("y > 0.8Y and x < 0      or IDs: 3, 10-20"),
+            tr("Enter adds, Alt+Enter removes, Ctrl+Enter replaces, Esc closes."),
         )
         self.brush = TypedCard(
             canvas.viewport,
-            tr("Size of the brush"),
-            tr("Radius of the brush"),
+            tr("Brush size"),
+            tr("Brush radius"),
             tr("24px      or 5mm, 0.05L"),
-            tr("Pixels stay on the screen, lengths on the mesh. Return takes it, Esc closes."),
+            tr("Pixels refer to the screen, lengths to the mesh. Enter applies, Esc closes."),
         )
         self.pivot = TypedCard(
             canvas.viewport,
             tr("Pivot at"),
-            tr("Coordinates that the handle turns about"),
+            tr("Coordinates of the pivot"),
             tr("0, 0.5Y, 12mm"),
-            tr("Three coordinates, parted by commas. Return takes them, Esc closes."),
+            tr("Three coordinates, separated by commas. Enter applies, Esc closes."),
         )
         self.vertices.asked.connect(self._preview)
         self.vertices.entered.connect(self._choose)
@@ -121,10 +121,10 @@ class Typed:
             try:
                 radius = float(text.strip()[: -len(_PIXELS)])
             except ValueError:
-                problem = tr("“{text}” is no number of pixels; write one such as 24px.")
+                problem = tr("“{text}” is not a number of pixels; enter one such as 24px.")
                 raise InputError(problem.format(text=text)) from None
         if not 0.0 < radius < np.inf:
-            raise InputError(tr("A brush has a radius above 0; write one such as 24px or 0.05L."))
+            raise InputError(tr("Enter a brush radius greater than 0, such as 24px or 0.05L."))
         return radius, pixels
 
     def _take_brush(self, text: str, _: Act) -> None:

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 # For the values of Activity.
 _WORDS = {
-    "idle": tr("ready"),
-    "refining": tr("refining"),
-    "settled": tr("settled"),
-    "not reached": tr("not settled"),
+    "idle": tr("idle"),
+    "refining": tr("solving"),
+    "settled": tr("converged"),
+    "not reached": tr("not converged"),
 }
-_TIP = tr("What the total area should be, in percent of the area at rest")
+_TIP = tr("Target of the total area, in percent of the rest area")
 
 
 class Dot(QWidget):
@@ -77,20 +77,20 @@ class AreaSection(QWidget):
         self._add_reading(column)
         self._add_target(column)
         self.unreached = QLabel("", objectName="unreached", wordWrap=True)
-        self.unreached.setAccessibleName(tr("What is out of reach"))
+        self.unreached.setAccessibleName(tr("Targets out of reach"))
         self.unreached.hide()
         column.addSpacing(4)
         column.addWidget(self.unreached)
         column.addSpacing(4)
-        tip = tr("The largest change of the area of a triangle, up or down, relative to its area at rest")
-        self.local_change = QLabel("–", accessibleName=tr("Largest local change of the area"), toolTip=tip)
+        tip = tr("Largest area change of any triangle, up or down, relative to its rest area")
+        self.local_change = QLabel("–", accessibleName=tr("Largest local area change"), toolTip=tip)
         grid = QGridLayout()
-        grid.addWidget(QLabel(tr("Largest local change"), objectName="quiet", toolTip=tip), 0, 0)
+        grid.addWidget(QLabel(tr("Largest local area change"), objectName="quiet", toolTip=tip), 0, 0)
         grid.addWidget(self.local_change, 0, 1, Qt.AlignmentFlag.AlignRight)
         column.addLayout(grid)
 
     def _add_reading(self, column: QVBoxLayout) -> None:
-        self.activity = QLabel("", objectName="quiet", accessibleName=tr("What the solver is doing"))
+        self.activity = QLabel("", objectName="quiet", accessibleName=tr("Solver status"))
         self._dot = Dot()
         row = QHBoxLayout()
         row.addWidget(QLabel(tr("Area"), objectName="heading"))
@@ -105,8 +105,8 @@ class AreaSection(QWidget):
         self.percent.setFont(font)
         self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100.000 %"))
         column.addWidget(self.percent)
-        self.verdict = quiet(tr("Change of the area"))
-        self.area = quiet(tr("Area, and area at rest"))
+        self.verdict = quiet(tr("Area change"))
+        self.area = quiet(tr("Area, and rest area"))
         column.addWidget(self.verdict)
         self.unit = UnitButton()
         row = QHBoxLayout(spacing=4)
@@ -116,8 +116,8 @@ class AreaSection(QWidget):
 
     def _add_target(self, column: QVBoxLayout) -> None:
         self.hold = Check(
-            tr("Hold the total area too"),
-            toolTip=tr("Keep the sum of all triangles' areas to the last digits"),
+            tr("Keep total area"),
+            toolTip=tr("Keep the total area exactly"),
         )
         self.hold.toggled.connect(self.held)
         label = QLabel(tr("Target"), toolTip=_TIP)
@@ -126,7 +126,7 @@ class AreaSection(QWidget):
         self._title.setSizeConstraint(QStackedLayout.SizeConstraint.SetMinimumSize)
         for part in (label, self.hold):
             self._title.addWidget(part)
-        self.target = Dial(title, PERCENT, percent_field("", _TIP), tr("Target of the area"))
+        self.target = Dial(title, PERCENT, percent_field("", _TIP), tr("Area target"))
         label.setBuddy(self.target.field)
         column.addSpacing(8)
         column.addWidget(self.target)
@@ -152,9 +152,7 @@ class AreaSection(QWidget):
         self.area.setText(readings.area(state, unit))
         self.local_change.setText(readings.local_change(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
-        self._dot.setToolTip(
-            tr("Something asked for is not met") if missed else tr("All that is asked for is met")
-        )
+        self._dot.setToolTip(tr("Some targets not met") if missed else tr("All targets met"))
         if frame.unreached is not None and frame.settled:
             self.unreached.setText(frame.unreached)
             self.unreached.show()

@@ -26,23 +26,23 @@ class CrossingsButton(QToolButton):
 
     def show_moving(self) -> None:
         """The shape is on its way to somewhere else."""
-        tip = tr("Self-intersections are looked for as soon as the shape rests")
-        self._say(tr("self-intersections: not while it moves"), tip)
+        tip = tr("Self-intersections are checked when the shape stops moving")
+        self._say(tr("self-intersections: checked when it stops"), tip)
 
     def show_checking(self) -> None:
         """It is being found out."""
-        self._say(tr("checking for self-intersections…"), tr("Whether triangles pass through others"))
+        self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
     def show_count(self, triangles: int | None) -> None:
         """So many triangles pass through others; None where nobody could look."""
         if triangles is None:
-            tip = tr("The library ipctk is missing or gave no answer; without it nobody knows")
+            tip = tr("The library ipctk, which checks this, is missing or does not respond")
             self._say(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
-            self._say(tr("no self-intersections"), tr("No triangle passes through another one"), "sound")
+            self._say(tr("no self-intersections"), tr("No triangles intersect"), "sound")
         else:
-            said = tr("self-intersecting: {n:,} triangles")
-            tip = tr("The volume is wrong by what they share. Show where this is")
+            said = tr("{n:,} intersecting triangles")
+            tip = tr("The volume counts overlaps twice. Show where this is")
             self._say(said.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QListWidget, QListWidgetItem
 
 from apd_viewer.language import tr
 
-_START = tr("As it was opened")
+_START = tr("Opened")
 
 
 class HistoryList(QListWidget):
@@ -24,7 +24,7 @@ class HistoryList(QListWidget):
 
     def __init__(self) -> None:
         super().__init__(objectName="history", accessibleName=tr("History"))
-        self.setToolTip(tr("Click a step to go back, or forth, to where it was done"))
+        self.setToolTip(tr("Click a step to go back or forward to it"))
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._shown: tuple[list[str], list[str]] = [], []
         self.itemClicked.connect(lambda item: self.chosen.emit(self.row(item)))

@@ -37,7 +37,7 @@ class MethodSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Method"))
-        self.method = Choice(accessibleName=tr("Method"), toolTip=tr("How the free part follows the handles"))
+        self.method = Choice(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
         for name, method in METHODS.items():
             if name in OFFERED:
                 self.method.addItem(method.title, name)
@@ -53,8 +53,8 @@ class MethodSection(Section):
 
     def _add_settings(self) -> None:
         self.tolerance = Number(
-            accessibleName=tr("Tolerance of the area in percent"),
-            toolTip=tr("How far the total area may be from what it should be"),
+            accessibleName=tr("Area tolerance in percent"),
+            toolTip=tr("Allowed deviation of the total area from its target"),
             minimum=0.001,
             maximum=10.0,
             decimals=3,
@@ -62,11 +62,14 @@ class MethodSection(Section):
         )
         self.area_stiffness = _modulus(
             tr("Area stiffness"),
-            tr("How firmly a triangle keeps its area: the area modulus, against that of the whole"),
+            tr("How strongly each triangle keeps its area: the area modulus, relative to that of the whole"),
         )
         self.shear_stiffness = _modulus(
             tr("Shear stiffness"),
-            tr("How firmly a triangle keeps its angles: the shear modulus, against that of the whole"),
+            tr(
+                "How strongly each triangle keeps its angles: the shear modulus, relative to that of "
+                "the whole"
+            ),
         )
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
@@ -79,7 +82,7 @@ class MethodSection(Section):
         for row in (self._tolerance, *self._moduli):
             row.hide()  # until there is a method that it matters for
             self.column.addWidget(row)
-        tip = tr("How firmly the surface resists bending, from cloth to sheet metal: the bending stiffness")
+        tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
         field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)
         label = QLabel(tr("Stiffness"), toolTip=tip)
         self.stiffness = Dial(label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal")))

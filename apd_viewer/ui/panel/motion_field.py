@@ -16,9 +16,9 @@ _MOTIONS = {
     "MOVE_X": tr("Move along x"),
     "MOVE_Y": tr("Move along y"),
     "MOVE_Z": tr("Move along z"),
-    "TURN_X": tr("Turn about x"),
-    "TURN_Y": tr("Turn about y"),
-    "TURN_Z": tr("Turn about z"),
+    "TURN_X": tr("Rotate about x"),
+    "TURN_Y": tr("Rotate about y"),
+    "TURN_Z": tr("Rotate about z"),
     "BEND_X": tr("Bend about x"),
     "BEND_Y": tr("Bend about y"),
     "BEND_Z": tr("Bend about z"),
@@ -52,15 +52,15 @@ class MotionField(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.choice = Choice(accessibleName=tr("Motion of the handle"))
+        self.choice = Choice(accessibleName=tr("Handle motion"))
         for name, title in _MOTIONS.items():
             self.choice.addItem(title, name)
-        self.pick = QPushButton(tr("Pick the line"), toolTip=_TIPS[_LINE])
+        self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS[_LINE])
         self.pick.clicked.connect(self.line_asked)
-        self.amount = _Amount(objectName="typed", accessibleName=tr("By how much"), placeholderText="60deg")
+        self.amount = _Amount(objectName="typed", accessibleName=tr("Amount"), placeholderText="60deg")
         self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
         self.choice.currentIndexChanged.connect(self._choose)
-        self._problem = quiet(tr("What is wrong with the amount"))
+        self._problem = quiet(tr("Error in the amount"))
         self._problem.setObjectName("unreached")
         self._problem.setWordWrap(True)
         self._problem.hide()

@@ -33,7 +33,7 @@ class PaintSection(Section):
     """How many vertices are painted as what."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Paint"))
+        super().__init__(tr("Vertices"))
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         grid.setColumnStretch(1, 1)
         self._counts = []

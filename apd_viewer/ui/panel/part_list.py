@@ -107,8 +107,8 @@ class Name(QLineEdit):
 
 # What is said of the parts of a kind: of their reading, and of the button that removes one.
 _SAID = {
-    "handle": (tr("Reading of the handle"), tr("Remove this handle")),
-    "region": (tr("Reading of the region"), tr("Remove this region")),
+    "handle": (tr("Measurement of the handle"), tr("Remove this handle")),
+    "region": (tr("Measurement of the region"), tr("Remove this region")),
 }
 
 
@@ -132,7 +132,7 @@ class PartRow(QFrame):
 
     def __init__(self, kind: str, name: str, color: tuple[int, int, int], details: QWidget) -> None:
         super().__init__(objectName="part", focusPolicy=Qt.FocusPolicy.StrongFocus)
-        self.setToolTip(tr("Click makes it active; double click or F2 renames it, Delete removes it"))
+        self.setToolTip(tr("Click to activate, double-click or F2 to rename, Delete to remove"))
         self.name = Name(name)
         reading, remove = _SAID[kind]
         self.reading = QLabel("", objectName="quiet", accessibleName=reading)

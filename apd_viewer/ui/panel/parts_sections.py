@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
 
-_DRIFT = tr("How far a handle is from where it was put; the farthest of several")
+_DRIFT = tr("Distance between a handle and the position you gave it; the largest of several")
 
 
 class HandleSection(Section):
@@ -51,8 +51,8 @@ class HandleSection(Section):
         self.motion = MotionField()
         self.column.addWidget(self.motion)
         tip = tr(
-            "How far around the active handle the surface is drawn along, less and less with the distance; "
-            "in percent of the longest side"
+            "Distance over which the surface around the active handle moves with it, decreasing "
+            "outwards; in percent of the longest side"
         )
         field = Number(brief=True, decimals=2, maximum=100.0, suffix=" %", singleStep=1.0, toolTip=tip)
         self.falloff = Dial(QLabel(tr("Falloff"), toolTip=tip), SHARE, field, tr("Falloff of the handle"))
@@ -65,12 +65,14 @@ class HandleSection(Section):
         self.add = QPushButton(
             tr("Add"),
             accessibleName=tr("Add handle"),
-            toolTip=tr("One more part to be moved by itself"),
+            toolTip=tr("Add another handle"),
         )
-        self.back = QPushButton(tr("Put back"), toolTip=tr("Put the active handle back where it was gripped"))
-        self.back.setAccessibleName(tr("Put the active handle back"))
+        self.back = QPushButton(
+            tr("Reset handle"), toolTip=tr("Return the active handle to its rest position")
+        )
+        self.back.setAccessibleName(tr("Reset the active handle"))
         self.reset = QPushButton(
-            tr("Reset all"), toolTip=tr("Put all handles back, and the mesh in its rest shape")
+            tr("Reset all handles"), toolTip=tr("Reset all handles and return the mesh to its rest shape")
         )
         self.add.clicked.connect(self.added)
         self.back.clicked.connect(self.put_back_asked)
@@ -82,7 +84,7 @@ class HandleSection(Section):
         self.column.addLayout(buttons)
 
     def _row(self, _k: int, name: str, color: tuple[int, int, int]) -> PartRow:
-        details = quiet(tr("How far {name} was moved and turned").format(name=name))
+        details = quiet(tr("Displacement and rotation of {name}").format(name=name))
         details.setIndent(22)
         return PartRow("handle", name, color, details)
 
@@ -131,13 +133,13 @@ class RegionSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
-        self.empty = quiet(tr("What regions are for"))
-        self.empty.setText(tr("A region is a painted part whose area you can read, and keep."))
+        self.empty = quiet(tr("About regions"))
+        self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
         self.list = PartList(REGION_COLORS, self._row)
         self.note = quiet(tr("Why regions are not kept"))
         self.note.setText(tr("The method Paper only measures regions."))
         self.note.hide()
-        self.add = QPushButton(tr("Add region"), toolTip=tr("One more part whose area is measured"))
+        self.add = QPushButton(tr("Add region"), toolTip=tr("Add another region to measure or keep its area"))
         self.add.clicked.connect(self.added)
         for part in (self.empty, self.list, self.note):
             self.column.addWidget(part)
@@ -167,7 +169,7 @@ class RegionSection(Section):
         """Show the area of each region."""
         for row, (area, sizes) in zip(self.list.rows, readings.regions(state, unit), strict=False):
             row.reading.setText(area)
-            row.reading.setToolTip(tr("Area in percent of its area at rest: {sizes}").format(sizes=sizes))
+            row.reading.setToolTip(tr("Area in percent of its rest area: {sizes}").format(sizes=sizes))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -189,11 +191,9 @@ class Keep(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        tip = tr("What the area of the region should be, in percent of its area at rest")
-        self.box = Check(
-            tr("Keep at"), toolTip=tr("Keep the area of the region to the last digits, or leave it free")
-        )
-        self.field: Number = percent_field(tr("Target of the area of the region"), tip)
+        tip = tr("Target of the area of the region, in percent of its rest area")
+        self.box = Check(tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free"))
+        self.field: Number = percent_field(tr("Area target of the region"), tip)
         line = QHBoxLayout(self, spacing=8)
         line.setContentsMargins(22, 0, 0, 2)
         line.addWidget(self.box)

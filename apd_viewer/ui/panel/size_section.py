@@ -40,26 +40,27 @@ class SizeSection(Section):
         self._at_rest: Examination | None = None
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._grid.setColumnStretch(1, 1)
-        later = tr("measured when the shape rests")
+        later = tr("measured when the shape stops moving")
         self.extent = self._row(
-            tr("Box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
+            tr("Bounding box"), tr("Extent along x, y and z; {later}").format(later=later), wide=True
         )
         self.box, self._box_change = self._rows(
-            tr("Box volume"), tr("Volume of the box along x, y and z; {later}").format(later=later)
+            tr("Bounding box volume"),
+            tr("Volume of the bounding box along x, y and z; {later}").format(later=later),
         )
         self.packed, self._packed_change = self._rows(
-            tr("Packed volume"),
+            tr("Smallest box volume"),
             tr(
-                "Volume of the smallest box that was found around the shape, turned in any way: "
-                "what it takes up in a carton or a bale; {later}"
+                "Volume of the smallest bounding box found, in any orientation: the space it takes up "
+                "in a carton or a bale; {later}"
             ).format(later=later),
         )
         self.compact, self._compact_change = self._rows(
             tr("Compactness"),
-            tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a ball, 0.52 for a cube"),
+            tr("36 π V² / A³ of volume V and area A, for closed surfaces: 1 for a sphere, 0.52 for a cube"),
         )
         self._add_wall()
-        self.mass = self._row(tr("Mass"), tr("Area times thickness times density"), wide=True)
+        self.mass = self._row(tr("Mass"), tr("Area × thickness × density"), wide=True)
         self.column.addLayout(self._grid)
         self.column.addSpacing(4)
         self._problem = quiet(tr("Why there is no mass"))
@@ -149,7 +150,9 @@ class SizeSection(Section):
             changed.setText(said[1])
         self.extent.setText(readings.extent(found, self._unit))
         change = self._packed_change.text()
-        self.heading.say(tr("packed {change}").format(change=change) if change else "", only_folded=True)
+        self.heading.say(
+            tr("smallest box {change}").format(change=change) if change else "", only_folded=True
+        )
 
     def _show_mass(self) -> None:
         try:

@@ -80,7 +80,7 @@ class StatusBar(QStatusBar):
         self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
         iteration = state.frame.iteration if state else 0
-        pace = tr("iteration {iteration:,}, {pace:.1f} ms an iteration").format(
+        pace = tr("iteration {iteration:,}, {pace:.1f} ms per iteration").format(
             iteration=iteration, pace=1e3 * session.store.seconds_per_iteration
         )
         self._pace.setText(pace if iteration else "")

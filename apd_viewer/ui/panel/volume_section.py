@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
 
-_TIP = tr("What the enclosed volume should be, in percent of the volume at rest")
+_TIP = tr("Target of the enclosed volume, in percent of the rest volume")
 
 
 class VolumeSection(Section):
@@ -39,11 +39,11 @@ class VolumeSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Volume"))
-        self.volume = quiet(tr("Volume, and volume at rest"))
-        self.keep = Check(tr("Keep the volume"), toolTip=tr("Keep the enclosed volume to the last digits"))
-        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Target of the volume"))
+        self.volume = quiet(tr("Volume, and rest volume"))
+        self.keep = Check(tr("Keep volume"), toolTip=tr("Keep the enclosed volume exactly"))
+        self.target = Dial(self.keep, PERCENT, percent_field("", _TIP), tr("Volume target"))
         self.why_not = quiet(tr("Why the volume cannot be kept"))
-        self.litres = quiet(tr("Volume in litres, and how it was closed"))
+        self.litres = quiet(tr("Volume in litres, and how its openings were closed"))
         self.crossings = CrossingsButton()
         for part in (self.volume, self.litres, self.crossings, self.target, self.why_not):
             self.column.addWidget(part)

@@ -53,15 +53,12 @@ class _Words(NamedTuple):
 
 
 _CHARTS = {
-    "error": _Words(tr("Area error"), tr("How far the area is from what is asked, by iteration")),
-    "energy": _Words(tr("Energy"), tr("What the deformation costs, along the gesture")),
-    "area": _Words(tr("Area and volume"), tr("Their changes against rest, along the gesture")),
+    "error": _Words(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
+    "energy": _Words(tr("Energy"), tr("Energy of the deformation along the gesture")),
+    "area": _Words(tr("Area and volume"), tr("Their changes from rest along the gesture")),
     "local": _Words(
         tr("Local change"),
-        tr(
-            "How much of the surface has grown and shrunk, and by how much: the mean, what 99 % of it "
-            "do not exceed, and the largest"
-        ),
+        tr("Share of the surface by local area change, with the mean, the 99th percentile and the maximum"),
     ),
 }
 _AT_FIRST = ("error", "area", "local")
@@ -109,7 +106,7 @@ class Plots(QWidget):
         self._charts.setContentsMargins(0, 0, 0, 0)
         for view in self.views.values():
             self._charts.addWidget(view, 1)
-        self._none = QLabel(tr("Choose above what is plotted."), objectName="quiet")
+        self._none = QLabel(tr("Choose above what to plot."), objectName="quiet")
         self._none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._charts.addWidget(self._none, 1)
         room = QScrollArea(widgetResizable=True, focusPolicy=Qt.FocusPolicy.NoFocus)
@@ -126,7 +123,7 @@ class Plots(QWidget):
         return button
 
     def _make_save(self) -> None:
-        self.save = QToolButton(text=tr("Save"), toolTip=tr("Save the plots as a picture or as numbers"))
+        self.save = QToolButton(text=tr("Save"), toolTip=tr("Save the plots as a picture or as data"))
         self.save.setObjectName("choice")
         self.save.setIconSize(SIZE * 0.8)
         self.save.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
@@ -137,12 +134,12 @@ class Plots(QWidget):
     def _make_menu(self) -> QMenu:
         menu = QMenu(self.save)
         self._pictures = [
-            menu.addAction(tr("Picture as PNG…"), partial(self._ask, "plots", ".png", self.write_picture)),
-            menu.addAction(tr("Picture as SVG…"), partial(self._ask, "plots", ".svg", self.write_picture)),
+            menu.addAction(tr("PNG picture…"), partial(self._ask, "plots", ".png", self.write_picture)),
+            menu.addAction(tr("SVG picture…"), partial(self._ask, "plots", ".svg", self.write_picture)),
         ]
         menu.addSeparator()
         self._numbers = menu.addAction(
-            tr("Numbers of the gesture as CSV…"), partial(self._ask, "gesture", ".csv", self.write_trace)
+            tr("Gesture data as CSV…"), partial(self._ask, "gesture", ".csv", self.write_trace)
         )
         self._histogram = menu.addAction(
             tr("Local change as CSV…"), partial(self._ask, "local-change", ".csv", self.write_histogram)
@@ -251,7 +248,9 @@ class Plots(QWidget):
         if name == "area":
             return reading_charts.area_and_volume(state, self._trace)
         if state is None:
-            return reading_charts.local_change(None, tr("Open a mesh to see here how its triangles change."))
+            return reading_charts.local_change(
+                None, tr("Open a mesh to see the area change of its triangles here.")
+            )
         if not self._ready():
             return reading_charts.local_change(None, tr("Preparing…"))
         return reading_charts.local_change(self._local_change(state))
@@ -291,7 +290,7 @@ class Plots(QWidget):
         except InputError as error:
             self._notice.fail(str(error))
         else:
-            self._notice.tell(tr("Wrote {name}.").format(name=path.name))
+            self._notice.tell(tr("Saved {name}.").format(name=path.name))
 
     def write_picture(self, path: Path) -> None:
         """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""

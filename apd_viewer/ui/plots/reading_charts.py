@@ -31,7 +31,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     """How far the area is from what is asked, by iteration, against what is accepted."""
     title = tr("Area error by iteration")
     if state is None or len(trace) < 2:
-        return Chart(title, empty=tr("Move a handle to see here how the area is brought back."))
+        return Chart(title, empty=tr("Move a handle to see the area error here."))
     limit, name = _accepted(state.document)
     # Of what is far better than asked, nobody needs to see how much better it is.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
@@ -65,9 +65,11 @@ def energy(trace: Trace, unit: Unit) -> Chart:
     E = trace["energy"]
     known = E[np.isfinite(E)]
     if len(trace) < 2 or len(known) == 0:
-        return Chart(title, empty=tr("Move a handle to see here what the deformation costs."))
+        return Chart(title, empty=tr("Move a handle to see the energy here."))
     last = (
-        unit.area(significant(float(E[-1]), 5)) if np.isfinite(E[-1]) else tr("known once the preview ends")
+        unit.area(significant(float(E[-1]), 5))
+        if np.isfinite(E[-1])
+        else tr("available when the preview ends")
     )
     axis = rounded(0.0, float(known.max()))
     return Chart(
@@ -79,7 +81,7 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
     """How area and volume change along the gesture, against rest."""
     title = tr("Area and volume along the gesture")
     if state is None or len(trace) < 2:
-        return Chart(title, empty=tr("Move a handle to see here what becomes of area and volume."))
+        return Chart(title, empty=tr("Move a handle to see area and volume here."))
     area, rest = 100.0 * trace["area_error"], state.inspection.volume
     volume = 100.0 * (trace["volume"] / rest - 1.0) if rest else np.full(len(area), np.nan)
     said = [(tr("area {change} %").format(change=signed(float(area[-1]), 3)), "accent")]
@@ -117,7 +119,7 @@ def _seconds(trace: Trace) -> Axis:
 def _let_go(trace: Trace) -> tuple[Mark, ...]:
     """Where the hand let go, and the shape began to settle."""
     moment, last = trace.let_go_at, float(trace["seconds"][-1])
-    return (Mark(moment, tr("let go")),) if moment is not None and moment < last else ()
+    return (Mark(moment, tr("released")),) if moment is not None and moment < last else ()
 
 
 def _percent(fraction: float) -> str:

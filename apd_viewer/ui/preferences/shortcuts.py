@@ -111,7 +111,7 @@ class Shortcuts:
         kept = _ENDS + _WALKS if everywhere else _ENDS
         for key in split("" if keys == entry.standard else keys):
             if key.removeprefix("Shift+") in kept:
-                return tr("{keys} is needed to get about in the window; choose other keys.").format(
+                return tr("{keys} is reserved for navigation in the window; choose other keys.").format(
                     keys=native(key)
                 )
             if key in self._mnemonics:

@@ -28,7 +28,7 @@ _NAMES = {
     Unit.METRE: tr("Metres (m)"),
 }
 _CHEVRON, _PADDING = 16, 6
-_TIP = tr("The unit of length of this file: readings are shown in it, and nothing is scaled")
+_TIP = tr("Unit of length of this file: measurements are shown in it, and nothing is scaled")
 
 
 class UnitButton(QToolButton):

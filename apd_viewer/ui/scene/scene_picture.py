@@ -51,7 +51,7 @@ def scene_picture(
     scene = viewport.renderer if renderer is None else renderer
     with viewport.aside() as window:
         if window is None:
-            raise InputError(tr("Nothing can be drawn here: there is no OpenGL; update the graphics driver."))
+            raise InputError(tr("Nothing can be drawn: OpenGL is not available; update the graphics driver."))
         finer = _finer(window, size)
         seen = viewport.size() if renderer is None else size
         with (
@@ -86,7 +86,7 @@ def _finer(window: vtkRenderWindow, size: QSize) -> int:
     """How many times larger to draw: where nothing else smooths the edges, twice if that is affordable."""
     most, longest = int(vtkTextureObject.GetMaximumTextureSize(window)), max(size.width(), size.height())
     if longest > most:
-        said = tr("A picture can have up to {most:,} pixels a side on this computer; choose a smaller one.")
+        said = tr("A picture can have up to {most:,} pixels per side on this computer; choose a smaller one.")
         raise InputError(said.format(most=most))
     pixels = size.width() * size.height()
     if pixels > _MOST:

@@ -93,7 +93,7 @@ class Pictures:
                 if not image.save(str(scratch), "PNG"):
                     raise OSError(tr("the picture could not be encoded"))
             size = tr("{width:,} × {height:,} pixels").format(width=image.width(), height=image.height())
-            return tr("Wrote {name}: {size}.").format(name=path.name, size=size)
+            return tr("Saved {name}: {size}.").format(name=path.name, size=size)
 
         title = tr("Writing {name}").format(name=path.name)
         self._session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)

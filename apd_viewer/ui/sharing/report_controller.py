@@ -179,7 +179,7 @@ class Reporting:
             from apd_viewer.presentation.report_page import page_of
 
             write_page(path, page_of(subject, measured.evidence, _encoded(images, legend), histogram))
-            return tr("Wrote {name}.").format(name=path.name)
+            return tr("Saved {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
         session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
@@ -218,7 +218,7 @@ class Reporting:
 
             return svg_of(_CHART, draw)
 
-        caption = tr("Share of the surface, by how much its triangles have shrunk or grown")
+        caption = tr("Share of the surface by local area change")
         return html_page.Drawing(drawn(LIGHT), drawn(DARK), caption)
 
 
@@ -257,7 +257,7 @@ def _session_of(state: State, view: View) -> bytes:
 def _encoded(images: list[QImage], legend: str) -> html_page.Pictures:
     from apd_viewer.files import html_page
 
-    captions = tr("Rest shape"), tr("Shape now"), tr("Local area change")
+    captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
     pictures = [
         html_page.Picture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
     ]

@@ -89,10 +89,10 @@ class CommandProcess(QObject):
             return
         errors = process.readAllStandardError().toStdString().splitlines()
         sentences = [line.removeprefix(_ERROR) for line in errors if line.startswith(_ERROR)]
-        self.failed.emit(sentences[-1] if sentences else tr("The work has ended too early; try it again."))
+        self.failed.emit(sentences[-1] if sentences else tr("The work ended unexpectedly; try again."))
 
     def _stumble(self, process: QProcess, error: QProcess.ProcessError) -> None:
         if error is QProcess.ProcessError.FailedToStart and process is self._process:
             self._process = None
             process.deleteLater()
-            self.failed.emit(tr("No process can be started; close other programs."))
+            self.failed.emit(tr("The process could not be started; close other programs."))

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 def _about() -> str:
     return tr(
-        "Re-runs Tables 1 and 2 of Li and Hui on the sample bottle and the sample duck, by ARAP and by the "
-        "paper's method (APD), and draws ARAP's loss against the angle and where Eq. 8 leaves the handle. "
-        "The authors' meshes are not published, so the percentages compare, and the areas do not. "
-        "It takes a minute or two; the window can be worked in meanwhile."
+        "Reproduces Tables 1 and 2 of Li and Hui on the sample bottle and duck, with ARAP and "
+        "with the paper's method (APD), and plots the area loss of ARAP by angle and the handle"
+        " drift with Eq. 8. The authors' meshes are not published, so only percentages can be "
+        "compared, not areas. This takes a minute or two; you can keep working in the window."
     )
 
 
@@ -41,11 +41,11 @@ def _figures() -> dict[str, str]:
         "bottle.png": tr("Table 1: the bottle at rest, and twisted by 60° and 120°."),
         "duck.png": tr("Table 2: the duck at rest, and its tail moved by 0.15 L and 0.3 L."),
         "loss-against-angle.png": tr(
-            "ARAP's change of the area against the angle. Stopped after a few iterations, its loss grows at "
-            "first and then falls, as in Table 1; left to settle, this bottle gains area."
+            "Area change by ARAP against the angle. Stopped after a few iterations, the loss first "
+            "grows and then falls, as in Table 1; at convergence, this bottle gains area."
         ),
         "handle.png": tr(
-            "What Eq. 8 does to the handle: a twist makes it drift, and a pull is taken back almost whole."
+            "Effect of Eq. 8 on the handle: a twist makes it drift, and a pull is undone almost completely."
         ),
     }
 
@@ -126,16 +126,16 @@ def _table(lines: list[dict[str, str]]) -> QGridLayout:
     grid = QGridLayout(horizontalSpacing=24, verticalSpacing=6)
     grid.setColumnStretch(0, 1)
     over = (
-        QLabel(tr("ARAP changes the area by"), objectName="heading"),
-        QLabel(tr("APD changes it by"), objectName="heading"),
+        QLabel(tr("Area change by ARAP"), objectName="heading"),
+        QLabel(tr("Area change by APD"), objectName="heading"),
     )
     grid.addWidget(over[0], 0, 1, 1, 2, Qt.AlignmentFlag.AlignRight)
     grid.addWidget(over[1], 0, 3, 1, 2, Qt.AlignmentFlag.AlignRight)
     titles = (
-        tr("move"),
-        tr("here"),
+        tr("motion"),
+        tr("this program"),
         tr("paper"),
-        tr("here"),
+        tr("this program"),
         tr("paper"),
         tr("handle drift"),
         tr("within 0.1 %"),

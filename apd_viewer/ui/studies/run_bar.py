@@ -76,7 +76,7 @@ class RunBar(QWidget):
         self.words = QLabel(objectName="quiet", wordWrap=True)
         self.words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.bar = QProgressBar(maximum=_SCALE, textVisible=False, objectName="thin")
-        self.open = QPushButton(tr("Open the folder"), clicked=self._open)
+        self.open = QPushButton(tr("Open folder"), clicked=self._open)
         self.save = QPushButton(tr("Save…"), clicked=self._ask_where)
         self.cancel = QPushButton(tr("Cancel"), clicked=self.stop)
         self.start = QPushButton(start, objectName="primary", clicked=lambda: self.asked.emit())
@@ -176,7 +176,9 @@ class RunBar(QWidget):
     # Saving
 
     def _ask_where(self) -> None:
-        folder = QFileDialog.getExistingDirectory(self, tr("Save to which folder?"), str(self._memory.folder))
+        folder = QFileDialog.getExistingDirectory(
+            self, tr("Choose a folder to save in"), str(self._memory.folder)
+        )
         if folder:
             self.save_in(Path(folder))
 

@@ -70,8 +70,8 @@ class SweepDialog(QDialog):
         self._column = QVBoxLayout(self, spacing=12)
         self._column.setContentsMargins(20, 16, 20, 16)
         words = tr(
-            "Goes from the start of the motion to its end in steps, each shape from the one before, "
-            "and draws how area, volume and energy change."
+            "Runs the motion in steps, each shape starting from the previous one, and plots area, "
+            "volume and energy."
         )
         self._column.addWidget(QLabel(words, objectName="quiet", wordWrap=True))
         self._asks = QWidget()
@@ -83,7 +83,7 @@ class SweepDialog(QDialog):
             (tr("Motion"), self._make_motion()),
             (tr("Steps"), self._make_steps()),
             (tr("Methods"), self._make_methods()),
-            (tr("Write too"), self._make_extras()),
+            (tr("Also export"), self._make_extras()),
         )
         for number, (title, row) in enumerate(rows):
             grid.addWidget(QLabel(title, objectName="heading"), number, 0)
@@ -101,9 +101,9 @@ class SweepDialog(QDialog):
         self.motion = Choice()
         self.motion.setAccessibleName(tr("Motion to sweep"))
         if document.posed:
-            self.motion.addItem(tr("of the handles, as they are now"), _POSED)
+            self.motion.addItem(tr("current motion of the handles"), _POSED)
         self.motion.setMinimumWidth(260)
-        self.motion.addItem(tr("a twist of “{name}” by").format(name=name), _TWIST)
+        self.motion.addItem(tr("twist of “{name}” by").format(name=name), _TWIST)
         self.twist = QLineEdit("180deg", objectName="typed", maximumWidth=100)
         self.twist.setAccessibleName(tr("Angle of the twist"))
         self.motion.currentIndexChanged.connect(self._show_motion)
@@ -115,9 +115,9 @@ class SweepDialog(QDialog):
 
     def _make_steps(self) -> QHBoxLayout:
         self.steps = _field(tr("Number of steps"), 1, MOST_STEPS, 20)
-        self.to = _field(tr("Last part of the motion"), 1, 1000, 100, " %")
-        self.iterations = _field(tr("Iterations of a step"), 1, 100_000, DEFAULT_ITERATIONS)
-        words = tr("up to"), tr("of the motion, with at most"), tr("iterations each")
+        self.to = _field(tr("End of the motion"), 1, 1000, 100, " %")
+        self.iterations = _field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
+        words = tr("end at"), tr("of the motion, with at most"), tr("iterations each")
         first, second, third = map(QLabel, words)
         return _row(self.steps, first, self.to, second, self.iterations, third, spacing=8)
 
@@ -131,7 +131,7 @@ class SweepDialog(QDialog):
         return _row(*self.methods.values())
 
     def _make_extras(self) -> QHBoxLayout:
-        self.meshes = Check(tr("the mesh of every step"))
+        self.meshes = Check(tr("the mesh of each step"))
         self.animation = Check(tr("an animation (GIF)"))
         return _row(self.meshes, self.animation)
 

@@ -81,7 +81,7 @@ class Canvas(QObject):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.viewport = Viewport(parent)
-        self.viewport.setAccessibleName(tr("View of the mesh"))
+        self.viewport.setAccessibleName(tr("3D view"))
         self.surface = Surface(self.viewport)
         self.painter = Painter(self.viewport, self.surface)
         self.ways = self._make_ways()

@@ -17,8 +17,8 @@ class _Words(NamedTuple):
     is_brush: bool = False
 
 
-_MODIFIERS = tr("Alt removes, Ctrl replaces, Esc goes back")
-_CAMERA = tr("drag turns, middle button or Shift+drag shifts, wheel zooms to the cursor")
+_MODIFIERS = tr("Alt removes, Ctrl replaces, Esc cancels")
+_CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the cursor")
 
 
 class Tool(Enum):
@@ -28,29 +28,27 @@ class Tool(Enum):
     BASE = _Words(
         tr("Paint base"), "B", "paint-base", tr("Paint the part that stays in place"), is_brush=True
     )
-    HANDLE = _Words(
-        tr("Paint handle"), "H", "paint-handle", tr("Paint a part that you will move"), is_brush=True
-    )
+    HANDLE = _Words(tr("Paint handle"), "H", "paint-handle", tr("Paint a part to move"), is_brush=True)
     REGION = _Words(
         tr("Paint region"),
         "R",
         "paint-region",
-        tr("Paint a part whose area you want to see, or to keep"),
+        tr("Paint a part to measure its area or keep it"),
         is_brush=True,
     )
     ERASE = _Words(
         tr("Erase"),
         "E",
         "erase",
-        tr("Take base and handle away, so that the part can deform; where there is neither, the region"),
+        tr("Erase base and handle so that the part can deform; where there is neither, erase the region"),
         is_brush=True,
     )
     MOVE = _Words(
         tr("Move handle"),
         "M",
         "move",
-        tr("Move and turn a handle with arrows, squares and rings"),
-        tr("drag an arrow, a square or a ring; Ctrl snaps, Esc goes back, a click takes another"),
+        tr("Move and rotate a handle with arrows, squares and rings"),
+        tr("drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, a click selects another handle"),
     )
 
     @property
@@ -70,7 +68,7 @@ class Tool(Enum):
     @property
     def modifiers(self) -> str:
         """What other keys do while it paints."""
-        return tr("Esc goes back") if self is Tool.ERASE else _MODIFIERS
+        return tr("Esc cancels") if self is Tool.ERASE else _MODIFIERS
 
 
 class Way(Enum):
@@ -80,51 +78,53 @@ class Way(Enum):
         tr("Brush"),
         "D",
         "way-brush",
-        tr("Paint what lies under a round brush, along the surface"),
-        tr("drag on the mesh, wheel for the size, Ctrl+wheel zooms"),
+        tr("Paint the surface under a round brush"),
+        tr("drag on the mesh, wheel changes the size, Ctrl+wheel zooms"),
     )
-    BOX = _Words(tr("Box"), "X", "way-box", tr("Take what lies within a box on the screen"), tr("drag a box"))
+    BOX = _Words(
+        tr("Bounding box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box")
+    )
     LASSO = _Words(
         tr("Lasso"),
         "Z",
         "way-lasso",
-        tr("Take what lies within a line drawn by hand"),
-        tr("draw a line around"),
+        tr("Select inside a freehand outline"),
+        tr("draw an outline"),
     )
     POLYGON = _Words(
         tr("Polygon"),
         "P",
         "way-polygon",
-        tr("Take what lies within a polygon on the screen"),
-        tr("click its corners, and the first one again or Return to close it"),
+        tr("Select inside a polygon on the screen"),
+        tr("click its corners; click the first again or press Enter to close it"),
     )
     FILL = _Words(
-        tr("Fill up to creases"),
+        tr("Fill to sharp edges"),
         "G",
         "way-fill",
-        tr("Take the surface around a place, up to where it is creased"),
-        tr("click a place, wheel for how sharp a crease must be, Ctrl+wheel zooms"),
+        tr("Select the surface around a point, up to sharp edges"),
+        tr("click a point, wheel sets the edge angle, Ctrl+wheel zooms"),
     )
     PIECE = _Words(
-        tr("Whole piece"),
+        tr("Connected part"),
         "J",
         "way-piece",
-        tr("Take all that is connected with a place"),
-        tr("click a piece"),
+        tr("Select everything connected to a point"),
+        tr("click a part"),
     )
     LOOP = _Words(
-        tr("Border loop"),
+        tr("Boundary loop"),
         "U",
         "way-loop",
-        tr("Take the open border nearest to a place"),
-        tr("click near an open border"),
+        tr("Select the open boundary nearest to a point"),
+        tr("click near an open boundary"),
     )
     SLAB = _Words(
         tr("Between planes"),
         "Y",
         "way-slab",
-        tr("Take what lies between two planes"),
-        tr("drag from one plane to the other, wheel for the axis, Ctrl+wheel zooms"),
+        tr("Select between two planes"),
+        tr("drag from one plane to the other, wheel changes the axis, Ctrl+wheel zooms"),
     )
 
     @property

@@ -202,8 +202,8 @@ class Dial(QWidget):
         )
         neutral = f"{field.textFromValue(self._neutral)}{field.suffix()}"
         self.back = small_button(
-            tr("{name}: back to {neutral}").format(name=name, neutral=neutral),
-            tr("Back to {neutral}").format(neutral=neutral),
+            tr("{name}: reset to {neutral}").format(name=name, neutral=neutral),
+            tr("Reset to {neutral}").format(neutral=neutral),
         )
         kept = self.back.sizePolicy()
         kept.setRetainSizeWhenHidden(True)

@@ -57,7 +57,7 @@ def test_what_is_built_twice_is_there_twice(tmp_path):
 def test_what_is_damaged_is_refused(content, tmp_path):
     path = tmp_path / "bad.3mf"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=r"bad.3mf is not a readable 3MF file \(.*\); export it again\."):
+    with pytest.raises(InputError, match=r"bad.3mf is not a valid 3MF file \(.*\); export it again\."):
         open_mesh(path)
 
 
@@ -65,7 +65,7 @@ def test_a_bomb_is_not_unfolded(tmp_path, monkeypatch):
     monkeypatch.setattr("apd_viewer.files.formats.foreign._MOST", 1000)
     path = tmp_path / "bomb.3mf"
     path.write_bytes(archive(MODEL))
-    with pytest.raises(InputError, match="would unfold to"):
+    with pytest.raises(InputError, match="would unpack to"):
         open_mesh(path)
 
 

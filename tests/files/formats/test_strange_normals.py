@@ -20,5 +20,5 @@ def test_a_normal_that_is_none_stays_as_it_is(normal, tmp_path):
 def test_a_normal_that_is_no_number_is_noticed_when_it_has_to_turn(tmp_path):
     (tmp_path / "a.obj").write_bytes(TWO_MATERIALS.replace(b"vn 0 0 -1.000", b"vn 0 zero 0"))
     mesh = open_mesh(tmp_path / "a.obj")
-    with pytest.raises(InputError, match=r"normals that are not understood \(“zero” is no number\)"):
+    with pytest.raises(InputError, match=r"normals that cannot be updated \(“zero” is not a number\)"):
         save_mesh(mesh, bent(mesh.V), tmp_path / "b.obj")

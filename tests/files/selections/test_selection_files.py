@@ -70,7 +70,7 @@ def test_a_ply_keeps_the_paint(selection, tmp_path_factory):
     there = read_selection_file(path, MESH)
     np.testing.assert_array_equal(there.labels, selection.labels)
     np.testing.assert_array_equal(there.member, selection.member)
-    assert ("areas of the regions" in dropped) == (there.areas != selection.areas[: len(there.areas)])
+    assert ("region targets" in dropped) == (there.areas != selection.areas[: len(there.areas)])
     assert (dropped == ()) == same(there, selection)
     mesh = open_mesh(path)
     np.testing.assert_array_equal(mesh.V, MESH.V)
@@ -94,7 +94,7 @@ def test_a_dmat_keeps_the_labels_or_refuses(labels, tmp_path_factory):
         assert write_selection(path, MESH, Selection.of(labels)) == ()
         np.testing.assert_array_equal(read_selection_file(path, MESH).labels, labels)
     else:
-        with pytest.raises(InputError, match="would be read with other labels"):
+        with pytest.raises(InputError, match="labels would change"):
             write_selection(path, MESH, Selection.of(labels))
 
 
@@ -103,9 +103,9 @@ def test_a_dmat_keeps_the_labels_or_refuses(labels, tmp_path_factory):
     [
         (".json", ()),
         (".NPZ", ()),
-        (".ply", ("names of the handles", "names of the regions", "areas of the regions")),
-        (".sel", ("names of the handles", "regions")),
-        (".dmat", ("names of the handles", "regions")),
+        (".ply", ("handle names", "region names", "region targets")),
+        (".sel", ("handle names", "regions")),
+        (".dmat", ("handle names", "regions")),
     ],
 )
 def test_what_is_left_out_is_said(suffix, dropped, tmp_path):
@@ -113,7 +113,7 @@ def test_what_is_left_out_is_said(suffix, dropped, tmp_path):
     plain = Selection.of(painted().labels)
     assert write_selection(tmp_path / f"a{suffix}", MESH, plain) == ()
     spare = replace(plain, handles=("Handle 1", "Handle 2", "Handle 3"))
-    without = () if suffix in (".json", ".NPZ") else ("handles that hold no vertex",)
+    without = () if suffix in (".json", ".NPZ") else ("empty handles",)
     assert write_selection(tmp_path / f"a{suffix}", MESH, spare) == without
 
 

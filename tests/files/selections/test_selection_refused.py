@@ -61,7 +61,7 @@ def test_files_that_cannot_be_read_at_all(suffix, tmp_path, refused):
 def test_another_mesh_is_refused(suffix, tmp_path):
     write_selection(tmp_path / f"a{suffix}", MESH, painted())
     other = Mesh(*box())
-    with pytest.raises(InputError, match=rf"a mesh of {N} vertices, but this one has {len(other.V)}"):
+    with pytest.raises(InputError, match=rf"a mesh of {N} vertices, but this mesh has {len(other.V)}"):
         read_selection_file(tmp_path / f"a{suffix}", other)
 
 
@@ -77,7 +77,7 @@ def test_a_file_that_ends_early_is_refused_wherever_that_is(suffix, tmp_path, re
 def test_a_json_for_other_triangles_is_refused(tmp_path):
     write_selection(tmp_path / "a.json", MESH, painted())
     with pytest.raises(
-        InputError, match=r"a\.json: It is for a mesh of 80 triangles, but this one has 79; use"
+        InputError, match=r"a\.json: It is for a mesh of 80 triangles, but this mesh has 79; choose"
     ):
         read_selection_file(tmp_path / "a.json", Mesh(MESH.V, MESH.F[:-1]))
 
@@ -88,42 +88,45 @@ PART = {"name": "A", "area": None, "vertices": [1]}
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"format": "gltf"}, "does not say that its format"),
-        ({"format": None}, "does not say that its format"),
-        ({"version": 2}, "version that this program does not know"),
-        ({"mesh": None}, "“mesh” is no object"),
-        ({"mesh": {"vertices": N}}, "does not say how many"),
-        ({"mesh": {"vertices": True, "faces": 80}}, "does not say how many"),
-        ({"mesh": {"vertices": N, "faces": 80, "digest": 5}}, "does not say how many"),
-        ({"mesh": {"vertices": 10**40, "faces": 80}}, "this one has 42; use the file that"),
+        ({"format": "gltf"}, "its format is not"),
+        ({"format": None}, "its format is not"),
+        ({"version": 2}, "version is not supported"),
+        ({"mesh": None}, "“mesh” is not a JSON object"),
+        ({"mesh": {"vertices": N}}, "numbers of vertices and faces of its mesh are missing"),
+        ({"mesh": {"vertices": True, "faces": 80}}, "numbers of vertices and faces of its mesh are missing"),
+        (
+            {"mesh": {"vertices": N, "faces": 80, "digest": 5}},
+            "numbers of vertices and faces of its mesh are missing",
+        ),
+        ({"mesh": {"vertices": 10**40, "faces": 80}}, "this mesh has 42; choose the file made for this mesh"),
         ({"base": None}, "no list of vertices"),
         ({"base": {"0": 1}}, "no list of vertices"),
-        ({"base": ["0"]}, "not all ids and pairs of ids"),
-        ({"base": [0.5]}, "not all ids"),
-        ({"base": [True]}, "not all ids"),
-        ({"base": [[0, 1, 2]]}, "not all ids"),
-        ({"base": [[]]}, "not all ids"),
-        ({"base": [float("nan")]}, "not all ids"),
-        ({"base": [N]}, r"does not exist \(they go from 0 to 41\)"),
+        ({"base": ["0"]}, "must be ids or pairs of ids"),
+        ({"base": [0.5]}, "must be ids"),
+        ({"base": [True]}, "must be ids"),
+        ({"base": [[0, 1, 2]]}, "must be ids"),
+        ({"base": [[]]}, "must be ids"),
+        ({"base": [float("nan")]}, "must be ids"),
+        ({"base": [N]}, r"does not exist \(ids run from 0 to 41\)"),
         ({"base": [-1]}, "does not exist"),
         ({"base": [10**400]}, "does not exist"),
         ({"base": [[3, 2]]}, "does not exist"),
-        ({"base": [[0, 41]] * 100_000}, "names a vertex twice"),
+        ({"base": [[0, 41]] * 100_000}, "lists a vertex twice"),
         ({"base": [1], "handles": [PART]}, "Vertex 1 is in two parts"),
         ({"regions": [PART, PART | {"name": "B"}]}, "Vertex 1 is in two parts"),
-        ({"handles": PART}, "“handles” are no list"),
-        ({"handles": ["A"]}, "one of its “handles” is no object"),
+        ({"handles": PART}, "“handles” are not a list"),
+        ({"handles": ["A"]}, "one of its “handles” is not a JSON object"),
         ({"handles": [{"name": "A"}]}, "no list of vertices"),
-        ({"handles": [{"vertices": [1]}]}, "a handle without a name"),
-        ({"handles": [PART | {"name": ["A"]}]}, "a handle without a name"),
-        ({"handles": [PART | {"name": "a\nb"}]}, "signs that are no text"),
-        ({"handles": [PART | {"name": "\ud800"}]}, "signs that are no text"),
-        ({"handles": [PART] * 9}, "9 handles, but there can be 8"),
-        ({"regions": [PART | {"vertices": []}] * 2}, "two regions of one name"),
-        ({"regions": [PART] * 9}, "9 regions, but there can be 8"),
-        ({"regions": [PART | {"area": "100"}]}, "no percentage"),
-        ({"regions": [PART | {"area": float("nan")}]}, "no percentage"),
-        ({"regions": [PART | {"area": 10**400}]}, "no percentage"),
+        ({"handles": [{"vertices": [1]}]}, "handles has no name"),
+        ({"handles": [PART | {"name": ["A"]}]}, "handles has no name"),
+        ({"handles": [PART | {"name": "a\nb"}]}, "invalid characters"),
+        ({"handles": [PART | {"name": "\ud800"}]}, "invalid characters"),
+        ({"handles": [PART] * 9}, "9 handles, but the limit is 8"),
+        ({"regions": [PART | {"vertices": []}] * 2}, "regions have the same name"),
+        ({"regions": [PART] * 9}, "9 regions, but the limit is 8"),
+        ({"regions": [PART | {"area": "100"}]}, "not a percentage"),
+        ({"regions": [PART | {"area": float("nan")}]}, "not a percentage"),
+        ({"regions": [PART | {"area": 10**400}]}, "not a percentage"),
     ],
 )
 def test_a_wrong_json(change, words, refused):
@@ -134,10 +137,10 @@ def test_a_wrong_json(change, words, refused):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("[]", "it is no object"),
-        ('{"format":\n', "its line 2 is no JSON"),
-        ('{"version": ' + "9" * 5000 + "}", "no JSON that can be read"),
-        ('{"a": ' + "[" * 100_000, "no JSON that can be read"),
+        ("[]", "it is not a JSON object"),
+        ('{"format":\n', "line 2 is not valid JSON"),
+        ('{"version": ' + "9" * 5000 + "}", "not valid JSON"),
+        ('{"a": ' + "[" * 100_000, "not valid JSON"),
         (b'{"format": "\xff"}', "not text in UTF-8"),
     ],
 )
@@ -162,27 +165,30 @@ FREE_ALL = np.full(N, FREE)
         ({}, "no array “labels”"),
         ({"member": FREE_ALL}, "no array “labels”"),
         ({"labels": FREE_ALL[1:]}, "is for a mesh of 41 vertices"),
-        ({"labels": FREE_ALL[:, None]}, "something other than one number a vertex"),
-        ({"labels": FREE_ALL.astype(str)}, "something other than one number"),
-        ({"labels": FREE_ALL + 9}, r"a label other than 0 \(held\), 1 \(free\) and 2 to 9"),
+        ({"labels": FREE_ALL[:, None]}, "not have one number per vertex"),
+        ({"labels": FREE_ALL.astype(str)}, "not have one number"),
+        ({"labels": FREE_ALL + 9}, r"a label other than 0 \(base\), 1 \(free\) and 2 to 9"),
         ({"labels": FREE_ALL * np.nan}, "a label other than"),
         ({"labels": FREE_ALL * 1e300}, "a label other than"),
         ({"labels": FREE_ALL * 0.5}, "a label other than"),
         ({"labels": FREE_ALL + 256}, "a label other than"),
-        ({"labels": FREE_ALL.astype(object)}, "no archive of arrays, or a damaged one"),
+        ({"labels": FREE_ALL.astype(object)}, "not an NPZ archive, or it is damaged"),
         ({"labels": FREE_ALL, "member": FREE_ALL[1:]}, "41 vertices"),
         ({"labels": FREE_ALL, "member": FREE_ALL + 8}, r"a region other than 0 \(none\) and 1 to 8"),
-        ({"labels": FREE_ALL, "member": FREE_ALL, "regions": np.array(["A", "A"])}, "two regions"),
-        ({"labels": FREE_ALL + 2, "handles": np.array(["A"])}, "a handle without a name"),
-        ({"labels": FREE_ALL, "handles": np.array("A")}, "“handles” are no list of names"),
-        ({"labels": FREE_ALL, "handles": np.array([1])}, "“handles” are no list of names"),
+        (
+            {"labels": FREE_ALL, "member": FREE_ALL, "regions": np.array(["A", "A"])},
+            "regions have the same name",
+        ),
+        ({"labels": FREE_ALL + 2, "handles": np.array(["A"])}, "handles has no name"),
+        ({"labels": FREE_ALL, "handles": np.array("A")}, "“handles” are not a list of names"),
+        ({"labels": FREE_ALL, "handles": np.array([1])}, "“handles” are not a list of names"),
         ({"labels": FREE_ALL, "handles": np.array([2**31 - 1], "u4").view("U1")}, "“handles” are damaged"),
         ({"labels": FREE_ALL, "handles": np.array([0x110000], ">u4").view(">U1")}, "“handles” are damaged"),
-        ({"labels": FREE_ALL, "areas": np.array([100.0])}, "no percentage"),
-        ({"labels": FREE_ALL, "regions": np.array(["A"]), "areas": np.array([np.inf])}, "no percentage"),
-        ({"labels": FREE_ALL, "areas": np.array(["A"])}, "“areas” are no list of numbers"),
-        ({"labels": FREE_ALL, "digest": np.array(1)}, "“digest” is no text"),
-        ({"labels": np.zeros(1 << 24)}, "would unfold to 134,217,8"),
+        ({"labels": FREE_ALL, "areas": np.array([100.0])}, "not a percentage"),
+        ({"labels": FREE_ALL, "regions": np.array(["A"]), "areas": np.array([np.inf])}, "not a percentage"),
+        ({"labels": FREE_ALL, "areas": np.array(["A"])}, "“areas” are not a list of numbers"),
+        ({"labels": FREE_ALL, "digest": np.array(1)}, "“digest” is not text"),
+        ({"labels": np.zeros(1 << 24)}, "would unpack to 134,217,8"),
     ],
 )
 def test_wrong_arrays(arrays, words, refused):
@@ -197,7 +203,7 @@ def test_an_array_that_claims_to_be_enormous(refused):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("labels.npy", head.getvalue() + bytes(8 * N))
-    refused(".npz", stream.getvalue(), "no archive of arrays, or a damaged one")
+    refused(".npz", stream.getvalue(), "not an NPZ archive, or it is damaged")
 
 
 ONES = "\n".join(["1"] * N)
@@ -206,24 +212,24 @@ ONES = "\n".join(["1"] * N)
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (ONES, "does not begin with the numbers of columns and rows"),
+        (ONES, "does not start with the numbers of columns and rows"),
         ("0 0\n", "0 columns instead of one"),
-        (f"0 0\n1 {N}\n", "it has 0 numbers, but announces 42"),
+        (f"0 0\n1 {N}\n", "it has 0 numbers, but declares 42"),
         (b"0 0\n1 42\n" + bytes(8 * N - 1), "it has 41 numbers"),
         (b"0 0\n1 42\n" + bytes(8 * N + 8), "it has 43 numbers"),
-        (b"0 0\n1 42\n" + b"\xff" * 8 * N, "neither -1"),
+        (b"0 0\n1 42\n" + b"\xff" * 8 * N, "other than -1"),
         (f"{N} 1\n{ONES}", "42 columns instead of one"),
         (f"1 43\n{ONES} 1", "for a mesh of 43 vertices"),
         (f"1 {N}\n{ONES} 1", "it has 43 numbers"),
         (f"1 {N}\n{ONES[2:]}", "it has 41 numbers"),
-        (f"1 {'9' * 5000}\n{ONES}", "does not begin with"),
-        (f"1 -{N}\n{ONES}", "does not begin with"),
-        (f"1 {N}\n{ONES[2:]}\nfree", "“free” is no number"),
+        (f"1 {'9' * 5000}\n{ONES}", "does not start with"),
+        (f"1 -{N}\n{ONES}", "does not start with"),
+        (f"1 {N}\n{ONES[2:]}\nfree", "“free” is not a number"),
         *(
-            (f"1 {N}\n{ONES[2:]}\n{x}", "neither -1")
+            (f"1 {N}\n{ONES[2:]}\n{x}", "other than -1")
             for x in ("-2", "0.5", "nan", "inf", "1e300", "4294967296")
         ),
-        (f"1 {N}\n" + "\n".join(map(str, range(N))), "42 groups, but there can be a base and 8 handles"),
+        (f"1 {N}\n" + "\n".join(map(str, range(N))), "42 groups, but the limit is a base and 8 handles"),
     ],
 )
 def test_a_wrong_dmat(content, words, refused):
@@ -238,21 +244,21 @@ def ply(properties="property int apd_label\n", rows="0 0 0 1\n" * N, n=N, axes="
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (ply("", "0 0 0\n" * N), "no whole-number property “apd_label”; choose a file with a selection"),
-        (ply("property float apd_label\n"), "no whole-number property"),
-        (ply("property list uchar int apd_label\n", "0 0 0 1 1\n" * N), "no whole-number property"),
-        (ply("property int apd_region\n"), "no whole-number property"),
+        (ply("", "0 0 0\n" * N), "no integer property “apd_label”; choose a file with a selection"),
+        (ply("property float apd_label\n"), "no integer property"),
+        (ply("property list uchar int apd_label\n", "0 0 0 1 1\n" * N), "no integer property"),
+        (ply("property int apd_region\n"), "no integer property"),
         (ply(rows="0 0 0 10\n" * N), "a label other than"),
         (ply(rows="0 0 0 nan\n" * N), "a label other than"),
         (ply(rows="0 0 0 1e300\n" * N), "a label other than"),
-        (ply(rows="0 0 0 one\n" * N), "“one” is no number"),
+        (ply(rows="0 0 0 one\n" * N), "“one” is not a number"),
         (ply("property int apd_label\nproperty int apd_region\n", "0 0 0 1 9\n" * N), "a region other than"),
-        (ply(rows="0 0 0 1\n" * (N - 1)), "it ends within its 42 rows of vertex"),
+        (ply(rows="0 0 0 1\n" * (N - 1)), "it ends before the last of its 42 rows of vertex"),
         (ply(n=N - 1), "is for a mesh of 41 vertices"),
-        (ply(n=10**30), "it ends within"),
+        (ply(n=10**30), "it ends before the last of"),
         (ply(axes="uvw"), "its vertices have no x"),
         ("ply\nformat ascii 1.0\nend_header\n", "it has no vertices"),
-        ("ply\nformat ascii 1.0\nelement vert\x1b[31m\nend_header\n", "a line that is not understood"),
+        ("ply\nformat ascii 1.0\nelement vert\x1b[31m\nend_header\n", "an invalid line"),
     ],
 )
 def test_a_wrong_ply(content, words, refused):

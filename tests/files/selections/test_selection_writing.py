@@ -35,23 +35,23 @@ def test_what_cannot_be_written_leaves_all_as_it_was(suffix, tmp_path, monkeypat
     (tmp_path / f"b{suffix}").mkdir()
     with pytest.raises(InputError, match="cannot be written"):
         write_selection(tmp_path / f"b{suffix}", MESH, painted())
-    with pytest.raises(InputError, match="is of 42 vertices, but the mesh has"):
+    with pytest.raises(InputError, match="has 42 vertices, but the mesh has"):
         write_selection(path, Mesh(*box()), painted())
     assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_name_must_name_a_format_and_not_the_mesh(tmp_path):
-    with pytest.raises(InputError, match=r"end it in \.json, \.npz, \.ply, \.sel, \.dmat"):
+    with pytest.raises(InputError, match=r"use \.json, \.npz, \.ply, \.sel, \.dmat"):
         write_selection(tmp_path / "a.txt", MESH, painted())
     mesh = Mesh(MESH.V, MESH.F, tmp_path / "a.ply")
     write_selection(mesh.path, mesh, painted())
-    with pytest.raises(InputError, match=r"a\.ply is the file of the mesh"):
+    with pytest.raises(InputError, match=r"a\.ply is the mesh file"):
         write_selection(mesh.path, mesh, painted())
 
 
 def test_a_handle_without_a_base_is_no_dmat_and_leaves_nothing(tmp_path):
     labels = np.full(N, FREE, dtype=np.uint8)
     labels[0] = HANDLE
-    with pytest.raises(InputError, match=r"a\.dmat would be read with other labels"):
+    with pytest.raises(InputError, match=r"a\.dmat cannot store an empty base or handle"):
         write_selection(tmp_path / "a.dmat", MESH, Selection.of(labels))
     assert list(tmp_path.iterdir()) == []

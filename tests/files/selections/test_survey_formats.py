@@ -48,17 +48,17 @@ def test_any_labels(labels, tmp_path_factory):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("0\n1\n2\n", r"for a mesh of 3 vertices, but this one has 4"),
-        ("0\n1\n2\n" * 500, r"for a mesh of 1,500 vertices, but this one has 4"),
-        ("", "for a mesh of 0 vertices, but this one has 4"),
-        ("# 0 1 1 2\n", "for a mesh of 0 vertices, but this one has 4"),
-        ("0 1 1 10", r"a label other than 0 \(held\), 1 \(free\) and 2 to 9 \(handles\)"),
+        ("0\n1\n2\n", r"for a mesh of 3 vertices, but this mesh has 4"),
+        ("0\n1\n2\n" * 500, r"for a mesh of 1,500 vertices, but this mesh has 4"),
+        ("", "for a mesh of 0 vertices, but this mesh has 4"),
+        ("# 0 1 1 2\n", "for a mesh of 0 vertices, but this mesh has 4"),
+        ("0 1 1 10", r"a label other than 0 \(base\), 1 \(free\) and 2 to 9 \(handles\)"),
         ("0 1 -1 2", "a label other than"),
         ("0 1 0.5 2", "a label other than"),
         ("0 1 nan 2", "a label other than"),
         ("0 1 inf 2", "a label other than"),
         ("0 1 257 2", "a label other than"),
-        ("base free free handle", "is not a selection: one integer"),
+        ("base free free handle", "is not a selection with one integer"),
         ("0,1,1,2", "is not a selection"),
         (b"\xff\xfe0\x001\x00", "is not a selection"),
         (bytes(range(256)), "is not a selection"),
@@ -101,11 +101,11 @@ def test_any_affine_transform(top, tmp_path_factory):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0", "does not hold a 4x4 matrix; write four rows of four numbers"),
-        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0", "does not hold a 4x4 matrix"),
-        ("", "does not hold a 4x4 matrix"),
-        ("1 0 0 0 0 1 0 0 0 0 1 nan 0 0 0 1", "does not hold a 4x4 matrix"),
-        ("1 0 0 0 0 1 0 0 0 0 1 -inf 0 0 0 1", "does not hold a 4x4 matrix"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0", "is not a 4x4 matrix; write four rows of four numbers"),
+        ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0", "is not a 4x4 matrix"),
+        ("", "is not a 4x4 matrix"),
+        ("1 0 0 0 0 1 0 0 0 0 1 nan 0 0 0 1", "is not a 4x4 matrix"),
+        ("1 0 0 0 0 1 0 0 0 0 1 -inf 0 0 0 1", "is not a 4x4 matrix"),
         ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0.1 1", "not an affine transform; its last row must be 0 0 0 1"),
         ("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2", "not an affine transform"),
         ("1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1", "not an affine transform"),  # written by columns
@@ -131,7 +131,7 @@ def test_files_that_cannot_be_read_at_all(read, tmp_path):
 
 def test_a_region_is_what_is_not_zero(file):
     assert read_region(file("# neck\n0 1 0 2.5\n-1"), 5).tolist() == [1, 3, 4]
-    with pytest.raises(InputError, match="for a mesh of 2 vertices, but this one has 5"):
+    with pytest.raises(InputError, match="for a mesh of 2 vertices, but this mesh has 5"):
         read_region(file("0 1"), 5)
-    with pytest.raises(InputError, match="is not a region: one number"):
+    with pytest.raises(InputError, match="is not a region with one number"):
         read_region(file("inside"), 1)

@@ -37,7 +37,7 @@ def test_what_goes_wrong_leaves_all_as_it_was(tmp_path):
 def test_a_file_in_the_way_is_said_before_any_work(tmp_path):
     (tmp_path / "taken").write_text("")
     for folder in (tmp_path / "taken", tmp_path / "taken" / "below"):
-        with pytest.raises(InputError, match=r"cannot be written .+choose another place"):
+        with pytest.raises(InputError, match=r"cannot be written .+choose another location"):
             filling(folder).__enter__()
     assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 

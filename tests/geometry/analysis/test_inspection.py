@@ -29,7 +29,7 @@ def test_a_soup_is_one_closed_piece_of_repeated_vertices():
     assert (found.vertices, found.pieces) == (36, 1)
     assert found.volume == pytest.approx(1)
     (finding,) = found.findings
-    assert finding.sentence == "28 vertices repeat the position of another; they move together."
+    assert finding.sentence == "28 vertices have the same position as another; they move together."
     assert len(finding.vertices) == 36
 
 
@@ -39,12 +39,12 @@ def test_what_is_unusual_is_counted():
     found = inspect(Mesh(V, np.vstack([F, F + n, [[0, 0, 1]]])))
     assert found.pieces == 2
     assert found.volume is None
-    assert found.why_no_volume == "the surface is open (16 border edges)"
+    assert found.why_no_volume == "the surface is open (16 boundary edges)"
     unused, flat, border, separate = found.findings
-    assert unused.sentence.startswith("1 vertex belongs to no face")
+    assert unused.sentence.startswith("1 loose vertex")
     assert unused.vertices.tolist() == [18]
-    assert flat.sentence.startswith("1 face has no area")
+    assert flat.sentence.startswith("1 degenerate face")
     assert flat.vertices.tolist() == [0, 1]
-    assert border.sentence == "The surface is open: it has 16 border edges."
-    assert separate.sentence.startswith("There are 2 separate pieces")
+    assert border.sentence == "The surface is open: it has 16 boundary edges."
+    assert separate.sentence.startswith("2 connected parts")
     assert separate.vertices.tolist() == list(range(9, 18))

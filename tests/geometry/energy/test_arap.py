@@ -139,7 +139,7 @@ def test_energy_at_the_end_is_a_minimum_in_every_direction():
 RIGID = {
     "shift": (np.eye(3), (3.0, -2.0, 1.0)),
     "a sixth": (rotation([1, 2, 3], np.pi / 3), (1.0, 0.0, 0.0)),
-    "half a turn": (rotation([1, 1, 0], np.pi), (0.0, 0.0, 0.0)),
+    "half turn": (rotation([1, 1, 0], np.pi), (0.0, 0.0, 0.0)),
     "a full turn": (rotation([0, 0, 1], 2 * np.pi), (0.0, 0.0, 0.0)),
 }
 

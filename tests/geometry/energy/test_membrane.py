@@ -140,7 +140,7 @@ def test_the_stiffnesses_do_what_their_names_say():
 def test_stiffnesses_that_are_none_are_refused(name, value):
     V, F = tube(6, 5)
     fixed = np.concatenate(ends(V))
-    with pytest.raises(InputError, match=f"The {name.replace('_', ' ')} must be a number of at least zero"):
+    with pytest.raises(InputError, match=f"The {name.replace('_', ' ')} must be a number of at least 0"):
         deform(V, F, fixed, V[fixed], "local", 1, **{name: value})
 
 

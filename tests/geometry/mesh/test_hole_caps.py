@@ -85,7 +85,7 @@ def test_nothing_is_capped_that_caps_would_not_close():
 def test_the_inspection_says_what_is_capped_and_leaves_the_volume_alone():
     found = inspect(Mesh(*soup(*opened_box())))
     assert found.volume is None
-    assert found.why_no_volume == "the surface is open (8 border edges)"
+    assert found.why_no_volume == "the surface is open (8 boundary edges)"
     assert found.volume_capped == pytest.approx(20.0, rel=1e-14)
     assert found.openings == 1
     closed, sheet = inspect(Mesh(*box())), inspect(Mesh(*grid()))

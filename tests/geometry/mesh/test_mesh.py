@@ -107,7 +107,7 @@ REFUSED = {
         r"Faces must be an \(m, 3\) array of triangles, not \(1, 4\)",
     ),
     "faces are flat": (V, F.ravel(), r"Faces must be an \(m, 3\) array"),
-    "no faces": (V, F[:0], "no faces"),
+    "no faces": (V, F[:0], "No faces"),
     "no vertices": (V[:0], F, r"8 faces refer to missing vertices \(there are 0\)"),
     "not a number": (
         np.where(np.arange(9)[:, None] == 4, np.nan, V),

@@ -115,11 +115,11 @@ def test_a_face_without_extent_does_not_open_a_surface():
 
 def test_an_open_surface_says_how_open_it_is():
     V, F = CUBE
-    assert why_no_volume(F[1:], len(V)) == "the surface is open (3 border edges)"
+    assert why_no_volume(F[1:], len(V)) == "the surface is open (3 boundary edges)"
     V, F = tube(7, 3)
-    assert why_no_volume(F, len(V)) == "the surface is open (14 border edges)"
+    assert why_no_volume(F, len(V)) == "the surface is open (14 boundary edges)"
     V, F = soup(*CUBE)
-    assert why_no_volume(F, len(V)) == "the surface is open (36 border edges)"
+    assert why_no_volume(F, len(V)) == "the surface is open (36 boundary edges)"
 
 
 def test_a_surface_with_three_faces_at_an_edge_is_not_manifold():
@@ -137,7 +137,7 @@ def test_a_flipped_face_is_noticed():
     V, F = CUBE
     F = F.copy()
     F[3] = F[3, ::-1]
-    assert "not oriented alike" in why_no_volume(F, len(V))
+    assert "not consistently oriented" in why_no_volume(F, len(V))
 
 
 @every_mesh

@@ -79,7 +79,7 @@ def test_a_turn_may_go_around_more_than_once(point, axis, angle, part):
 @pytest.mark.parametrize(
     ("pose", "words"),
     [
-        (turned_about([1, 2, 3], [0, 1, 1], np.pi), "half a turn.+twist of 180deg"),
+        (turned_about([1, 2, 3], [0, 1, 1], np.pi), "half turn.+twist of 180deg"),
         (scaled_about([0, 0, 0], [1, 1, -1]), "mirrors or flattens"),
         (np.diag([1.0, 1.0, 0.0, 1.0]), "mirrors or flattens"),
         (np.diag([0.0, 0.0, 0.0, 1.0]), "mirrors or flattens"),

@@ -67,7 +67,7 @@ def test_there_must_be_something_to_measure():
     open_mesh = RestMesh(*tube(8, 4))
     with pytest.raises(InputError, match="There is no volume to keep: the surface is open"):
         make_goals(open_mesh, None, 100, [])
-    with pytest.raises(InputError, match="“speck” covers no whole triangle"):
+    with pytest.raises(InputError, match="“speck” contains no complete triangle"):
         make_goals(REST, None, None, [Region("speck", TOP[:2], 100)])
     assert make_goals(REST, None, None, [Region("speck", TOP[:2])]) == ()
     for ids in ([-1], [len(V)]):

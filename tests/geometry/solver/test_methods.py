@@ -41,5 +41,5 @@ def test_traits_do_not_contradict_each_other(method):
 
 @pytest.mark.parametrize("name", ["", "Exact", None, ["exact"]])
 def test_an_unknown_method_is_refused(name):
-    with pytest.raises(InputError, match="There is no method"):
+    with pytest.raises(InputError, match="Unknown method"):
         check_method(name, np.array([0, 1]))

@@ -107,7 +107,7 @@ def test_what_has_been_dragged_on_meanwhile_is_not_baked(session):
     session.drag(pose(0.2))
     session.until(lambda: session.jobs.current is None)
     assert session.store.state.document.mesh is before
-    assert "bake the new shape" in session.failed[-1]
+    assert "bake it again" in session.failed[-1]
 
 
 def test_a_shape_without_area_is_not_baked():

@@ -93,7 +93,7 @@ def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
     assert session.failed == []
     assert len(session.told) == 1, "ten times the same news in ten seconds would be nine too many"
-    assert "nothing is lost" in session.told[0]
+    assert "nothing was lost" in session.told[0]
 
 
 def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, altered):

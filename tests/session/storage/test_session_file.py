@@ -325,7 +325,7 @@ def test_a_changed_mesh_is_not_the_mesh(saved, bar):
     mesh = open_mesh(bar)
     save_mesh(mesh, mesh.V * [1.0, 1.0, 1.0 + 1e-12], bar)
     with pytest.raises(
-        InputError, match=r"bar\.obj is not the mesh that a\.apd was made with \(it has changed"
+        InputError, match=r"bar\.obj is not the mesh that a\.apd was made with \(it has been changed"
     ):
         open_session(saved)
     cube = Mesh(*box(1, 1, 1))
@@ -396,7 +396,7 @@ def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatc
     def full(descriptor):
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(InputError, match=r"end it in \.apd"):
+    with pytest.raises(InputError, match=r"use the ending \.apd"):
         save_session(saved.with_suffix(".zip"), state, VIEW)
     with pytest.raises(InputError, match="cannot be written"):
         save_session(saved.parent / "gone" / "a.apd", state, VIEW)

@@ -84,8 +84,8 @@ def test_the_good_one_is_good():
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "its archive is broken"),
-        (b"nonsense", "its archive is broken"),
+        (b"", "its archive is damaged"),
+        (b"nonsense", "its archive is damaged"),
         (b"PK\5\6" + bytes(18), "“session.json” is missing"),
         (packed({"labels.npy": b""}), "“session.json” is missing"),
         (packed({"session.json": b"{"}), "“session.json” is damaged"),
@@ -93,7 +93,7 @@ def test_the_good_one_is_good():
         (packed({"session.json": b"\xff\xfe"}), "“session.json” is damaged"),
         (packed({"session.json": b"[1]"}), "“session.json” is damaged"),
         (packed({"session.json": b'{"format": 3}'}), "“format” is damaged"),
-        (packed({"session.json": b'{"format": "zip"}'}), "it is of another kind"),
+        (packed({"session.json": b'{"format": "zip"}'}), "it is another type of file"),
     ],
 )
 def test_what_is_no_session(content, words, refused):
@@ -119,15 +119,15 @@ WRONG = {
     "version is true": (("version",), True, "“version” is damaged"),
     "no document": (("document",), None, "“document” is damaged"),
     "unknown method": (("document", "method"), "magic", "“method”"),
-    "no handle": (("document", "handles"), [], "“labels” in it name a handle"),
+    "no handle": (("document", "handles"), [], "“labels” in it refer to a handle"),
     "handles of words": (("document", "handles"), "two", "“handles” is damaged"),
     "many handles": (("document", "handles"), [{"name": "a", "pose": POSE}] * 9, "“handles” is damaged"),
     "one handle of two": (
         ("document", "handles"),
         [{"name": "a", "pose": POSE}],
-        "name a handle that is not",
+        "refer to a handle that does not",
     ),
-    "no regions": (("document", "regions"), [], "“member” in it names a region"),
+    "no regions": (("document", "regions"), [], "“member” in it refers to a region"),
     "no name": (("document", "handles", 0, "name"), "", "“name” is damaged"),
     "long name": (("document", "handles", 0, "name"), "a" * 10**5, "“name” is damaged"),
     "no pose": (("document", "handles", 0, "pose"), None, "“pose” is damaged"),
@@ -150,10 +150,10 @@ WRONG = {
     "unreached": (("frame", "unreached"), 5, "“unreached” is damaged"),
     "energy": (("frame", "energy"), -1.0, "“energy” is damaged"),
     "unit": (("view", "unit"), "parsec", "“unit”"),
-    "up": (("view", "camera", "up"), [0, 0, 0], "looks nowhere"),
-    "focal": (("view", "camera", "focal"), [0.0, -12.0, 4.0], "looks nowhere"),
+    "up": (("view", "camera", "up"), [0, 0, 0], "has no direction"),
+    "focal": (("view", "camera", "focal"), [0.0, -12.0, 4.0], "has no direction"),
     "angle": (("view", "camera", "angle"), 4.0, "“angle” is damaged"),
-    "digest": (("mesh", "digest"), "0" * 64, "the copy of the mesh in it is another mesh"),
+    "digest": (("mesh", "digest"), "0" * 64, "its copy of the mesh is a different mesh"),
     "mesh's name": (("mesh", "name"), "", "“name” is damaged"),
     "mesh's path": (("mesh", "path"), 3, "“path” is damaged"),
     "traversal": (("mesh", "embedded"), ["../../../../etc/passwd"], "“embedded” is damaged"),
@@ -184,13 +184,13 @@ NOT_SHAPES = {
     "flat": (np.zeros(3 * N), "“shape” in it does not fit the mesh"),
     "single precision": (np.zeros((N, 3), "f4"), "“shape” in it does not fit the mesh"),
     "whole numbers": (np.zeros((N, 3), "i8"), "“shape” in it does not fit the mesh"),
-    "NaN": (np.full((N, 3), np.nan), "“shape” in it is no shape of the mesh"),
+    "NaN": (np.full((N, 3), np.nan), "“shape” in it is not a shape of the mesh"),
     "signalling NaN": (
         np.full((N, 3), 0x7FF0000000000001).view("f8"),
-        "“shape” in it is no shape of the mesh",
+        "“shape” in it is not a shape of the mesh",
     ),
-    "infinite": (np.full((N, 3), -np.inf), "“shape” in it is no shape of the mesh"),
-    "absurd": (np.full((N, 3), 1e300), "“shape” in it is no shape of the mesh"),
+    "infinite": (np.full((N, 3), -np.inf), "“shape” in it is not a shape of the mesh"),
+    "absurd": (np.full((N, 3), 1e300), "“shape” in it is not a shape of the mesh"),
 }
 
 
@@ -229,13 +229,13 @@ def test_wrong_labels(case, refused):
 
 
 def test_labels_and_regions_that_are_not_there(refused):
-    assert "name a handle that is not there" in refused(labels_npy=npy(np.full(N, 4, "u1")))
-    assert "names a region that is not there" in refused(member_npy=npy(np.full(N, 3, "u1")))
+    assert "refer to a handle that does not exist" in refused(labels_npy=npy(np.full(N, 4, "u1")))
+    assert "refers to a region that does not exist" in refused(member_npy=npy(np.full(N, 3, "u1")))
 
 
 def test_a_copy_of_the_mesh_that_is_damaged(refused):
-    assert "the copy of the mesh in it is damaged" in refused(mesh_obj=b"v 0 0 nan\nf 1 1 1\n")
-    assert "the copy of the mesh in it is another mesh" in refused(
+    assert "its copy of the mesh is damaged" in refused(mesh_obj=b"v 0 0 nan\nf 1 1 1\n")
+    assert "its copy of the mesh is a different mesh" in refused(
         mesh_obj=members()["mesh.obj"].replace(b"v 0 0 1", b"v 0 0 1.5")
     )
 
@@ -256,8 +256,8 @@ def test_an_archive_that_would_fill_the_memory(refused):
 def test_a_member_that_is_larger_than_it_says(refused):
     good = packed(members())
     at = good.rindex(b"PK\1\2", 0, good.rindex(b"shape.npy"))
-    assert "“shape.npy” in its archive is broken" in refused(good[: at + 24] + b"\1\0\0\0" + good[at + 28 :])
-    assert "“shape.npy” in its archive is broken" in refused(good[: at + 24] + b"\0\0\1\0" + good[at + 28 :])
+    assert "“shape.npy” in it is damaged" in refused(good[: at + 24] + b"\1\0\0\0" + good[at + 28 :])
+    assert "“shape.npy” in it is damaged" in refused(good[: at + 24] + b"\0\0\1\0" + good[at + 28 :])
 
 
 def test_locked_and_foreign_members(refused):
@@ -265,12 +265,12 @@ def test_locked_and_foreign_members(refused):
     at = good.rindex(b"PK\1\2", 0, good.rindex(b"shape.npy"))
     locked = good.copy()
     locked[at + 8] |= 1
-    assert "“shape.npy” in its archive is broken" in refused(bytes(locked))
+    assert "“shape.npy” in it is damaged" in refused(bytes(locked))
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_BZIP2) as archive:
         for name, content in members().items():
             archive.writestr(name, content)
-    assert "“session.json” in its archive is broken" in refused(stream.getvalue())
+    assert "“session.json” in it is damaged" in refused(stream.getvalue())
 
 
 # Damage of all kinds

@@ -154,7 +154,7 @@ def test_a_method_that_fails_says_why_and_the_others_go_on(begun, cold, monkeypa
     comparison = begun(document(at=BENT), ("arap", "exact"))
     finish(comparison)
     arap, exact = comparison.outcomes["arap"], comparison.outcomes["exact"]
-    assert arap.failure.startswith("There is not enough memory")
+    assert arap.failure.startswith("Not enough memory")
     assert arap.frame is None
     assert exact.failure is None
     assert exact.frame.converged

@@ -119,13 +119,13 @@ WRONG = {
     "no method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=[]), "at least one"),
     "a method twice": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["arap"] * 2), "once"),
     "an unknown method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["fast"]), "no method fast"),
-    "half a turn": (
+    "half turn": (
         lambda bar: sweep_of(bar.moved(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
         "twist of 180deg",
     ),
     "two twists": (lambda bar: sweep_of(bar, 3, twists=[1.0, 1.0]), "1 handles? but 2 twists"),
     "no iterations": (lambda bar: sweep_of(bar, 3, iterations=0), "at least one iteration"),
-    "a length for a twist": (lambda _: twist_of("3mm"), "has no place here"),
+    "a length for a twist": (lambda _: twist_of("3mm"), "is not allowed here"),
 }
 
 

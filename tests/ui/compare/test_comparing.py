@@ -58,7 +58,7 @@ def opened(qtbot, window):
 def side(qtbot, bar):
     """The methods compared, all having settled and been measured."""
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: all(view.said[0] == "settled" for view in side.views.values()), timeout=SETTLED)
+    qtbot.waitUntil(lambda: all(view.said[0] == "converged" for view in side.views.values()), timeout=SETTLED)
     qtbot.waitUntil(lambda: all(view.values is not None for view in side.views.values()), timeout=SETTLED)
     qtbot.waitUntil(lambda: measured(side), timeout=SETTLED)
     return side
@@ -123,7 +123,7 @@ def test_errors_are_written_with_the_digits_that_count(value, text):
 def test_the_error_is_said_to_be_that_of_what_is_asked_for(bar, target, said):
     bar.session.settings.set_area(target)
     titles = {column.title: column.tip for column in columns(bar.session.store.state, Unit.NONE)}
-    assert titles["Area error"] == f"How far the area is from the {said} % that are asked for"
+    assert titles["Area error"] == f"Deviation of the area from its target of {said} %"
 
 
 def test_turning_one_view_turns_all(qtbot, side):
@@ -246,7 +246,7 @@ def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, side, monkeypatch
     for button, suffix in ((side.save_table, ".csv"), (side.save_picture, ".png")):
         asked(monkeypatch, tmp_path / "nowhere" / f"x{suffix}")
         qtbot.mouseClick(button, LEFT)
-        assert side.status.text().endswith("choose another place. Nothing was changed there.")
+        assert side.status.text().endswith("choose another location. Nothing was changed.")
         assert side.status.property("warn")
     assert list(tmp_path.rglob("x*")) == []
 
@@ -269,7 +269,7 @@ def test_closed_in_the_middle_it_leaves_nothing(qtbot, bar, monkeypatch):
     side = opened(qtbot, bar)
     qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
     assert len(solvers()) == own + 2
-    assert side.views["exact"].said[0] == "waits"
+    assert side.views["exact"].said[0] == "queued"
     assert re.fullmatch(r"ARAP \(1 of 4\): iteration [\d,]+", side.status.text())
     side.close()
     assert len(solvers()) == own
@@ -283,7 +283,7 @@ def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch
     qtbot.waitUntil(lambda: side.views["arap"].said[0].startswith("iteration"), timeout=SETTLED)
     qtbot.keyClick(side.views["arap"].viewport, Qt.Key.Key_Escape)
     assert side.views["arap"].said[0].startswith("stopped at iteration")
-    assert side.views["local"].said[0] == "not begun"
+    assert side.views["local"].said[0] == "not started"
     assert len(solvers()) == own
     assert side.isVisible()
     bar.close()
@@ -350,9 +350,9 @@ def test_a_method_that_fails_says_so_over_its_view(qtbot, bar, monkeypatch, capf
 
     monkeypatch.setattr(apd_viewer.Deformation, "iterate", failing)
     side = opened(qtbot, bar)
-    qtbot.waitUntil(lambda: side.views["local"].said[0] == "settled", timeout=SETTLED)
+    qtbot.waitUntil(lambda: side.views["local"].said[0] == "converged", timeout=SETTLED)
     state, note = side.views["paper"].said
     assert state == "failed"
-    assert note.startswith("There is not enough memory")
+    assert note.startswith("Not enough memory")
     assert set(cells(side)["Paper (Li & Hui)"].values()) == {""}
-    assert side.views["exact"].said == ("settled", "")
+    assert side.views["exact"].said == ("converged", "")

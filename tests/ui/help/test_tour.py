@@ -112,7 +112,7 @@ def test_it_says_what_the_method_does_to_the_area(qtbot, toured, method, holds):
     toured.session.settings.set_method(method)
     go_to(qtbot, toured, 2)
     assert ("the area does not" in card(toured).sentence.text()) is holds
-    assert ("Exact holds it" in card(toured).sentence.text()) is not holds
+    assert ("Exact keeps it" in card(toured).sentence.text()) is not holds
     toured.session.settings.set_method("exact")
     qtbot.waitUntil(lambda: "the area does not" in card(toured).sentence.text())
 

@@ -79,7 +79,7 @@ def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     idle(qtbot, window)
     assert badge.isVisible()
     assert not badge.isEnabled()
-    assert badge.text() == badge.accessibleName() == "No findings"
+    assert badge.text() == badge.accessibleName() == "No issues"
     qtbot.mouseClick(badge, LEFT)
     window.actions_.findings.trigger()
     assert not window.health.list.isVisible()
@@ -88,8 +88,8 @@ def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
 def test_the_badge_counts_what_the_list_says(qtbot, ill):
     count = len(findings(ill))
     assert count >= 3
-    assert ill.health.badge.text() == f"{count} findings"
-    assert f"{count} findings" in ill.notice.text
+    assert ill.health.badge.text() == f"{count} issues"
+    assert f"{count} issues" in ill.notice.text
     assert ill.notice.text.count(".") == 1, "one sentence"
     open_list(qtbot, ill)
     said = [row.accessibleName() for row in ill.health.list.rows]
@@ -104,7 +104,7 @@ def test_a_single_finding_is_told_as_it_is(qtbot, window):
     window.filing.show_mesh(Mesh(V, F[3:]))
     idle(qtbot, window)
     assert window.notice.text == findings(window)[0].sentence
-    assert window.health.badge.text() == "1 finding"
+    assert window.health.badge.text() == "1 issue"
 
 
 def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
@@ -165,7 +165,7 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
     elif way == "mesh":
         ill.filing.open_sample("duck")
         idle(qtbot, ill)
-        assert ill.health.badge.text() == "No findings"
+        assert ill.health.badge.text() == "No issues"
     else:
         ill.activateWindow()
         qtbot.waitUntil(ill.isActiveWindow)

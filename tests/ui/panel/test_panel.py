@@ -52,7 +52,7 @@ def test_the_readings_are_those_of_the_frame(qtbot, bottle):
     change = 100 * (state.frame.volume / state.inspection.volume - 1)
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
     assert panel.handles.drift.text() == "0"
-    assert "turned 0.0°" not in panel.handles.list.rows[0].details.text()
+    assert "rotated 0.0°" not in panel.handles.list.rows[0].details.text()
 
 
 def test_the_paper_lets_the_handle_drift(qtbot, bottle):
@@ -106,7 +106,7 @@ def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert document(bottle).area == 110.0
     says = bottle.panel.area.verdict
-    qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly as asked", timeout=20_000)
+    qtbot.waitUntil(lambda: says.text() == "+10.000 %, exactly on target", timeout=20_000)
     assert bottle.panel.area.target.slider.value() == PERCENT.step_of(110.0)
     assert bottle.session.gestures.history.next_undo == "Change area"
     bottle.panel.area.target.back.click()

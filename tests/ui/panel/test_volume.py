@@ -95,8 +95,8 @@ def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crus
     button, health, state = crushed.panel.volume.crossings, crushed.health, crushed.session.store.state
     crossing = crossings(state.frame.U, state.document.mesh.F)
     assert len(crossing) > 20
-    assert button.text() == f"self-intersecting: {len(crossing):,} triangles"
-    assert health.badge.text() == "1 finding"
+    assert button.text() == f"{len(crossing):,} intersecting triangles"
+    assert health.badge.text() == "1 issue"
     Mouse(button).drag(QPointF(button.width() / 3, button.height() / 2))
     assert np.array_equal(crushed.canvas.marks.ids, np.unique(state.document.mesh.F[crossing]))
     assert health.list.isVisible()
@@ -105,7 +105,7 @@ def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crus
     assert button.text() == "no self-intersections"
     assert not button.isEnabled()
     assert crushed.canvas.marks.ids is None
-    assert health.badge.text() == "No findings"
+    assert health.badge.text() == "No issues"
 
 
 def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
@@ -119,7 +119,7 @@ def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
     window.session.handles.drag(pose)
     idle(qtbot, window)
     assert [room.extent.text(), room.box.text(), room.packed.text()] == ["…"] * 3
-    assert button.text() == "self-intersections: not while it moves"
+    assert button.text() == "self-intersections: checked when it stops"
     window.session.gestures.end("Move handle")
     assert button.text() == "checking for self-intersections…"
     known(qtbot, window)
@@ -140,7 +140,7 @@ def test_an_open_bottle_is_measured_with_its_mouth_capped_and_says_so(qtbot, win
     panel = window.panel.volume
     assert panel.change == "unchanged, capped"
     assert number(panel.volume.text()) == pytest.approx(filled(mesh.V, mesh.F), rel=1e-5)
-    assert panel.litres.text().endswith("with its mouth capped flat")
+    assert panel.litres.text().endswith("with its opening capped flat")
     assert not panel.keep.isEnabled()
     crush(qtbot, window, 1.5)
     U = window.session.store.state.frame.U
@@ -162,7 +162,7 @@ def test_a_wall_that_is_typed_weighs_area_times_thickness_times_density(qtbot, b
     assert room.mass.text() == "–"
     assert "needs the unit of the mesh" in room._problem.text()
     bottle._choose_unit(CM)
-    assert "needs the density" in room._problem.text()
+    assert "needs a density" in room._problem.text()
     type_into(qtbot, room.density, "1380 kg/m3")
     assert room._problem.isHidden()
     grams = bottle.session.store.state.frame.area * 0.03 * 1.38

@@ -281,7 +281,7 @@ def test_what_cannot_be_written_is_said_in_one_sentence(qtbot, plotted, monkeypa
     for action in (*plots._pictures, plots._numbers, plots._histogram):
         asked(monkeypatch, tmp_path / "nowhere" / "x.svg")
         action.trigger()
-        assert plotted.notice.text.endswith("choose another place. Nothing was changed there.")
+        assert plotted.notice.text.endswith("choose another location. Nothing was changed.")
         plotted.notice.hide()
         asked(monkeypatch, None)  # the user thought better of it
         action.trigger()

@@ -229,11 +229,11 @@ def test_the_dialog_knows_multiples_of_the_view_and_own_sizes(dialog, still):
     dialog.times.activated.emit(2)
     assert dialog.wish.size == view * 3
     dialog.width_.setValue(640)
-    assert dialog.times.currentText() == "Own size"
+    assert dialog.times.currentText() == "Custom size"
     assert dialog.wish.size == QSize(640, 3 * view.height())
     dialog.width_.setValue(view.width())
     dialog.height_.setValue(view.height())
-    assert dialog.times.currentText() == "As the view"
+    assert dialog.times.currentText() == "Same as view"
 
 
 def test_the_dialog_shows_what_it_will_be(qtbot, dialog):

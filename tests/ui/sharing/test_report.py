@@ -86,7 +86,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     area = rows["Area"]
     assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"
     assert area["Change"] == panel.area.verdict.text()
-    assert area["Largest local change"] == panel.area.local_change.text()
+    assert area["Largest local area change"] == panel.area.local_change.text()
     volume = rows["Volume"]
     assert volume["Volume"] == f"{panel.volume.change}\n{panel.volume.volume.text()}"
     assert volume[""] == panel.volume.litres.text()
@@ -94,9 +94,9 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
         panel.volume.crossings.text() == "no self-intersections"
     )
     size, shown = rows["Size and mass"], panel.measures
-    assert size["Box"] == shown.extent.text()
-    assert size["Box volume"] == f"{shown.box.text()}\n{shown._box_change.text()}"
-    assert size["Packed volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
+    assert size["Bounding box"] == shown.extent.text()
+    assert size["Bounding box volume"] == f"{shown.box.text()}\n{shown._box_change.text()}"
+    assert size["Smallest box volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
     assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
     assert size["Mass"] == shown.mass.text()
     handle, held = state.document.handles[0].name, state.document.counts[HANDLE]
@@ -129,7 +129,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert mesh["File"] == f"~/{file.name}"
     assert mesh["SHA-256 of the file"] == hashlib.sha256(content).hexdigest()
     assert mesh["Size"] == f"{len(content):,} bytes"
-    assert mesh["Digest of the mesh"].split("\n")[0] == state.document.mesh.digest
+    assert mesh["Mesh digest"].split("\n")[0] == state.document.mesh.digest
 
 
 def test_a_report_holds_pictures_and_the_session_and_nobodys_folder(qtbot, twisted, file, tmp_path):

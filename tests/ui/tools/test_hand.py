@@ -226,7 +226,7 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
     bottle.take(Tool.ORBIT)
     bottle.docks["history"].show()
     steps = bottle._history
-    assert [steps.item(k).text() for k in range(steps.count())] == ["As it was opened", "Twist", "Twist"]
+    assert [steps.item(k).text() for k in range(steps.count())] == ["Opened", "Twist", "Twist"]
     for k in (1, 0, 2, 1):
         at = steps.visualItemRect(steps.item(k)).center()
         qtbot.mouseClick(steps.viewport(), Qt.MouseButton.LeftButton, pos=at)
