@@ -9,7 +9,7 @@ PYTHON = python3.13 python3.12 python3.11 python3.10 python3
 packages = libglib2.0-0 libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 \
            libxcb-cursor0 libxkbcommon-x11-0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 \
            libwayland-cursor0 libwayland-egl1
-test: packages += xvfb xauth
+quick test: packages += xvfb xauth
 
 # Without a display, `make run` deforms the sample on the command line instead. macOS always has a display.
 display = $(filter Darwin,$(shell uname))$(DISPLAY)$(WAYLAND_DISPLAY)
@@ -33,19 +33,22 @@ else
 	@echo "See out/bottle.obj (the mesh), out/bottle.png (a picture) and out/report.json (the measurements)."
 endif
 
-# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@echo "== pytest"
-	@env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11 .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
+	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
 
-# Broad and fast: the rules of the source, the pages, the numerics, the formats and the document.
-quick_tests = tests/test_architecture.py tests/test_documentation.py tests/test_language.py tests/test_package.py \
-              tests/geometry/energy tests/geometry/mesh tests/geometry/pose tests/files/formats \
-              tests/files/selections tests/presentation tests/session/model tests/session/quantities
+# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
+environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
+
+# Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
+quick_tests = tests/test_architecture.py tests/test_package.py tests/presentation tests/files/formats \
+              tests/files/selections/test_selection_files.py tests/geometry/mesh/test_operators.py \
+              tests/geometry/energy/test_arap.py tests/geometry/solver/test_deformation.py tests/session/model \
+              tests/session/quantities tests/session/test_session.py tests/ui/scene/test_viewport.py
 
 quick: lint ## run ruff, mypy and the tests that matter most, in less than a minute
 	@echo "== pytest, the quick tests"
-	@.venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
+	@$(environment) .venv/bin/pytest -n 2 --dist worksteal $(quick_tests)
 
 lint: .venv/.tools ## run the checks that do not execute the program: ruff, mypy
 	@echo "== ruff check"
