@@ -33,12 +33,12 @@ else
 	@echo "See out/bottle.obj (the mesh), out/bottle.png (a picture) and out/report.json (the measurements)."
 endif
 
+# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
+environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
+
 test: lint ## set up what is missing, then run every check: ruff, mypy, pytest
 	@echo "== pytest"
 	@$(environment) .venv/bin/pytest -n auto --maxprocesses 4 --dist worksteal
-
-# pytest-xvfb starts its own X displays, but Qt would still prefer that of a Wayland session.
-environment = env -u WAYLAND_DISPLAY XDG_SESSION_TYPE=x11
 
 # Some tests of every room, about 75 s of CPU time together once the kernels are compiled.
 quick_tests = tests/test_architecture.py tests/test_package.py tests/presentation tests/files/formats \

@@ -76,6 +76,12 @@ def test_commands_and_targets_of_make_exist():
     assert [name for name in targets if not re.search(rf"(?m)^{name}:", MAKEFILE)] == []
 
 
+def test_the_quick_tests_exist():
+    paths = re.findall(r"tests/[\w./]+", MAKEFILE.partition("quick_tests = ")[2].partition("\n\n")[0])
+    assert len(paths) > 5
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
 @pytest.mark.parametrize(("page", "code"), SNIPPETS, ids=[page for page, _ in SNIPPETS])
 def test_python_snippets_run(page, code, compiled, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
