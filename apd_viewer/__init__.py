@@ -35,7 +35,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what scripts work with when it is asked for first: a window can be seen before."""
+    """Import public names on first use, so that a window appears sooner."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from apd_viewer import api

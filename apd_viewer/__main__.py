@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 _COMMANDS = "deform", "info", "paper", "replay", "sweep"
 _USAGE = tr(
     """\
-apd-viewer [FILE]                    open the window, on FILE or on the sample bottle
-apd-viewer deform MESH ... -o OUT    deform without a window
-apd-viewer info MESH                 say what is in a mesh file
-apd-viewer replay SESSION -o OUT     go on with a saved session without a window
+apd-viewer [FILE]                    open the window on FILE or on the sample bottle
+apd-viewer deform MESH ... -o OUT    deform a mesh without a window
+apd-viewer info MESH                 check a mesh file and describe its contents
+apd-viewer replay SESSION -o OUT     re-run a saved session without a window
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
-apd-viewer paper [-o DIR]            re-run the paper's tables on the sample bottle and duck
+apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
 """
 )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return the exit status, 2 after one line that begins with ``error:``."""
+    """Run the command line; return the exit status, 2 after an ``error:`` line."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and words[0] in _COMMANDS:
         options = _command_parser(words.pop(0)).parse_args(words)

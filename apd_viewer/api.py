@@ -1,4 +1,4 @@
-"""What scripts work with; :mod:`apd_viewer` has it all under its own name."""
+"""Public names for scripts, also available from :mod:`apd_viewer`."""
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh

@@ -1,8 +1,8 @@
-"""The one error that a user can act on."""
+"""The error for unusable input."""
 
 
 class InputError(ValueError):
-    """What was given cannot be used; the message says in one sentence what is wrong and what to do.
+    """Unusable input; the message states the problem and the remedy in one sentence.
 
     Raised only at the borders (files, command line, public functions). The window and the command
     line show the message as it is; anything else that escapes is a defect of the program.

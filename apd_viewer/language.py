@@ -1,4 +1,4 @@
-"""The words of the program in the language of its user.
+"""Translations of the visible text.
 
 It is fixed when the program starts: where English words are defined they can be looked up at once.
 """
@@ -19,7 +19,7 @@ _NO_LANGUAGE = "C", "POSIX"
 
 
 def wished(environment: Mapping[str, str]) -> list[str]:
-    """The languages that the user would read, best first, as in ``de_DE``; none from English on.
+    """Preferred languages, best first, as in ``de_DE``; none from English on.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def wished(environment: Mapping[str, str]) -> list[str]:
 
 
 def _of_the_system() -> list[str]:
-    """What Windows or macOS is set to; a program that is started by a click has no variables there."""
+    """Languages set in Windows or macOS, without environment variables."""
     try:
         if sys.platform == "win32":
             import ctypes
@@ -58,7 +58,7 @@ def _of_the_system() -> list[str]:
 
 
 def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslations]:
-    """The first of the languages that ``folder`` has, and its words; "en" and none where it has none."""
+    """First language in ``folder``, and its catalogue; "en" and an empty one if none."""
     for name in names:
         # An empty list would be a reason for gettext to look into the environment by itself.
         path = gettext.find(DOMAIN, str(folder), [name])
@@ -77,7 +77,7 @@ LANGUAGE, _catalogue = catalogue(
 
 
 def tr(text: str) -> str:
-    """The ``text``, which is English, in the language of the user; as it is where that is not known.
+    """Translate an English ``text``; unchanged without a translation.
 
     Values go into it afterwards: ``tr("{name} has no area.").format(name=...)``.
     """
@@ -85,7 +85,7 @@ def tr(text: str) -> str:
 
 
 def trn(one: str, many: str, n: int) -> str:
-    """The one of two texts, or of as many as the language of the user has, that goes with a number.
+    """Translate the plural form for a number.
 
     The number goes into it as values do: ``trn("{n:,} face", "{n:,} faces", n).format(n=n)``.
     """
@@ -94,5 +94,5 @@ def trn(one: str, many: str, n: int) -> str:
 
 
 def trc(context: str, text: str) -> str:
-    """The ``text`` where one English word stands for several: ``trc("view", "Back")`` is no button."""
+    """Translate a ``text`` with a context: ``trc("view", "Back")`` is not a button."""
     return _catalogue.pgettext(context, text)

@@ -1,4 +1,4 @@
-"""The commands that need no window and no display."""
+"""Commands without a window or display: deform, info, replay."""
 
 from __future__ import annotations
 
@@ -218,7 +218,7 @@ def _deform(options: argparse.Namespace) -> None:
 
 
 def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
-    """The mesh at rest as it is painted, and what has changed; None where nothing can draw."""
+    """Picture of the painted rest mesh and the result; None without OpenGL."""
     with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
         path = Path(folder) / "picture.png"
         readings = [" ".join(line.split()) for line in _readings(result)]
@@ -243,7 +243,7 @@ def _replay(options: argparse.Namespace) -> None:
 
 
 def _progress(iterations: int | None) -> Callable[[Frame], None]:
-    """Draw one line on the terminal, over and over, that says how far the iterations are."""
+    """Show the progress of the iterations on one terminal line."""
 
     def show(frame: Frame) -> None:
         last = frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and not iterations)

@@ -1,4 +1,4 @@
-"""The command ``apd-viewer paper``: the tables re-run, and the figures and curves that go with them."""
+"""The command ``apd-viewer paper``: tables, figures and curves."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # shares of the work, at a guess; the
 
 
 def paper_parser() -> Parser:
-    """What the command takes."""
+    """Parser of the command."""
     parser = Parser(prog="apd-viewer paper", description="Re-run the paper's tables on the samples.")
     parser.add_argument(
         "-o", "--output", metavar="DIR", type=Path, help="folder for tables, curves and figures"
@@ -80,7 +80,7 @@ def _write_curves(folder: Path, progress: Progress) -> None:
 
 
 def _draw_shapes(table: Sequence[Row], folder: Path, progress: Progress) -> bool:
-    """Draw the shapes of each table side by side, like the paper's Figs. 3 and 5; False if nothing can."""
+    """Draw the shapes of each table as in Figs. 3 and 5; False without OpenGL."""
     samples = list(dict.fromkeys(row.case.sample for row in table))
     for number, sample in enumerate(samples):
         progress.show(1 - 0.05 * (1 - number / len(samples)), tr("drawing"))
@@ -99,7 +99,7 @@ def _draw_shapes(table: Sequence[Row], folder: Path, progress: Progress) -> bool
 
 
 def _amount(row: Row) -> str:
-    """The move, as short as it can be said."""
+    """Shortest name of the motion."""
     return row.case.title.rpartition(" by ")[2]
 
 

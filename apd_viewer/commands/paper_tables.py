@@ -19,7 +19,7 @@ _METHODS = "arap", "paper"  # in the order of the columns
 
 
 class Case(NamedTuple):
-    """A move of a table, and the areas that the paper says of it.
+    """Motion of a table, and the areas given by the paper.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ _HEADINGS = (
 
 
 class Row(NamedTuple):
-    """One move, deformed by ARAP alone and by the paper's method."""
+    """Results of one motion by ARAP alone and by the paper's method."""
 
     name: str
     case: Case
@@ -70,11 +70,11 @@ class Row(NamedTuple):
 
     @property
     def passes(self) -> bool:
-        """Whether the area is within the tolerance."""
+        """True if the area is within the tolerance."""
         return abs(self.paper.area_error) <= TOLERANCE
 
     def lines(self) -> list[tuple[str, ...]]:
-        """The row in words, under the headings of the table: ours, and below it the paper's."""
+        """Cells of the row: our results, and the paper's below."""
         arap, paper, case = self.arap, self.paper, self.case
         return [
             (
@@ -103,7 +103,7 @@ class Row(NamedTuple):
 
 
 def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row]:
-    """Run the moves one after another; ``tick`` hears after every iteration how much is done, and of what."""
+    """Run the motions in turn; ``tick`` gets the progress after every iteration."""
     for number, (name, case) in enumerate(CASES.items()):
         mesh, labels = open_sample(case.sample)
         held = constraints(labels, mesh.V, [read_transform(resource(f"{name}.def"))])
@@ -119,7 +119,7 @@ def rows(tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Row
 
 
 def tables(rows: Sequence[Row]) -> str:
-    """Both tables as people read them, each below its title."""
+    """Format both tables, each below its title."""
     samples = dict.fromkeys(row.case.sample for row in rows)
     return "\n\n".join(
         f"{TITLES[sample]}\n\n{markdown([row for row in rows if row.case.sample == sample])}"
@@ -128,7 +128,7 @@ def tables(rows: Sequence[Row]) -> str:
 
 
 def markdown(rows: Sequence[Row]) -> str:
-    """A table as people read it, in columns of equal width."""
+    """Format a table as Markdown, in aligned columns."""
     lines = [_HEADINGS, *(line for row in rows for line in row.lines())]
     widths = [max(len(line[column]) for line in lines) for column in range(len(_HEADINGS))]
     text = [
@@ -140,7 +140,7 @@ def markdown(rows: Sequence[Row]) -> str:
 
 
 def verdict(rows: Sequence[Row]) -> str:
-    """Whether all moves are within the tolerance, as a sentence."""
+    """Sentence on the motions within the tolerance."""
     failed = [row.case.title for row in rows if not row.passes]
     if not failed:
         return tr("Pass: APD keeps the area within 0.1 % in all {count} motions.").format(count=len(rows))

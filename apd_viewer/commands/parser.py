@@ -1,4 +1,4 @@
-"""Reads the words of a command."""
+"""Command line parser with translated headings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from apd_viewer.log import LEVELS
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser that says what is wrong in one line, and helps in the language of the user."""
+    """Parser with one-line errors and help in the language of the user."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(add_help=False, formatter_class=_Help, **settings)
@@ -26,19 +26,19 @@ class Parser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> None:  # type: ignore[override]
-        """Say it in one line; argparse would print the usage before it."""
+        """Print the error in one line, without argparse's usage."""
         said = tr("error: {message}; see {program} --help").format(message=message, program=self.prog)
         self.exit(2, f"{said}\n")
 
 
 class _Help(argparse.HelpFormatter):
-    """The headings of argparse; what it finds wrong with a command it says in English."""
+    """Help formatter with translated headings; argparse's own errors stay English."""
 
     def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
-        """Begin with the usage."""
+        """Translate the heading of the usage."""
         super().add_usage(usage, actions, groups, tr("usage: ") if prefix is None else prefix)
 
     def start_section(self, heading: str | None) -> None:
-        """Begin a list."""
+        """Translate the heading of a section."""
         words = {"options": tr("options"), "positional arguments": tr("positional arguments")}
         super().start_section(None if heading is None else words.get(heading, heading))

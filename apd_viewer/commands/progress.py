@@ -1,4 +1,4 @@
-"""How far long work is: a bar on a terminal, or a line each for a program that listens."""
+"""Progress of long work: a bar on a terminal, lines for a parent program."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _INTERVAL = 0.1  # s
 
 
 class Progress:
-    """Says how far the work is, a few times a second, and nothing where nobody would read it.
+    """Progress display, throttled to a few updates a second; silent without a reader.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Progress:
         self._shown = ""
 
     def show(self, done: float, doing: str) -> None:
-        """The share of the work that is done, 0 to 1, and what is being done now."""
+        """Show the share of work done, 0 to 1, and the current step."""
         now = time.monotonic()
         if not (self._lines or self._bar) or now - self._last < _INTERVAL:
             return
@@ -40,7 +40,7 @@ class Progress:
         self._draw(said[:79])
 
     def end(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         if self._bar and self._shown:
             self._draw("")
             print("\r", end="", file=sys.stderr, flush=True)

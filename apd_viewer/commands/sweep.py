@@ -1,4 +1,4 @@
-"""The command ``apd-viewer sweep``: the handles' motion in steps, as a table, curves, meshes, a film."""
+"""The command ``apd-viewer sweep``: table, curves, meshes and film of a motion."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _SWEPT_SHARE = 0.9  # of the work; the rest draws
 
 
 def sweep_parser() -> Parser:
-    """What the command takes."""
+    """Parser of the command."""
     parser = Parser(
         prog="apd-viewer sweep",
         description="Go along the motion of the handles in steps: area, volume and energy by each method.",
@@ -124,7 +124,7 @@ def _sweep(options: argparse.Namespace) -> None:
 
 
 def _is_in_output(options: argparse.Namespace) -> bool:
-    """Whether the film goes where all else goes, which may be a folder that is not there yet."""
+    """True if the film belongs in the output folder, possibly not created yet."""
     return bool(options.animation.resolve().parent == options.output.resolve())
 
 
@@ -134,7 +134,7 @@ def _film_path(options: argparse.Namespace, folder: Path) -> Path:
 
 
 def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
-    """What is to be swept, and how the user looked at it."""
+    """State to sweep, and the saved view."""
     path = Path(options.file)
     if path.suffix.lower() == SUFFIX:
         if options.selection or options.transform:
@@ -163,7 +163,7 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
 
 
 def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[Step]:
-    """The steps without their shapes, which go to files as far as they are wanted."""
+    """Run the sweep; write shapes to files on request, and keep none."""
     from apd_viewer.figures.shapes import keep_shape
 
     mesh, steps = sweep.document.mesh, []
@@ -193,7 +193,7 @@ def _kept(folder: Path, step: Step) -> Path:
 
 
 def _readings(step: Step) -> dict[str, Cell]:
-    """A line of the table, by the names of its columns."""
+    """Row of the table by column name."""
     frame = step.frame
     return {
         "method": step.method,
@@ -216,7 +216,7 @@ def _readings(step: Step) -> dict[str, Cell]:
 def _film(
     sweep: Sweep, steps: Sequence[Step], kept: Path, camera: Standpoint | None, path: Path, progress: Progress
 ) -> bool:
-    """Draw the shapes of all methods side by side, step by step, as a film; False where nothing can draw."""
+    """Draw the shapes of all methods side by side as a film; False without OpenGL."""
     from apd_viewer.figures.films import write_film
 
     count, methods = len(sweep.parts), sweep.methods

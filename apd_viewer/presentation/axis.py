@@ -1,4 +1,4 @@
-"""The axes of plots: how far they reach, and which of their places are named."""
+"""Plot axes: range and labelled ticks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Ticks: TypeAlias = list[tuple[float, str]]
 
 @dataclass(frozen=True)
 class Axis:
-    """From where to where an axis reaches, and its ticks.
+    """Range of an axis and its ticks.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Axis:
 
 
 def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Axis:
-    """An axis of numbers; ``suffix`` is written behind each of them."""
+    """Linear axis; ``suffix`` follows each label."""
     if not high - low > _FEWEST * max(abs(low), abs(high)):
         high = low + 1.0
 
@@ -47,13 +47,13 @@ def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Ax
 
 
 def rounded(low: float, high: float, suffix: str = "") -> Axis:
-    """The same, from the next round number below to the next one above."""
+    """The axis extended to round numbers at both ends."""
     step = _step((high - low) / 4.0) if high > low else 1.0
     return linear(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
 
 
 def decades(low: float, high: float) -> Axis:
-    """A logarithmic axis of fractions, written in percent; its places are decimal logarithms."""
+    """Logarithmic axis of fractions, in percent; positions are decimal logarithms."""
     bottom, top = math.floor(math.log10(low)), math.ceil(math.log10(high))
     top = max(top, bottom + 1)
 
@@ -65,14 +65,14 @@ def decades(low: float, high: float) -> Axis:
 
 
 def power(exponent: int) -> str:
-    """A power of ten, written out where that is short."""
+    """Power of ten, in digits if short."""
     if -3 <= exponent <= 3:
         return f"{10.0**exponent:.{max(0, -exponent)}f}"
     return f"10{raised(exponent)}"
 
 
 def ratios(reach: float) -> Axis:
-    """An axis of ratios, symmetric about unchanged, up to ``reach`` times; its places are binary logarithms.
+    """Axis of ratios about 1, up to ``reach``; positions are binary logarithms.
 
     Small changes are written in percent, large ones as factors.
     """
@@ -102,7 +102,7 @@ def _factors(high: float, most: int) -> Ticks:
 
 
 def _step(least: float) -> float:
-    """The next of 1, 2 and 5, times a power of ten, that is not less."""
+    """Smallest 1-2-5 step not below a value."""
     scale = 10.0 ** math.floor(math.log10(least))
     return next(k * scale for k in (1.0, 2.0, 5.0, 10.0, 20.0) if k * scale >= least * (1.0 - 1e-9))
 

@@ -1,4 +1,4 @@
-"""The colours of measured values: Crameri's, perceptually even and told apart by colour-blind people.
+"""Colour maps of values: Crameri's, perceptually uniform, colour-blind safe.
 
 From F. Crameri, Scientific colour maps 8 (doi 10.5281/zenodo.1243862, MIT licence), without their darkest
 ends, on which light and shade could not be seen. Between the knots it is straight, as near to the original
@@ -14,7 +14,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class ColorMap:
-    """Colours from the one end of a scale to the other.
+    """Colour map from one end of a scale to the other.
 
     Attributes
     ----------
@@ -25,13 +25,13 @@ class ColorMap:
     knots: tuple[tuple[int, int, int], ...]
 
     def color(self, t: float) -> tuple[int, int, int]:
-        """RGB at ``t`` from 0 to 1; what is beyond is as the end."""
+        """RGB at ``t`` from 0 to 1, clamped."""
         at, knots = np.linspace(0.0, 1.0, len(self.knots)), np.array(self.knots, dtype=float)
         red, green, blue = (round(float(np.interp(t, at, channel))) for channel in knots.T)
         return red, green, blue
 
     def glsl(self, t: str) -> str:
-        """The same as an expression of the shading language, a vec3 from 0 to 1; ``t`` names a float."""
+        """GLSL expression of the colour map, a vec3 from 0 to 1; ``t`` names a float."""
         knots, last = np.array(self.knots) / 255.0, len(self.knots) - 1
         steps = [
             f"{_vec3(step)} * clamp({t} * {last:.1f} - {k:.1f}, 0.0, 1.0)"

@@ -1,4 +1,4 @@
-"""The legend of an overlay as a drawing, for pictures and for pages. Knows no Qt."""
+"""Legend of an overlay as SVG, for pictures and pages; no Qt."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LETTERS = 'font-family="system-ui, sans-serif" font-size="12"'
 def legend_svg(
     scale: Scale, unit: Unit, span: tuple[float, float] | None, ink: str = "currentColor", name: str = "scale"
 ) -> str:
-    """The colours of a scale with their figures, its title, and the largest value of a ``span``, as SVG.
+    """Draw a scale with its labels, title and largest value of a ``span`` as SVG.
 
     ``name`` is that of the colours in the drawing; a page must have it only once.
     """

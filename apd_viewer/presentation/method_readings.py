@@ -1,4 +1,4 @@
-"""What is read of the methods that are compared: as numbers for a file, and as words for a table."""
+"""Measurements of the compared methods: numbers for a file, words for a table."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Readings = dict[str, float]
 
 
 def readings(state: State, outcome: Outcome) -> Readings:
-    """What a method has come to; not a number where that is not known.
+    """Measurements of one method; NaN if unknown.
 
     ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
     alike. The volume is that of an open surface with its openings capped.
@@ -50,7 +50,7 @@ def readings(state: State, outcome: Outcome) -> Readings:
 
 
 class Column(NamedTuple):
-    """A column of the table: its title, what it means, and what is written in it."""
+    """Column of the table: title, explanation and cell text."""
 
     title: str
     tip: str
@@ -58,7 +58,7 @@ class Column(NamedTuple):
 
 
 def columns(state: State, unit: Unit) -> list[Column]:
-    """The columns for a document, with lengths in a unit."""
+    """Columns of the table for a document, with lengths in a unit."""
     size = float(max(state.inspection.size))
     asked = f"{state.document.area:g}"
     energy = tr(
@@ -128,7 +128,7 @@ def _error(value: float) -> str:
 
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, Outcome]]) -> None:
-    """Write the readings of methods, by their names, as CSV; raises InputError."""
+    """Write the measurements by method as CSV; raises InputError."""
     from apd_viewer.files.tables import write_table
 
     rows = [(method, readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None]

@@ -1,4 +1,4 @@
-"""Numbers as the panel writes them: true minus signs, and nothing where there is nothing."""
+"""Number formats of the panel: true minus signs, no negative zero."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def significant(value: float, digits: int = 6) -> str:
-    """The number with so many digits that count."""
+    """The number with the given significant digits."""
     return _with_power(f"{value:#.{digits}g}".rstrip(".")) if value else "0"
 
 
 def length(value: float, size: float) -> str:
-    """A length on a mesh of this size; what is nothing but rounding is zero."""
+    """Length on a mesh of this size; rounding errors become zero."""
     return significant(value, 4) if value > _NOTHING * size else "0"
 
 
 def signed(value: float, decimals: int) -> str:
-    """The number with its sign, and without one where it rounds to zero."""
+    """The number with its sign; no sign if it rounds to zero."""
     text = f"{value:+.{decimals}f}"
     return f"{0:.{decimals}f}" if float(text) == 0 else text.replace("-", "−")
 
 
 def short(value: float) -> str:
-    """The number without the zeros behind it: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
+    """The number without trailing zeros: 0.1, 20, 0.00025, 1,190, 2·10⁻⁶."""
     return _with_power(f"{value:.3g}") if abs(value) < _GROUPED else f"{value:,.0f}"
 
 
 def place(value: float, step: float) -> str:
-    """Where something is on an axis, so that it is told from what is a ``step`` farther."""
+    """Position on an axis, with enough digits to resolve a ``step``."""
     if abs(value) < 1e-6 * step:
         return "0"
     decimals = max(0, -math.floor(math.log10(step)))
@@ -40,11 +40,11 @@ def place(value: float, step: float) -> str:
 
 
 def raised(exponent: int) -> str:
-    """An exponent, as it is written."""
+    """Exponent in superscript digits."""
     return str(exponent).translate(_RAISED)
 
 
 def _with_power(text: str) -> str:
-    """A power of ten as people write it."""
+    """Replace e-notation by a power of ten."""
     digits, _, exponent = text.partition("e")
     return f"{digits.rstrip('.')}·10{raised(int(exponent))}" if exponent else text

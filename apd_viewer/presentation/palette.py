@@ -1,4 +1,4 @@
-"""The colours of the mesh: Okabe and Ito's and their shades, which colour-blind people can tell apart.
+"""Colours of the mesh: Okabe and Ito's and their shades, colour-blind safe.
 
 What moves is warm and what stays is blue; regions have the colours in between. Lightness alone parts
 neighbours too, and the panel names them all.
@@ -63,12 +63,12 @@ _MIXED = _mixed()
 
 
 def label_colors(labels: np.ndarray, member: np.ndarray | None = None) -> np.ndarray:
-    """RGBA of every vertex, (n, 4) uint8 array, for its label and the number of its region, both (n,)."""
+    """RGBA of every vertex, (n, 4) uint8 array, by label and region number, both (n,)."""
     return _MIXED[labels, 0 if member is None else member]
 
 
 def drawn_along(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) -> np.ndarray:
-    """The RGBA ``colors`` (k, 4) uint8 of vertices that handles draw along, with a breath of the handles'."""
+    """RGBA ``colors`` (k, 4) uint8 in the falloff of handles, tinted."""
     mixed = colors.astype(float)
     paint = np.array([handle_color(k) for k in range(int(handle.max(initial=0)) + 1)], dtype=float)
     mixed[:, :3] += _SOFT * strength[:, None] * (paint[handle] - mixed[:, :3])
@@ -76,7 +76,7 @@ def drawn_along(colors: np.ndarray, handle: np.ndarray, strength: np.ndarray) ->
 
 
 def tinted(colors: np.ndarray, color: tuple[int, ...]) -> np.ndarray:
-    """The RGBA ``colors`` (k, 4) uint8 on the way to an RGB ``color``."""
+    """RGBA ``colors`` (k, 4) uint8 blended towards an RGB ``color``."""
     mixed = colors.astype(float)
     mixed[:, :3] += _PREVIEWED * (np.array(color[:3]) - mixed[:, :3])
     return np.rint(mixed).astype(np.uint8)

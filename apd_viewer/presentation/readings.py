@@ -1,4 +1,4 @@
-"""What is read of a shape, in words: the same in the panel and in a report. Knows no Qt."""
+"""Measurements of a shape in words, for panel and report; no Qt."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ _LITRE = 0.1  # of which on people say litres
 
 
 def area_percent(state: State) -> str:
-    """The area in percent of that at rest."""
+    """Area in percent of the rest area."""
     return f"{100 * (1 + state.frame.area_error):.3f} %"
 
 
 def area(state: State, unit: Unit) -> str:
-    """The area, and that at rest."""
+    """Area, and rest area."""
     now, rest = significant(state.frame.area), significant(state.inspection.area)
     return unit.area(tr("{now} of {rest}").format(now=now, rest=rest))
 
 
 def verdict(state: State) -> str:
-    """The change of the total area, and how it stands to what is asked."""
+    """Change of the total area, compared with its target."""
     document, change = state.document, signed(100 * state.frame.area_error, 3)
     asked = document.kept[0]
     if asked is None:
@@ -66,13 +66,13 @@ def verdict(state: State) -> str:
 
 
 def local_change(state: State) -> str:
-    """The largest change of the area of a triangle."""
+    """Largest local area change."""
     change = state.frame.local_change
     return f"{short(100 * change)} %" if change > MET else "0 %"
 
 
 class Volume(NamedTuple):
-    """Its change; the volume and that at rest, or why there is none; what else there is to say."""
+    """Volume change, volume and rest volume or the reason for none, and a remark."""
 
     change: str
     sizes: str
@@ -80,14 +80,14 @@ class Volume(NamedTuple):
 
 
 def volumes(frame: Frame, rest: Inspection) -> tuple[float | None, float | None]:
-    """The volume of a shape and that at rest; of an open surface with its openings capped."""
+    """Volume and rest volume of a shape; of an open surface with capped openings."""
     if rest.volume_capped is None:
         return frame.volume, rest.volume
     return frame.volume_capped, rest.volume_capped
 
 
 def volume(state: State, unit: Unit) -> Volume:
-    """The volume of the shape; that of an open surface with its openings capped, and saying so."""
+    """Volume of the shape in words; of an open surface with capped openings."""
     inspection, capped = state.inspection, state.inspection.volume_capped is not None
     now, rest = volumes(state.frame, inspection)
     if not rest or now is None:
@@ -109,7 +109,7 @@ def volume(state: State, unit: Unit) -> Volume:
 
 
 def compact(state: State) -> tuple[str, str]:
-    """The compactness of a closed shape, and how it has changed."""
+    """Compactness of a closed shape, and its change."""
     rest, now = state.inspection, state.frame
     if not rest.volume or now.volume is None or not now.area > 0.0:
         return NOTHING, ""
@@ -118,14 +118,14 @@ def compact(state: State) -> tuple[str, str]:
 
 
 def extent(found: Examination | None, unit: Unit) -> str:
-    """The sides of the box along the axes."""
+    """Sides of the bounding box along the axes."""
     if found is None or math.isnan(found.packed):
         return LATER if found is None else NOTHING
     return unit.length(" × ".join(short(side) for side in found.size))
 
 
 def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, str]:
-    """The volume of a box around the shape, and how it has changed; None where it is not known yet."""
+    """Volume of a box around the shape, and its change; None if not measured yet."""
     if volume is None:
         return LATER, ""
     written = NOTHING if math.isnan(volume) else unit.volume(significant(volume, 4))
@@ -133,14 +133,14 @@ def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, 
 
 
 def change_of(now: float, rest: float) -> str:
-    """By how much a reading has changed since the rest, in percent; nothing where there is no telling."""
+    """Change from rest in percent; empty if unknown."""
     if not rest > 0.0 or math.isnan(now):
         return ""
     return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
 
 
 def weight(grams: float | None) -> str:
-    """A mass with the unit that suits it."""
+    """Mass in a suitable unit."""
     if grams is None:
         return NOTHING
     size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
@@ -148,14 +148,14 @@ def weight(grams: float | None) -> str:
 
 
 def drift(state: State, unit: Unit) -> str:
-    """How far the handles are from where they were put."""
+    """Drift of the handles."""
     if not state.document.counts[HANDLE:].any():
         return NOTHING
     return unit.length(length(state.frame.handle_drift, max(state.inspection.size)))
 
 
 def motion(document: Document, k: int, unit: Unit, size: float) -> str:
-    """How far a handle was moved and turned since it was gripped."""
+    """Displacement and rotation of a handle from its rest position."""
     centre = document.centre(k)
     if centre is None:
         return tr("Paint it with Paint handle")
@@ -168,7 +168,7 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
-    """Of each region its area in percent of that at rest, and in square units."""
+    """Area of each region in percent of its rest area, and in square units."""
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):

@@ -1,4 +1,4 @@
-"""What a report says of a shape: all that the panel says, what was asked for, and of what. Knows no Qt."""
+"""Content of a report: measurements, settings, mesh and versions; no Qt."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _ROUNDING = 1e-12  # of the size of a mesh
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What a report is of.
+    """Subject of a report: state, view and measurements.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Subject:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What takes a while to be found.
+    """Measurements that take long.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Evidence:
 
 
 def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram: Drawing | None) -> Page:
-    """The whole report."""
+    """Build the whole report."""
     state, unit = subject.state, subject.unit
     date = subject.moment.strftime("%Y-%m-%d %H:%M")
     parts = [
@@ -209,7 +209,7 @@ def _handles(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
 
 
 def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit, size: float) -> Iterator[str]:
-    """A motion by which it can be done again: displacement of the centre, axis and angle, and scale."""
+    """Reproducible motion: displacement of the centre, axis and angle, and scale."""
     if np.array_equal(pose, np.eye(4)):
         return
     left, scale, right = np.linalg.svd(pose[:3, :3])
@@ -227,7 +227,7 @@ def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit, size: float) -> It
 
 
 def _vector(x: np.ndarray, size: float = 1.0) -> str:
-    """The coordinates, with digits enough to do it again; what is nothing but rounding is zero."""
+    """Coordinates with enough digits to reproduce them; rounding errors become zero."""
     least = _ROUNDING * size
     return "(" + ", ".join(f"{c:.{_DIGITS}g}".replace("-", "−") if abs(c) > least else "0" for c in x) + ")"
 
@@ -302,7 +302,7 @@ def _version(name: str) -> str:
 
 
 def _again(state: State, evidence: Evidence) -> Iterator[Block]:
-    """How to come to the same shape: the session is in the page."""
+    """Instructions to reproduce the shape from the session in the page."""
     mesh = state.document.mesh
     suffix = mesh.origin.suffix if mesh.origin is not None else ".obj"
     if evidence.session:

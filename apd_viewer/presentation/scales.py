@@ -1,4 +1,4 @@
-"""What can be measured of a shape and shown on it in colours, and the scale on which it is shown."""
+"""Measures shown as colours on a shape, and their scales."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_GAINED = 10.0  # a ratio has no largest: of what has lost all, one over it
 
 
 class Kind(Enum):
-    """What a value is: the logarithm of a ratio, a length, or one over a length."""
+    """Quantity of a value: logarithm of a ratio, length, or inverse length."""
 
     RATIO = "ratio"
     LENGTH = "length"
@@ -28,7 +28,7 @@ class Kind(Enum):
 
 
 class Words(NamedTuple):
-    """What is said of a measure; ``method`` is its name in :class:`Change`."""
+    """Title and tip of a measure; ``method`` is its name in :class:`Change`."""
 
     title: str
     tip: str
@@ -38,7 +38,7 @@ class Words(NamedTuple):
 
 
 class Measure(Enum):
-    """What can be shown on a shape in colours."""
+    """Measure shown on a shape in colours."""
 
     AREA = "area"
     STRAIN = "strain"
@@ -48,22 +48,22 @@ class Measure(Enum):
 
     @property
     def words(self) -> Words:
-        """What is said of it."""
+        """Title and tip."""
         return _words()[self]
 
     @property
     def is_signed(self) -> bool:
-        """Whether there is a loss and a gain."""
+        """True if values have a sign."""
         return self.words.kind is not Kind.LENGTH
 
     @property
     def colors(self) -> ColorMap:
-        """The colours in which it is shown."""
+        """Colour map of the measure."""
         return DIVERGING if self.is_signed else SEQUENTIAL
 
     @property
     def waits(self) -> bool:
-        """Whether it takes too long to be measured while the shape moves."""
+        """True if measured only when the shape stops moving."""
         return self is Measure.DISTANCE
 
 
@@ -109,7 +109,7 @@ def _words() -> dict[Measure, Words]:
 
 @dataclass(frozen=True)
 class Scale:
-    """How far the colours of a measure reach.
+    """Range of the colours of a measure.
 
     Attributes
     ----------
@@ -131,21 +131,21 @@ class Scale:
 
     @property
     def end(self) -> float:
-        """The end of the scale as the measure has it."""
+        """End of the scale in units of the measure."""
         return self._inner(self.reach)
 
     @property
     def marks(self) -> tuple[float, ...]:
-        """The values that are written at the scale: its ends, and zero."""
+        """Labelled values of the scale: its ends, and zero."""
         return (-self.end, 0.0, self.end) if self.measure.is_signed else (0.0, self.end)
 
     @property
     def travels(self) -> bool:
-        """Whether it is of use on a mesh of another size."""
+        """True if the scale also suits a mesh of another size."""
         return self.measure.words.kind is Kind.RATIO
 
     def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
-        """The scale that ends at the largest value of a span, up or down.
+        """Scale fitted to the largest value of a span, up or down.
 
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
@@ -158,11 +158,11 @@ class Scale:
 
     @property
     def neutral_share(self) -> float:
-        """How much of the scale around its middle is neutral, 0 to 1."""
+        """Neutral share of the scale around its middle, 0 to 1."""
         return self._inner(self.neutral) / self.end
 
     def place(self, value: float) -> float:
-        """Where a value lies on the scale, from 0 to 1."""
+        """Position of a value on the scale, from 0 to 1."""
         share = min(max(value / self.end, -1.0), 1.0)
         return 0.5 + 0.5 * share if self.measure.is_signed else max(share, 0.0)
 
@@ -172,7 +172,7 @@ class Scale:
         return self.measure.colors.color(0.5 if neutral else place)
 
     def written(self, value: float, unit: Unit) -> str:
-        """A value of the measure, for people."""
+        """Format a value of the measure."""
         if math.isnan(value):
             return tr("no value")
         if abs(value) < _NOTHING * self.end:
@@ -189,7 +189,7 @@ class Scale:
 
 
 def usual(measure: Measure, size: float) -> Scale:
-    """The scale to begin with on a mesh of this size."""
+    """Default scale for a mesh of this size."""
     if measure.words.kind is Kind.RATIO:
         return Scale(measure, 0.1, 0.001)
     if measure.words.kind is Kind.CURVATURE:
@@ -198,14 +198,14 @@ def usual(measure: Measure, size: float) -> Scale:
 
 
 def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
-    """The least and the largest of the values, (n,) with NaN where there is none; None without any."""
+    """Least and largest of the values (n,), ignoring NaN; None without any."""
     if values is None or np.isnan(values).all():
         return None
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 
 def nice(value: float) -> float:
-    """The next number above that begins with 1, 2 or 5 and goes on with zeros."""
+    """Next 1-2-5 number above a value."""
     if not 0.0 < value < math.inf:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -214,7 +214,7 @@ def nice(value: float) -> float:
 
 
 def _number(value: float, signed: bool) -> str:
-    """Three figures, or all before the point."""
+    """Three significant digits, or all before the point."""
     text = short(abs(value))
     if not signed or value == 0.0:
         return text
