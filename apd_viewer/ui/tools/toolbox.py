@@ -81,9 +81,7 @@ class Way(Enum):
         tr("Paint the surface under a round brush"),
         tr("drag on the mesh, wheel changes the size, Ctrl+wheel zooms"),
     )
-    BOX = _Words(
-        tr("Bounding box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box")
-    )
+    BOX = _Words(tr("Box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box"))
     LASSO = _Words(
         tr("Lasso"),
         "Z",
