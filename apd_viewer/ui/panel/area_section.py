@@ -1,4 +1,4 @@
-"""The area: what it is, what it should be, and whether that was reached."""
+"""Area section: the area, its target, and a sentence if out of reach."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TIP = tr("Target of the total area, in percent of the rest area")
 
 
 class Dot(QWidget):
-    """A dot that is quiet while all is well and warm when it is not."""
+    """Status dot: quiet while all is well, warm otherwise."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -55,7 +55,7 @@ class Dot(QWidget):
 
 
 class AreaSection(QWidget):
-    """The hero number with its verdict, the target, and the sentence where it is out of reach.
+    """Area reading with its verdict, target and remark.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class AreaSection(QWidget):
         column.addWidget(self.target)
 
     def show_settings(self, state: State) -> None:
-        """Show what is asked for."""
+        """Show the document's settings."""
         document = state.document
         method = document.traits
         optional = method.may_keep_total_area
@@ -145,7 +145,7 @@ class AreaSection(QWidget):
         self.target.show_value(document.area)
 
     def show_readings(self, state: State, unit: Unit, asked_anew: bool) -> None:
-        """Show the shape's area; ``asked_anew`` where something else is asked for than before."""
+        """Show the shape's area; ``asked_anew`` after a change of the targets."""
         frame, missed = state.frame, state.lacks
         self.percent.setText(readings.area_percent(state))
         self.verdict.setText(readings.verdict(state))
@@ -161,7 +161,7 @@ class AreaSection(QWidget):
             self.unreached.hide()
 
     def show_activity(self, state: State, session: Session) -> None:
-        """Say what the solver does about the shape."""
+        """Show the solver's activity."""
         activity = session.store.activity.value
         said = _WORDS[activity]
         if session.store.preparing:
@@ -171,7 +171,7 @@ class AreaSection(QWidget):
         self.activity.setText(said)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         self._theme = theme
         self.target.set_theme(theme)
         self.unit.set_theme(theme)

@@ -1,4 +1,4 @@
-"""Whether the surface passes through itself: quiet while it does not, a button where it does."""
+"""Self-intersection reading: a quiet line, or a button to the places."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 
 class CrossingsButton(QToolButton):
-    """One line under the volume, which says nothing there."""
+    """Line under the volume about self-intersections; empty if there are none."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -34,7 +34,7 @@ class CrossingsButton(QToolButton):
         self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
     def show_count(self, triangles: int | None) -> None:
-        """So many triangles pass through others; None where nobody could look."""
+        """Show the number of intersecting triangles; None if unknown."""
         if triangles is None:
             tip = tr("The library ipctk, which checks this, is missing or does not respond")
             self._say(tr("self-intersections: not checked"), tip)

@@ -1,4 +1,4 @@
-"""The steps that can be undone and redone, as a list: a click goes there."""
+"""Undo history as a list of steps to click."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _START = tr("Opened")
 
 
 class HistoryList(QListWidget):
-    """One row a gesture, the oldest first; what was undone is paler.
+    """One row a step, oldest first; undone steps are paler.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class HistoryList(QListWidget):
         self.show_steps([], [])
 
     def show_steps(self, done: list[str], undone: list[str]) -> None:
-        """Show the gestures that were done, and those that could be done again, in their order."""
+        """Show the steps done and those to redo, in order."""
         if (done, undone) == self._shown and self.count():
             return
         self._shown = list(done), list(undone)

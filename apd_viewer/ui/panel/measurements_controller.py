@@ -1,4 +1,4 @@
-"""What is known of the room that the shape takes, and of its wall, brought to the panel and back."""
+"""Measurements of size and wall, kept in step with panel and preferences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Measuring(QObject):
-    """Keeps panel, findings and what is remembered in step with the examination of the shape.
+    """Synchronises panel, findings and preferences with the shape checks.
 
     What the surface is made of is remembered with its file; of samples, and of meshes that have no file, only
     as long as the mesh is there.
@@ -49,11 +49,11 @@ class Measuring(QObject):
         panel.volume.crossings.clicked.connect(health.open_last)
 
     def start(self, session: Session) -> None:
-        """Follow what is examined from now on."""
+        """Follow the shape checks of a session."""
         self._session = session
 
     def show(self) -> None:
-        """Show what is known of the shape on screen now."""
+        """Show the current results for the shape on screen."""
         if self._session is None or self._session.store.state is None:
             return
         from apd_viewer.session.model.status_text import of_crossings
@@ -73,7 +73,7 @@ class Measuring(QObject):
         self._panel.measures.show_wall(self._walls[mesh])
 
     def look_as(self, view: View) -> None:
-        """Have the surface made and coloured as a session says; one that says nothing leaves it alone."""
+        """Apply wall and overlay of a session's view; missing ones change nothing."""
         # A later version may show what this one cannot.
         measure = next((measure for measure in Measure if measure.value == view.overlay), None)
         if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
@@ -83,7 +83,7 @@ class Measuring(QObject):
             self._panel.measures.show_wall(view.wall)
 
     def in_view(self, view: View) -> View:
-        """The view with what the surface is made of, and what its colours show."""
+        """The view with the wall and the overlay added."""
         measure = self._heat.measure
         overlay = "" if measure is None else measure.value
         return replace(view, wall=self._panel.measures.wall, overlay=overlay)

@@ -1,4 +1,4 @@
-"""The method: what it keeps, what it gives up, and the settings that matter for it."""
+"""Method section: the method and its settings."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class MethodSection(Section):
         self.column.addWidget(self.stiffness)
 
     def show_settings(self, document: Document) -> None:
-        """Show the method and the settings that matter for it."""
+        """Show the method and its settings."""
         self.method.setCurrentIndex(self.method.findData(document.method))
         method = document.traits
         self._describe(method)
@@ -107,7 +107,7 @@ class MethodSection(Section):
         self._gives_up.setText(method.gives_up)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         super().set_theme(theme)
         self.stiffness.set_theme(theme)
 

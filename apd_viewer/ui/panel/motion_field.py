@@ -1,4 +1,4 @@
-"""A line to type a motion of the active handle into: which one, and by how much."""
+"""Field for a typed motion of the active handle: kind and amount."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _TIPS = {
 
 
 class MotionField(QWidget):
-    """What moves the handle by a typed amount, as one gesture.
+    """Moves the handle by a typed amount, one step of undo.
 
     Attributes
     ----------
@@ -76,12 +76,12 @@ class MotionField(QWidget):
 
     @property
     def motion(self) -> str:
-        """Name of the motion that is chosen."""
+        """Name of the chosen motion."""
         return str(self.choice.currentData())
 
     @property
     def about_line(self) -> bool:
-        """Whether it is about a line that is picked on the mesh."""
+        """True for a motion about a line picked on the mesh."""
         return self.motion == _LINE
 
     def done(self) -> None:
@@ -90,7 +90,7 @@ class MotionField(QWidget):
         self.amount.selectAll()
 
     def refuse(self, sentence: str) -> None:
-        """Say what is wrong with what was typed, and leave it to be mended."""
+        """Show an input error and keep the text for correction."""
         self._problem.setText(sentence)
         self._problem.show()
         self.amount.selectAll()

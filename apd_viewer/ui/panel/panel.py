@@ -1,4 +1,4 @@
-"""The panel at the side: the area first, then volume, method, handles, regions and paint."""
+"""Side panel: area, volume, method, handles, regions, paint."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _WIDTH = 296
 
 
 class PaintSection(Section):
-    """How many vertices are painted as what."""
+    """Vertex counts of base, handles and free."""
 
     def __init__(self) -> None:
         super().__init__(tr("Vertices"))
@@ -61,7 +61,7 @@ class PaintSection(Section):
 
 
 class Panel(QScrollArea):
-    """Readings that follow the state, and the settings; the sections say what the user chose.
+    """Side panel of readings and settings.
 
     Attributes
     ----------
@@ -101,11 +101,11 @@ class Panel(QScrollArea):
 
     @property
     def dials(self) -> tuple[Dial, ...]:
-        """The values that can be swept with a slider."""
+        """All values with a slider."""
         return self.area.target, self.volume.target, self.method.stiffness, self.handles.falloff
 
     def minimumSizeHint(self) -> QSize:
-        """As wide as the widest line, so that nothing is ever cut off at the side."""
+        """Width of the widest line: nothing is cut off at the side."""
         body, edge = self.widget(), self.contentsMargins()
         bar = self.verticalScrollBar().sizeHint().width() + edge.left() + edge.right()
         lines = body.minimumSizeHint().width() + bar if body else 0
@@ -122,7 +122,7 @@ class Panel(QScrollArea):
             QTimer.singleShot(0, self, self.updateGeometry)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
-        """Show what differs between two states, with the active handle and region."""
+        """Show the differences between two states, and the active parts."""
         asked_anew = old is None or old.document is not new.document
         if asked_anew:
             self.area.show_settings(new)
@@ -144,7 +144,7 @@ class Panel(QScrollArea):
 
     @property
     def unit(self) -> Unit:
-        """What the readings are in; another one is seen with the next state that is shown."""
+        """Unit of the readings, applied with the next state shown."""
         return self._unit
 
     @unit.setter
@@ -159,16 +159,16 @@ class Panel(QScrollArea):
         self._show_readings(state, asked_anew=False)
 
     def show_parts(self, state: State, handle: int, region: int) -> None:
-        """Show the handles and regions, and which are active."""
+        """Show the handles and regions, and the active ones."""
         self.handles.show_settings(state, self.unit, handle)
         self.regions.show_settings(state, region)
 
     def give_up_sweep(self) -> bool:
-        """Let go of a slider that is being swept; True if there was one."""
+        """Cancel the slider being dragged; True if there was one."""
         return any(dial.slider.give_up() for dial in self.dials)
 
     def name_keys(self, actions: PoseActions) -> None:
-        """Name the keys of the actions in the tips of the buttons that do the same."""
+        """Name the shortcuts of equivalent actions in the buttons' tips."""
         add_handle, _, add_region = actions.parts
         for button, action in (
             (self.handles.add, add_handle),
@@ -178,7 +178,7 @@ class Panel(QScrollArea):
             name_keys(button, action)
 
     def show_motion(self) -> None:
-        """Unfold the handles, and put the cursor where a motion is typed."""
+        """Unfold the handle section and focus the motion field."""
         self.handles.folded = False
         field = self.handles.motion.amount
         self.ensureWidgetVisible(field)
@@ -187,7 +187,7 @@ class Panel(QScrollArea):
 
     @property
     def folded(self) -> list[str]:
-        """Titles of the sections that are folded."""
+        """Titles of the folded sections."""
         return [section.title for section in self.sections if section.folded]
 
     @folded.setter
@@ -196,7 +196,7 @@ class Panel(QScrollArea):
             section.folded = section.title in titles
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         self.area.set_theme(theme)
         for section in self.sections:
             section.set_theme(theme)

@@ -15,7 +15,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 
 class Swatch(QWidget):
-    """A square of the colour that a part has on the mesh."""
+    """Square in a part's colour on the mesh."""
 
     def __init__(self, color: tuple[int, int, int]) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class Swatch(QWidget):
 
 
 class Name(QLineEdit):
-    """A name that can be edited in place: Enter keeps the new one, Esc the old one.
+    """Name edited in place: Enter accepts, Esc restores.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Name(QLineEdit):
         self.style().polish(self)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter keeps what was typed, Esc what was there."""
+        """Accept on Enter, restore on Esc."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self._finish(self.text())
         elif event.key() == Qt.Key.Key_Escape:
@@ -89,7 +89,7 @@ class Name(QLineEdit):
             super().keyPressEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Keep what was typed."""
+        """Accept the text."""
         super().focusOutEvent(event)
         self._finish(self.text())
 
@@ -113,7 +113,7 @@ _SAID = {
 
 
 class PartRow(QFrame):
-    """A line of the list: colour, name, a reading, and below it what the active part alone shows.
+    """Row of the list: colour, name, reading, and details of the active part.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class PartList(QWidget):
         self._column.setContentsMargins(0, 0, 0, 0)
 
     def show_parts(self, names: Sequence[str], active: int) -> None:
-        """Show a row for each name, and which part is active."""
+        """Show a row for each name, and the active part."""
         while len(self.rows) > len(names):
             row = self.rows.pop()
             row.hide()
@@ -240,7 +240,7 @@ class PartList(QWidget):
         self._put_in_tab_order(row)
 
     def _put_in_tab_order(self, row: PartRow) -> None:
-        """Have Tab come to a row after those above it: by itself it would come to the latest last."""
+        """Insert a row into the tab order after the rows above it."""
         before = self._before
         for other in self.rows:
             for widget in filter(_takes_keys, (other, *other.findChildren(QWidget))):
@@ -250,7 +250,7 @@ class PartList(QWidget):
 
     @property
     def _before(self) -> QWidget:
-        """What Tab comes to before the list, which takes no keys itself."""
+        """Widget before the list in the tab order."""
         before: QWidget | None = self.previousInFocusChain()
         while before is not None and before is not self and not _takes_keys(before):
             before = before.previousInFocusChain()

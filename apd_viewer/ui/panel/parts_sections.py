@@ -1,4 +1,4 @@
-"""The handles and the regions: their lists, and what is read and asked of each."""
+"""Handle and region sections: lists, readings and targets."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class HandleSection(Section):
         self.heading.say(f"{len(document.handles)}", only_folded=True)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show how far the handles are from where they were put."""
+        """Show the handles' drift from their targets."""
         self.drift.setText(readings.drift(state, unit))
 
     def set_theme(self, theme: Theme) -> None:
@@ -118,7 +118,7 @@ class HandleSection(Section):
 
 
 class RegionSection(Section):
-    """The named regions: what area each has, and what area it should keep.
+    """Named regions with their areas and area targets.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class RegionSection(Section):
         return row
 
     def show_settings(self, state: State, active: int) -> None:
-        """Show the regions and what is asked of them."""
+        """Show the regions and their targets."""
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
@@ -179,7 +179,7 @@ class RegionSection(Section):
 
 
 class Keep(QWidget):
-    """What the area of a region should be: free, or a percentage of its area at rest.
+    """Area target of a region: free, or a percentage of its rest area.
 
     Attributes
     ----------
@@ -203,7 +203,7 @@ class Keep(QWidget):
         self.field.valueChanged.connect(lambda percent: self.kept.emit(percent))
 
     def show_target(self, percent: float | None, possible: bool) -> None:
-        """Show what is asked for, and whether anything can be."""
+        """Show the target, enabled if ``possible``."""
         self.setEnabled(possible)
         self.box.blockSignals(True)
         self.box.setChecked(percent is not None)

@@ -1,4 +1,4 @@
-"""What room the shape takes, and what it weighs."""
+"""Size section: dimensions, compactness and mass."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class SizeSection(Section):
-    """A compact table of readings, and two fields for what the surface is made of.
+    """Table of readings, and two fields for the wall.
 
     Attributes
     ----------
@@ -110,11 +110,11 @@ class SizeSection(Section):
 
     @property
     def wall(self) -> Wall:
-        """What is typed."""
+        """Wall as typed."""
         return Wall(self.thickness.text(), self.density.text())
 
     def show_wall(self, wall: Wall) -> None:
-        """Show what the surface of another mesh is made of."""
+        """Show the wall of another mesh."""
         self.thickness.setText(wall.thickness)
         self.density.setText(wall.density)
         self._typed = wall
@@ -127,7 +127,7 @@ class SizeSection(Section):
             self.wall_typed.emit(self.wall)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show what every frame has: the compactness and the mass."""
+        """Show compactness and mass of a frame."""
         self._area = state.frame.area
         for label, text in zip((self.compact, self._compact_change), readings.compact(state), strict=True):
             label.setText(text)
@@ -137,7 +137,7 @@ class SizeSection(Section):
         self._show_mass()
 
     def show_examination(self, found: Examination | None, at_rest: Examination | None) -> None:
-        """Show what was found of the shape; None while it is not known."""
+        """Show the results of a shape check; None while unknown."""
         self._found, self._at_rest = found, at_rest
         self._show_boxes()
 

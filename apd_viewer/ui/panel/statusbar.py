@@ -1,4 +1,4 @@
-"""The line at the bottom: what the tool does, what is under way, how fast the solver is."""
+"""Status bar: tool hint, jobs and solver speed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Hint(QLabel):
-    """A line that ends in dots where there is no room for all of it."""
+    """Label elided to its width."""
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw as much as there is room for."""
@@ -62,7 +62,7 @@ class StatusBar(QStatusBar):
         self._cancel.hide()
 
     def hint(self, text: str) -> None:
-        """Say what the tool in hand does."""
+        """Show the hint of the current tool."""
         self._hint.setText(text)
         self._hint.setToolTip(text)
 
@@ -72,7 +72,7 @@ class StatusBar(QStatusBar):
         self.showMessage(tr("Brush {size}").format(size=size), 1500)
 
     def show_session(self, session: Session) -> None:
-        """Show what is under way."""
+        """Show the session's jobs and the solver's activity."""
         errand, state = session.jobs.current, session.store.state
         self._errand.setText(tr("{errand}…").format(errand=errand.title) if errand else "")
         self._errand.setVisible(errand is not None)
@@ -92,7 +92,7 @@ def _vertices(state: State) -> str:
 
 
 def _extent(state: State, unit: Unit) -> str:
-    """How many faces the mesh has, and how far it reaches along x, y and z."""
+    """Face count and extents along x, y and z, in words."""
     found = state.inspection
     size = unit.length(" × ".join(short(extent) for extent in found.size))
     return tr("{vertices:,} vertices, {faces:,} faces; {size} at rest").format(

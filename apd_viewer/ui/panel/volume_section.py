@@ -1,4 +1,4 @@
-"""The volume: what it is, and what it should be if that matters."""
+"""Volume section: reading and optional target."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TIP = tr("Target of the enclosed volume, in percent of the rest volume")
 
 
 class VolumeSection(Section):
-    """Readings of the volume, and a target that can be switched on.
+    """Volume reading, and a target behind a switch.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class VolumeSection(Section):
         self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         super().set_theme(theme)
         self.target.set_theme(theme)
         self.crossings.set_theme(theme)
@@ -63,7 +63,7 @@ class VolumeSection(Section):
         return self.heading.reading
 
     def show_settings(self, state: State) -> None:
-        """Show what is asked for, or why nothing can be."""
+        """Show the target, or the reason for a missing volume."""
         document, inspection = state.document, state.inspection
         why = "" if inspection.volume else tr("Only a closed surface has a volume to keep.")
         if document.traits.keeps_only_total_area and not why:
@@ -83,7 +83,7 @@ class VolumeSection(Section):
         self.target.show_value(100.0 if document.volume is None else document.volume)
 
     def show_readings(self, state: State, unit: Unit) -> None:
-        """Show the shape's volume; that of an open surface with its openings capped, and saying so."""
+        """Show the shape's volume; an open surface's with capped openings."""
         said = readings.volume(state, unit)
         self.heading.say(said.change)
         self.volume.setText(said.sizes)
@@ -91,7 +91,7 @@ class VolumeSection(Section):
         self.litres.setVisible(bool(said.more))
 
     def show_examination(self, found: Examination | None, under_way: bool) -> None:
-        """Say whether the surface passes through itself, as far as that is known."""
+        """Show the self-intersections as far as known."""
         if found is not None:
             self.crossings.show_count(None if found.crossing is None else len(found.crossing))
         elif under_way:

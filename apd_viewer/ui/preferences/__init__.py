@@ -1,1 +1,1 @@
-"""Preferences, shortcuts and units that the user chose."""
+"""Preferences, shortcuts and units."""

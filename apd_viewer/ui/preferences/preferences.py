@@ -1,4 +1,4 @@
-"""What the window remembers from one start to the next."""
+"""Preferences kept from one start to the next."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _UNITS = {unit.value or "-": unit for unit in Unit}
 
 
 def own_file(mesh: Mesh) -> Path | None:
-    """The user's file that a mesh came from; the samples are there to be played with."""
+    """Path of the user's file behind a mesh; None for samples."""
     return None if mesh.path is None or resource("") in mesh.path.parents else mesh.path
 
 
 class Memory:
-    """Recent files, the folder of the last one, their units, the layout of the window, light or dark.
+    """Recent files, folders, units, window layout and colour scheme.
 
     Parameters
     ----------
@@ -42,12 +42,12 @@ class Memory:
         self._settings = settings
 
     def _lines(self, key: str, default: Sequence[str] = ()) -> list[str]:
-        """What is kept as lines; a file of settings tells one line from a list of one no more."""
+        """Setting as lines; QSettings returns a single line as a string."""
         value: Any = self._settings.value(key, list(default))
         return [value] if isinstance(value, str) else [str(line) for line in value or []]
 
     def _named(self, key: str) -> dict[str, str]:
-        """What is kept as lines of a name and a text."""
+        """Setting as pairs of name and text."""
         return {name: text for name, _, text in (line.partition(" ") for line in self._lines(key))}
 
     def _keep_named(self, key: str, texts: dict[str, str]) -> None:
@@ -55,12 +55,12 @@ class Memory:
 
     @property
     def recent(self) -> list[Path]:
-        """The files that were opened last, the latest first."""
+        """Recent files, latest first."""
         return [Path(path) for path in self._lines("recent")]
 
     @property
     def folded(self) -> list[str]:
-        """The sections of the panel that are folded away, by their titles."""
+        """Titles of the folded panel sections."""
         return self._lines("folded", [tr("Size and mass")])
 
     @folded.setter
@@ -69,7 +69,7 @@ class Memory:
 
     @property
     def plots(self) -> list[str] | None:
-        """What is plotted, by its names; None before anything was chosen."""
+        """Names of the plots shown; None before any choice."""
         value = self._settings.value("plots")
         return None if value is None else [name for name in str(value).split() if name]
 
@@ -79,7 +79,7 @@ class Memory:
 
     @property
     def compared(self) -> list[str]:
-        """The methods that were compared last, by their names; empty before any were."""
+        """Names of the methods compared last; empty before any."""
         return str(self._settings.value("compared", "")).split()
 
     @compared.setter
@@ -88,7 +88,7 @@ class Memory:
 
     @property
     def folder(self) -> Path:
-        """Where the last file was."""
+        """Folder of the last file."""
         return Path(str(self._settings.value("folder", str(Path.home()))))
 
     def remember(self, path: Path) -> None:
@@ -100,7 +100,7 @@ class Memory:
 
     @property
     def units(self) -> dict[Path, Unit]:
-        """The units of the files for which one was chosen, the latest choice first."""
+        """Chosen units by file, latest first."""
         units = {}
         for line in self._lines("units"):
             symbol, _, path = line.partition(" ")
@@ -117,7 +117,7 @@ class Memory:
 
     @property
     def walls(self) -> dict[Path, Wall]:
-        """What the files' surfaces are made of, where that was said, the latest first."""
+        """Walls by file, latest first."""
         walls = {}
         for line in self._lines("walls"):
             with contextlib.suppress(ValueError, TypeError):  # somebody has written into the settings
@@ -126,7 +126,7 @@ class Memory:
         return walls
 
     def remember_wall(self, path: Path, wall: Wall) -> None:
-        """Put what the surface in the file at ``path`` is made of before all others."""
+        """Put the wall of the file at ``path`` first."""
         path = path.resolve()
         walls = {path: wall, **{other: old for other, old in self.walls.items() if other != path}}
         lines = [json.dumps([str(other), *wall]) for other, wall in walls.items()]
@@ -134,7 +134,7 @@ class Memory:
 
     @property
     def shortcuts(self) -> dict[str, str]:
-        """The keys that were chosen, by the names of their actions."""
+        """Chosen shortcuts by action name."""
         return self._named("shortcuts")
 
     @shortcuts.setter
@@ -143,7 +143,7 @@ class Memory:
 
     @property
     def looks(self) -> dict[str, str]:
-        """How the shape was looked at, by names that :class:`Looks` gives."""
+        """Display options by name."""
         return self._named("looks")
 
     @looks.setter
@@ -152,7 +152,7 @@ class Memory:
 
     @property
     def toured(self) -> bool:
-        """Whether this is not the first start of all: then the tour is shown only when asked for."""
+        """True from the second start on: the tour is then shown on request."""
         return bool(self._settings.value("tour", False, bool))
 
     @toured.setter
@@ -174,7 +174,7 @@ class Memory:
         self._settings.setValue("layout", window.saveState())
 
     def restore_layout(self, window: QMainWindow) -> None:
-        """Give ``window`` the size, place and panels that it had."""
+        """Restore size, place and panels of ``window``."""
         geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
         if geometry is not None:
             window.restoreGeometry(geometry)

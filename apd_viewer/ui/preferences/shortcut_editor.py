@@ -1,4 +1,4 @@
-"""A field that shows the keys of an action as caps, and takes new ones after a click."""
+"""Editor of an action's shortcut, shown as key caps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ALONE = (  # keys that wait for another one
 
 
 class KeyField(QAbstractButton):
-    """The keys of one action; a click waits for new ones, Delete for none, Esc leaves the old ones.
+    """Keys of one action; click to record, Delete for none, Esc to cancel.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class KeyField(QAbstractButton):
         self.show_keys()
 
     def show_keys(self) -> None:
-        """Show the keys that the action has now."""
+        """Show the action's current keys."""
         keys = native(self._entry.keys) or _NONE
         self.setAccessibleName(tr("Keys of {action}: {keys}").format(action=self._entry.title, keys=keys))
         self.setToolTip(tr("Change the keys of “{action}”").format(action=self._entry.title))
@@ -62,7 +62,7 @@ class KeyField(QAbstractButton):
 
     @property
     def waits(self) -> bool:
-        """Whether the next keys are the new ones."""
+        """True while recording."""
         return self._waits
 
     def wait_for_keys(self, on: bool) -> None:
@@ -168,7 +168,7 @@ def _caps(keys: str) -> list[str]:
 
 
 def _keys_of(event: QKeyEvent) -> str:
-    """What was pressed; Shift is left out where it only made another sign, such as a question mark."""
+    """Keys pressed; without Shift if it only selects another character."""
     kept, text = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier, event.text()
     if text and text.isprintable() and not text.isalnum() and not text.isspace():
         kept &= ~Qt.KeyboardModifier.ShiftModifier

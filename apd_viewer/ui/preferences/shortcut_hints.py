@@ -1,4 +1,4 @@
-"""Words that name the keys of an action, and go on naming them when it gets others."""
+"""Tooltips with the current shortcut of an action."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 def with_keys(words: str, action: QAction) -> str:
-    """The words, and behind them the keys that the action has now, if it has any."""
+    """Text with the action's current keys appended, if any."""
     keys = native(keys_of(action))
     return tr("{words} ({keys})").format(words=words, keys=keys) if keys else words
 
 
 def name_keys(widget: QWidget, action: QAction) -> None:
-    """Have the tip of a widget name the keys of the action that does the same."""
+    """Keep the shortcut of an equivalent action in a widget's tooltip."""
     tip = widget.toolTip()
 
     def say() -> None:

@@ -1,4 +1,4 @@
-"""The keys of the actions: what they are, what they were made to be, and whose a key is."""
+"""Shortcuts of the actions: defaults, changes and conflicts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def native(keys: str) -> str:
 
 @dataclass(eq=False)
 class Entry:
-    """An action with all that is said of it.
+    """Action with its texts and default keys.
 
     Parameters
     ----------
@@ -55,14 +55,14 @@ class Entry:
 
     @classmethod
     def of(cls, action: QAction, name: str, title: str, image: str, tip: str) -> Entry:
-        """An entry whose standard keys are those that the action has now."""
+        """Entry with the action's current keys as its defaults."""
         entry = cls(name, action, title, image, tip, keys_of(action))
         entry.keys = entry.standard
         return entry
 
     @property
     def keys(self) -> str:
-        """The keys that it has; empty where it has none."""
+        """Current keys; empty if none."""
         return keys_of(self.action)
 
     @keys.setter
@@ -73,17 +73,17 @@ class Entry:
 
     @property
     def is_changed(self) -> bool:
-        """Whether its keys are not the standard ones."""
+        """True if the keys differ from the defaults."""
         return self.keys != self.standard
 
 
 def keys_of(action: QAction) -> str:
-    """The keys of an action; empty where it has none."""
+    """Keys of an action; empty if none."""
     return _SEVERAL.join(key.toString(_PORTABLE) for key in action.shortcuts())
 
 
 class Shortcuts:
-    """All actions, with the keys that were chosen for them.
+    """All actions with the user's keys.
 
     Parameters
     ----------
@@ -101,11 +101,11 @@ class Shortcuts:
 
     @property
     def are_changed(self) -> bool:
-        """Whether any action has other keys than the standard ones."""
+        """True if any action has changed keys."""
         return any(entry.is_changed for entry in self.entries)
 
     def refusal(self, entry: Entry, keys: str) -> str:
-        """Why an action cannot have these keys; empty where it can."""
+        """Reason against these keys for an action; empty if allowed."""
         # What the keys do on the canvas alone takes nothing from the rest of the window.
         everywhere = entry.action.shortcutContext() != Qt.ShortcutContext.WidgetShortcut
         kept = _ENDS + _WALKS if everywhere else _ENDS
@@ -121,13 +121,13 @@ class Shortcuts:
         return ""
 
     def holder(self, keys: str, besides: Entry) -> Entry | None:
-        """Who else has one of the keys."""
+        """Other action with one of the keys."""
         wanted = set(split(keys))
         others = (entry for entry in self.entries if entry is not besides)
         return next((entry for entry in others if wanted & set(split(entry.keys))), None)
 
     def give(self, entry: Entry, keys: str) -> None:
-        """Give keys to an action; whoever loses all of its own by that gets those that become free."""
+        """Assign keys to an action; a dispossessed action gets the freed keys."""
         free = _SEVERAL.join(key for key in split(entry.keys) if key not in split(keys))
         entry.keys = ""
         while other := self.holder(keys, entry):
@@ -148,7 +148,7 @@ class Shortcuts:
         self._memory.shortcuts = {entry.name: entry.keys for entry in self.entries if entry.is_changed}
 
     def _recall(self) -> None:
-        """Apply what was chosen; what another action has by then as its standard gives way to it."""
+        """Apply the user's keys; conflicting defaults give way."""
         chosen = self._memory.shortcuts
         changed = [entry for entry in self.entries if _can_be_read(chosen.get(entry.name))]
         for entry in changed:
@@ -161,5 +161,5 @@ class Shortcuts:
 
 
 def _can_be_read(keys: str | None) -> bool:
-    """Whether keys from the settings are keys: anybody may have edited them."""
+    """True if keys from the settings are valid: the file may be edited by hand."""
     return keys is not None and all(QKeySequence(key, _PORTABLE).toString() == key for key in split(keys))

@@ -1,4 +1,4 @@
-"""Which unit of length each mesh is in: asked for where sizes are read, and remembered."""
+"""Unit of length of each mesh: chosen beside a reading, remembered by file."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TIP = tr("Unit of length of this file: measurements are shown in it, and nothin
 
 
 class UnitButton(QToolButton):
-    """A small button that names the unit, with a menu of all of them.
+    """Button with the unit's name and a menu of all units.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class UnitButton(QToolButton):
         self.show_unit(Unit.NONE)
 
     def show_unit(self, unit: Unit) -> None:
-        """Name the unit that is in use."""
+        """Show the name of the current unit."""
         self._unit = unit
         self.setText(unit.title)
         self.setAccessibleName(tr("Unit of length: {title}").format(title=unit.title))
@@ -77,7 +77,7 @@ class UnitButton(QToolButton):
         return QSize(_PADDING + metrics.horizontalAdvance(self.text()) + 4 + _CHEVRON, metrics.height() + 6)
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the name and a chevron; where nobody has chosen yet, the name stands out."""
+        """Draw name and chevron, emphasised before the first choice."""
         theme, room = self._theme, self.rect()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -94,7 +94,7 @@ class UnitButton(QToolButton):
 
 
 class Units:
-    """The unit of every mesh that was opened.
+    """Unit of every mesh opened.
 
     The files' units are remembered; those of samples, and of meshes that have no file, only as long as
     the mesh is there.
@@ -109,7 +109,7 @@ class Units:
         self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
 
     def of(self, mesh: Mesh) -> Unit:
-        """The unit that was chosen for a mesh, or the one that its user seems to work in."""
+        """Chosen unit of a mesh, or the most likely one."""
         if mesh not in self._chosen:
             path = own_file(mesh)
             self._chosen[mesh] = Unit.NONE if path is None else self._of_file(path)

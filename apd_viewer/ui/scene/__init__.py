@@ -1,1 +1,1 @@
-"""The view: surface, camera, shading and what stands in the scene."""
+"""Scene: surface, camera, shading and actors."""

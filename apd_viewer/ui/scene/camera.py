@@ -1,4 +1,4 @@
-"""The camera as a value: rays, projections and movements, without Qt and without OpenGL."""
+"""Camera as a value: rays, projections and moves, without Qt and OpenGL."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Camera:
 
     @property
     def key(self) -> tuple[float, ...]:
-        """Equal for cameras that show the same picture."""
+        """Key equal for cameras with the same picture."""
         return (*self.position, *self.focal, *self.up, self.angle, self.width, self.height)
 
     def depth(self, points: np.ndarray) -> np.ndarray:
@@ -75,7 +75,7 @@ class Camera:
         return self.position, unit(forward + aside)
 
     def project(self, points: np.ndarray) -> np.ndarray:
-        """Pixel positions, (k, 2), of the (k, 3) points; meaningless for points behind the camera."""
+        """Pixel positions (k, 2) of points (k, 3); undefined behind the camera."""
         local = (points - self.position) @ self.axes.T
         scale = 1.0 / (self.pixel * np.maximum(local[:, 2], 1e-12 * self.distance))
         return np.column_stack([self.width / 2 + local[:, 0] * scale, self.height / 2 - local[:, 1] * scale])
@@ -85,12 +85,12 @@ class Camera:
         return self.pixel * max(float(self.depth(point)), 1e-12 * self.distance)
 
     def on_focal_plane(self, x: float, y: float) -> np.ndarray:
-        """Point at the depth of the focal point that is seen at a pixel position."""
+        """Point in the focal plane at a pixel position."""
         origin, direction = self.ray(x, y)
         return origin + direction * (self.distance / float(direction @ self.axes[2]))
 
     def orbited(self, dx: float, dy: float) -> Camera:
-        """Turn around the focal point by a drag of (dx, dy) pixels; the horizon stays level."""
+        """Camera orbited by a drag of (dx, dy) pixels; the horizon stays level."""
         # Upside down, a drag to the right must still push the front of the object to the right.
         side = 1.0 if self.up @ UP >= 0 else -1.0
         yaw = rotation(UP, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
@@ -101,13 +101,13 @@ class Camera:
         )
 
     def panned(self, dx: float, dy: float) -> Camera:
-        """Slide so that what lies at the depth of the focal point follows a drag of (dx, dy) pixels."""
+        """Camera panned so that the focal plane follows a drag of (dx, dy) pixels."""
         right, up, _ = self.axes
         shift = self.pixel * self.distance * (dy * up - dx * right)
         return replace(self, position=self.position + shift, focal=self.focal + shift)
 
     def zoomed(self, point: np.ndarray, factor: float) -> Camera:
-        """Come ``factor`` times closer to a point, which stays where it is in the picture."""
+        """Camera ``factor`` times closer to a point fixed in the picture."""
         return replace(
             self,
             position=point + (self.position - point) / factor,
@@ -133,7 +133,7 @@ class Camera:
         return replace(self, position=centre - away * self.axes[2], focal=centre)
 
     def _sides(self, room: float) -> np.ndarray:
-        """From how far a point fits in at the right, left, top and bottom, (4, 3): linear in the point."""
+        """Planes of the view frustum reduced by ``room``, (4, 3)."""
         half = np.tan(self.angle / 2)
         # A tiny view cannot hold the room; there the points must do with a tenth of it.
         across, along = (max(1.0 - 2.0 * room / size, 0.1) for size in (self.width, self.height))
@@ -142,7 +142,7 @@ class Camera:
         return np.stack([wide, -wide, tall, -tall]) - self.axes[2]
 
     def placed(self, axis: str) -> Camera:
-        """Look at the focal point from 'front', 'side' or 'top', or from the opposite with a '-' before."""
+        """Camera along 'front', 'side' or 'top', or '-' for the opposite."""
         stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
         if axis.startswith("-"):
             stand, up = -stand, up if up @ UP else -up
@@ -155,7 +155,7 @@ def unit(v: np.ndarray) -> np.ndarray:
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """(3, 3) rotation about a unit axis by an angle in radians, counter-clockwise seen from its tip."""
+    """Rotation (3, 3) about a unit axis, radians, right-handed."""
     x, y, z = axis
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)

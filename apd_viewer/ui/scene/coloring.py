@@ -1,4 +1,4 @@
-"""The colours of the vertices: what they are painted as, what is drawn along, previewed or marked."""
+"""Vertex colours: paint, falloff, preview and marks."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ class Coloring:
         self.previewed: np.ndarray | None = None
 
     def begin(self, document: Document) -> np.ndarray:
-        """The colours of another mesh, (n, 4) uint8 array: nothing is previewed on it, nor marked."""
+        """Colours of another mesh, (n, 4) uint8, without preview and marks."""
         self._document, self.previewed = document, None
         self._marks.show(None)
         return colors_of(document)
 
     def follow(self, document: Document) -> None:
-        """Show what differs in another document of the mesh."""
+        """Update the colours to another document of the mesh."""
         before, self._document = self._document, document
         if before is not None and (not before.painted_like(document) or before.soft is not document.soft):
             self._restore(differing(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
-        """Show the vertices in the colours of what they are."""
+        """Restore the vertices' own colours."""
         if self._document is not None:
             self._surface.set_colors(colors_of(self._document, ids), ids)
         if self._marks.ids is not None:
@@ -64,7 +64,7 @@ class Coloring:
             self._surface.set_colors(tinted(colors_of(document, self.previewed), color), self.previewed)
 
     def mark(self, vertices: np.ndarray | None) -> None:
-        """Mark vertices on the mesh, all where none are named; None takes the marks away."""
+        """Mark vertices; all for an empty array, none for None."""
         document, before = self._document, self._marks.ids
         if document is None:
             return
@@ -93,7 +93,7 @@ def colors_of(document: Document, ids: np.ndarray | None = None) -> np.ndarray:
 
 
 def differing(old: Document, new: Document) -> np.ndarray:
-    """The vertices of one mesh whose colours differ between two documents, ascending ids."""
+    """Vertices of different colour in two documents, ascending."""
     differ = (old.labels != new.labels) | (old.member != new.member)
     if old.soft is not new.soft:
         differ[old.soft.ids] = differ[new.soft.ids] = True

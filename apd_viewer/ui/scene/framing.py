@@ -1,4 +1,4 @@
-"""From where a part of the mesh is seen: the camera that shows it, moved no more than it takes."""
+"""Smallest camera move to show part of a mesh."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Rays = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, rays: Rays) -> Camera:
-    """The camera, turned about its focal point so that the surface does not hide the points.
+    """Camera orbited until the surface does not hide the points.
 
     It stays where it is if it sees enough of what could be seen.
 
@@ -55,7 +55,7 @@ def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, ra
 
 
 def _around(here: np.ndarray) -> np.ndarray:
-    """Where else the camera may stand: unit vectors, (k, 3), first those that are level and near ``here``."""
+    """Candidate directions (k, 3): level ones and those near ``here`` first."""
     turn, height = np.meshgrid(np.arange(_WAYS) * 2.0 * np.pi / _WAYS, _HEIGHTS)
     level = np.cos(height)
     stands = np.stack([level * np.sin(turn), np.sin(height), level * np.cos(turn)], axis=-1).reshape(-1, 3)
@@ -63,7 +63,7 @@ def _around(here: np.ndarray) -> np.ndarray:
 
 
 def _seen(points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: float, rays: Rays) -> float:
-    """How much of the surface at the points faces ``stand``, and is not hidden from far away there."""
+    """Share of the surface at the points visible from ``stand``."""
     away = 2.0 * size
     met = rays(points + away * stand, np.tile(-stand, (len(points), 1)))
     faces = np.where(normals.any(axis=1), np.abs(normals @ stand), 1.0)
@@ -71,7 +71,7 @@ def _seen(points: np.ndarray, normals: np.ndarray, stand: np.ndarray, size: floa
 
 
 def in_view(eye: Camera, points: np.ndarray, covered: QRectF) -> bool:
-    """Whether all points are in the picture, and most of them not in the part of it that is covered."""
+    """True if all points are in view and most of them uncovered."""
     if (eye.depth(points) <= 0.0).any():
         return False
     x, y = eye.project(points).T
@@ -82,7 +82,7 @@ def in_view(eye: Camera, points: np.ndarray, covered: QRectF) -> bool:
 
 
 def surroundings(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Corners of a box, (8, 3), around the points and some of the mesh, whose box is ``low`` to ``high``."""
+    """Corners (8, 3) of a box around the points and some of the mesh."""
     pad = _AROUND * float(np.linalg.norm(high - low))
     near, far = points.min(axis=0), points.max(axis=0)
     ends = np.array([np.maximum(near - pad, low), np.minimum(far + pad, high)])
@@ -90,7 +90,7 @@ def surroundings(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.nd
 
 
 def aside(eye: Camera, covered: QRectF) -> tuple[float, float]:
-    """How far the picture must be shifted to the left or up, in pixels, to stand in what is not covered.
+    """Pixel shift to the left or up into the uncovered part of the picture.
 
     ``covered`` is a part at the lower right; as many pixels must be free around what is shown.
     """

@@ -1,4 +1,4 @@
-"""The rest shape around the shape that came of it, as if of glass."""
+"""Rest shape drawn like glass around the deformed shape."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Ghost(RestActor):
 
 
 def _normals(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Unit normals of the vertices, (n, 3) float32, weighted by area; zero where there is no face."""
+    """Area-weighted vertex normals (n, 3) float32; zero without a face."""
     a, b, c = V[F].transpose(1, 0, 2)
     across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
     N = np.column_stack([np.bincount(F.ravel(), x, len(V)) for x in across.T])

@@ -1,4 +1,4 @@
-"""The ground that the mesh stands on at rest, as a grid in its unit of length, and the way of the axes."""
+"""Ground grid under the rest shape, and the axes in a corner."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 
 
 class Ground(RestActor):
-    """A grid below the mesh, figures at two of its sides, and axes in a corner of the picture.
+    """Grid below the mesh with figures at two sides, and axes.
 
     To the viewport it is a tool that only paints.
 
@@ -72,7 +72,7 @@ class Ground(RestActor):
         return _lines(self._ends, self._ticks(0), self._ticks(2))
 
     def _ticks(self, axis: int) -> np.ndarray:
-        """Where the lines across an axis are."""
+        """Positions of the grid lines across an axis."""
         first, last = np.rint(self._ends[:, axis] / self.step)
         return self.step * np.arange(first, last + 1)
 
@@ -97,7 +97,7 @@ class Ground(RestActor):
         painter.restore()
 
     def _write_along(self, painter: QPainter, axis: int, taken: list[QRectF]) -> None:
-        """Write where the lines are at the side of the grid that is nearer to the eye.
+        """Write the figures along the nearer side of the grid.
 
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """

@@ -1,4 +1,4 @@
-"""A scene of its own beside the one on screen, for pictures of shapes that are not shown."""
+"""Off-screen scene for pictures of other shapes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class _Set:
 
 
 class Studio:
-    """Takes pictures of the shapes of one state, all from where the user looks, and all as near.
+    """Renders the shapes of a state from the user's camera, all at one scale.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Studio:
         return self._taken(U)
 
     def measured(self, U: np.ndarray, shades: np.ndarray, scale: Scale) -> QImage:
-        """The same in the colours of a ``scale``; ``shades`` (n,) uint8 as those of a surface."""
+        """Picture in the colours of a ``scale``; ``shades`` as a surface's."""
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         self._surface.wear(scale.measure.colors, neutral)
         self._surface.shades[:] = shades

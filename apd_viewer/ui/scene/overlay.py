@@ -1,4 +1,4 @@
-"""The transparent sheet over the viewport on which the tools paint."""
+"""Transparent widget over the viewport for the tools' drawings."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Overlay(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Let the tools paint; the one that sees events first lies on top."""
+        """Let the tools paint, the first one on top."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             for tool in reversed(self._tools):

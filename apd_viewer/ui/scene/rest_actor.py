@@ -1,4 +1,4 @@
-"""What is drawn of the rest shape beside the shape that came of it."""
+"""Actors of the rest shape beside the deformed one."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class RestActor(ABC):
 
     @property
     def on(self) -> bool:
-        """Whether it is shown."""
+        """True while shown."""
         return self._on
 
     @on.setter
@@ -47,7 +47,7 @@ class RestActor(ABC):
         self._show()
 
     def follow(self, mesh: Mesh) -> None:
-        """Show that of another mesh."""
+        """Show the rest shape of another mesh."""
         if mesh is not self._mesh:
             self._mesh = mesh
             self._show()
@@ -64,7 +64,7 @@ class RestActor(ABC):
 
     @abstractmethod
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
-        """What there is to draw; also puts the actor in its place, and says how far it reaches."""
+        """Data to draw; also places the actor and returns its extent."""
 
     @abstractmethod
     def _match_background(self, dark: bool) -> None:

@@ -1,4 +1,4 @@
-"""Pictures of the scene at any size, with or without a background: drawn as on the screen, beside it."""
+"""Pictures of the scene at any size, optionally transparent."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOST = 200_000_000
 def scene_picture(
     viewport: Viewport, size: QSize, transparent: bool = False, renderer: vtkRenderer | None = None
 ) -> QImage:
-    """What a viewport shows, without its tools: all of it, whatever the shape of the picture is.
+    """Picture of a viewport without its tools, complete at any aspect ratio.
 
     Parameters
     ----------
@@ -78,12 +78,12 @@ def check_size(viewport: Viewport, size: QSize) -> None:
 
 
 def grown(seen: QSize, size: QSize) -> float:
-    """How much larger a picture shows what is ``seen`` of a viewport, all of which it shows."""
+    """Scale factor from the viewport to a picture of ``seen``."""
     return min(size.width() / max(seen.width(), 1), size.height() / max(seen.height(), 1))
 
 
 def _finer(window: vtkRenderWindow, size: QSize) -> int:
-    """How many times larger to draw: where nothing else smooths the edges, twice if that is affordable."""
+    """Supersampling factor: 2 without multisampling, if affordable."""
     most, longest = int(vtkTextureObject.GetMaximumTextureSize(window)), max(size.width(), size.height())
     if longest > most:
         said = tr("A picture can have up to {most:,} pixels per side on this computer; choose a smaller one.")
@@ -130,7 +130,7 @@ def _only(window: vtkRenderWindow, scene: vtkRenderer) -> Iterator[None]:
 
 @contextmanager
 def _framed(scene: vtkRenderer, seen: QSize, size: QSize) -> Iterator[None]:
-    """Open the camera so that all is in a picture that is narrower than the view; a wider one shows more."""
+    """Widen the camera's view to a narrower picture."""
     camera = scene.GetActiveCamera()
     angle = camera.GetViewAngle()
     narrower = (seen.width() * size.height()) / max(seen.height() * size.width(), 1)

@@ -66,7 +66,7 @@ _INSIDE = """
 
 
 def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
-    """Give ``actor`` the material, whenever one of these differs, or whether its edges are shown.
+    """Give ``actor`` its shader, for the given heat colours and edge state.
 
     With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
     """

@@ -1,4 +1,4 @@
-"""A place of the material under the cursor, which other shapes of the same mesh have too."""
+"""Material point under the cursor, shared by shapes of one mesh."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _RING = 6.0  # px
 
 
 class Place(NamedTuple):
-    """A point of the material, wherever a shape has it: a face, and the weights (3,) of its corners."""
+    """Material point: a face and barycentric weights (3,)."""
 
     face: int
     shares: np.ndarray
 
 
 class Pointer(QObject):
-    """Tells the place under the cursor, and marks one with a ring. A tool that leaves the mouse to others.
+    """Reports the material point under the cursor and marks one with a ring.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Pointer(QObject):
         self.place: Place | None = None
 
     def move(self, event: QMouseEvent) -> bool:
-        """Tell what is under the cursor."""
+        """Report the point under the cursor."""
         hit = self._surface.hit(event.position())
         self.hovered.emit(None if hit is None else Place(hit.face, self._surface.shares(hit)))
         return False

@@ -21,7 +21,7 @@ _LONGEST = 0.1  # s: after a pause it goes on, and does not leap
 
 
 class Turntable(QObject):
-    """A tool of the viewport that wants nothing, and stops when others do.
+    """Turntable animation, stopped by any other tool.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Turntable(QObject):
 
     @property
     def on(self) -> bool:
-        """Whether it turns."""
+        """True while turning."""
         return self._timer.isActive()
 
     @on.setter

@@ -16,7 +16,7 @@ _INK, _PAPER = QColor(20, 23, 29), QColor(255, 255, 255, 235)
 
 
 class PlaceMark:
-    """Marks a vertex of the surface, wherever that goes.
+    """Ring and word at a vertex, following the surface.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class PlaceMark:
             self._viewport.overlay.update()
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the ring, light around dark, and the word on the side where there is room."""
+        """Draw the ring, light on dark, and the word on the freer side."""
         if self.vertex is None or self.vertex >= len(self._surface.U):
             return
         point = self._surface.U[[self.vertex]]

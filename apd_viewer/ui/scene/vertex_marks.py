@@ -1,4 +1,4 @@
-"""Marks on the mesh where something was found: a colour on the surface, and dots that show through it."""
+"""Marks of findings: colour on the surface, dots shining through."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _DOT, _HALO = 6.0, 9.5
 
 
 class Marks:
-    """The vertices that are marked, by what can be seen of them from anywhere.
+    """Marked vertices, visible from anywhere.
 
     A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the
     back is hidden: a dot has the same size everywhere. It is a tool of the viewport that only paints.
@@ -45,7 +45,7 @@ class Marks:
         self._dotted = _NONE
 
     def show(self, ids: np.ndarray | None, dotted: np.ndarray = _NONE) -> None:
-        """Mark the vertices ``ids`` from now on, those of ``dotted`` with dots where that helps."""
+        """Mark the vertices ``ids``, with dots at ``dotted`` if useful."""
         self.ids = ids
         self._dotted = dotted[:: 1 + len(dotted) // _MOST_DOTS] if self._bare(dotted) else _NONE
         self._viewport.overlay.update()
@@ -56,7 +56,7 @@ class Marks:
         return np.tile(np.array([*MARK_COLOR, 255], dtype=np.uint8), (count, 1))
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the dots where the vertices are now."""
+        """Draw dots at the vertices' current positions."""
         if not len(self._dotted):
             return
         points, eye = self._surface.U[self._dotted], self._viewport.eye
@@ -67,7 +67,7 @@ class Marks:
             painter.drawPoints(dots)
 
     def _bare(self, ids: np.ndarray) -> bool:
-        """Whether dots are needed: there are few vertices, or they have no face that could be coloured."""
+        """True if dots are needed: few vertices, or none with a face."""
         if len(ids) <= _MOST_DOTS or self._surface.skin is None:
             return True
         used = np.zeros(len(self._surface.U), dtype=bool)

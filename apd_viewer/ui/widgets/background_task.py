@@ -1,4 +1,4 @@
-"""Something that takes a while, on a thread of its own: what was asked for last counts."""
+"""Background task on a thread of its own; the newest request counts."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class BackgroundTask(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether there is a result to come."""
+        """True while a result is pending."""
         return self._wanted is not None
 
     def begin(self, work: Work) -> None:
-        """Do ``work``, as soon as what was asked for before has been given up."""
+        """Run ``work`` as soon as the previous task has been given up."""
         self._wanted = work
         if self._thread is None:
             self._start(work)
@@ -46,7 +46,7 @@ class BackgroundTask(QObject):
         self._wanted = None
 
     def close(self) -> None:
-        """Wait for the end: a thread that computes while the interpreter ends would take it down."""
+        """Wait for the thread: computing at interpreter exit would crash it."""
         self.give_up()
         if self._thread is not None:
             self._thread.join()

@@ -1,4 +1,4 @@
-"""Keeps the mouse from what lies behind a widget; unshielded, what it does not want goes to the canvas."""
+"""Barrier for mouse events over the canvas."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _KEPT = {
 
 class _Shield(QObject):
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Take what neither the widget nor its children had a use for."""
+        """Consume events unused by the widget and its children."""
         return event.type() in _KEPT
 
 
 def shield(widget: QWidget) -> None:
-    """Have mouse events end at ``widget``, whose buttons and fields get theirs as ever."""
+    """Stop mouse events at ``widget``; its children still get theirs."""
     widget.installEventFilter(_Shield(widget))

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 
 
 class Choice(QComboBox):
-    """A box that the wheel scrolls past: it lies where people scroll the panel."""
+    """Combo box ignoring the wheel, for a scrolled panel."""
 
     def sizeHint(self) -> QSize:
         """As high as a field."""
@@ -48,7 +48,7 @@ class Choice(QComboBox):
 
 
 class Check(QCheckBox):
-    """A check box that can be seen on a dark panel too."""
+    """Check box visible on a dark panel too."""
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the box, its tick and the words."""
@@ -83,7 +83,7 @@ class Check(QCheckBox):
 
 
 class Number(QDoubleSpinBox):
-    """A field that gives the keyboard back after Enter and Esc, and that the wheel scrolls past.
+    """Number field ignoring the wheel; Enter and Esc return the focus.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class Number(QDoubleSpinBox):
         self.lineEdit().returnPressed.connect(self.clearFocus)
 
     def show_value(self, value: float) -> None:
-        """Show a value that the user did not choose here."""
+        """Show a value without emitting a choice."""
         if value != self.value():
             self.blockSignals(True)
             self.setValue(value)
@@ -115,20 +115,20 @@ class Number(QDoubleSpinBox):
         _draw_field(painter, self)
 
     def textFromValue(self, value: float) -> str:
-        """The number as it is shown, which Enter reads back: all its digits, and none grouped."""
+        """Number with all digits, ungrouped, as Enter reads it."""
         return f"{value:.10g}" if self._brief else super().textFromValue(value)
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
-        """Let anything be typed: what is no number in the range is put back when it is entered."""
+        """Accept any text while typing; Enter restores invalid ones."""
         fits = self._typed(text) is not None
         return (QValidator.State.Acceptable if fits else QValidator.State.Intermediate), text, position
 
     def fixup(self, _: str) -> str:
-        """The number that was there before."""
+        """Previous number."""
         return f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}"
 
     def valueFromText(self, text: str) -> float:
-        """What was typed: 1e-3 and 0,5 are numbers too."""
+        """Number typed, such as 1e-3 or 0,5."""
         typed = self._typed(text)
         return self.value() if typed is None else typed
 
@@ -142,13 +142,13 @@ class Number(QDoubleSpinBox):
         return value if self.minimum() <= value <= self.maximum() else None
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Select the number, so that typing replaces it."""
+        """Select the number for overwriting."""
         super().focusInEvent(event)
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc leaves the field with the number that it had."""
+        """Restore the number on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.lineEdit().setText(f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}")
             self.clearFocus()
@@ -164,19 +164,19 @@ class Number(QDoubleSpinBox):
 
 
 def percent_field(name: str, tip: str) -> Number:
-    """A field for what something should be, in percent of what it is at rest."""
+    """Field for a target in percent of the rest value."""
     return Number(
         accessibleName=name, toolTip=tip, minimum=1.0, maximum=1000.0, value=100.0, decimals=2, suffix=" %"
     )
 
 
 def small_button(name: str, tip: str) -> QToolButton:
-    """A quiet button that shows an icon only."""
+    """Quiet icon button."""
     return QToolButton(objectName="small", accessibleName=name, toolTip=tip, iconSize=QSize(16, 16))
 
 
 def _draw_field(painter: QPainter, field: QWidget) -> None:
-    """Draw what lies behind a value: the platform's own is lost on a dark panel."""
+    """Draw the field's background; the platform's is lost on a dark panel."""
     palette = field.palette()
     painter.setPen(palette.highlight().color() if field.hasFocus() else palette.mid().color())
     painter.setBrush(palette.base())

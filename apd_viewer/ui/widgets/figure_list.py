@@ -13,7 +13,7 @@ _ROUND = 8
 
 
 class FigureView(QWidget):
-    """One picture, scaled down to the room that it has.
+    """Picture scaled to its width.
 
     Parameters
     ----------
@@ -33,11 +33,11 @@ class FigureView(QWidget):
 
     @property
     def drawn(self) -> bool:
-        """Whether there is a picture."""
+        """True if there is a picture."""
         return not self._picture.isNull()
 
     def hasHeightForWidth(self) -> bool:
-        """Its shape is that of the picture."""
+        """Keep the picture's aspect ratio."""
         return True
 
     def heightForWidth(self, width: int) -> int:

@@ -1,4 +1,4 @@
-"""Windows that become larger, and stay on the screen: what they end with are their buttons."""
+"""Window sizes limited to the screen, so that buttons stay visible."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 
 
 def resize_on_screen(window: QWidget, size: QSize) -> None:
-    """Give a window a size, as far as the screen has it, and move it no more than that takes."""
+    """Resize a window within the screen, moving it as little as possible."""
     room, frame = window.screen().availableGeometry(), window.frameGeometry()
     border = frame.size() - window.size()
     window.resize(size.boundedTo(room.size() - border))

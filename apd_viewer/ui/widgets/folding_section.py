@@ -1,4 +1,4 @@
-"""A part of the panel under a heading, which can be folded away."""
+"""Folding section of the panel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CHEVRON = 16
 
 
 class Heading(QAbstractButton):
-    """The line over a section: its title, a reading that stays when it is folded, a chevron."""
+    """Heading of a section: title, reading and chevron."""
 
     def __init__(self, title: str) -> None:
         super().__init__(checkable=True, checked=True, text=title, accessibleName=title)
@@ -69,7 +69,7 @@ class Heading(QAbstractButton):
 
 
 class Section(QWidget):
-    """A rule, a heading, and a column that can be folded.
+    """Rule, heading and folding column.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class Section(QWidget):
 
     @property
     def folded(self) -> bool:
-        """Whether only the heading is shown."""
+        """True if only the heading is shown."""
         return not self.heading.isChecked()
 
     @folded.setter
@@ -110,10 +110,10 @@ class Section(QWidget):
         self.heading.setChecked(not on)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         self.heading.set_theme(theme)
 
 
 def quiet(name: str) -> QLabel:
-    """A quiet line that is as high as its words need."""
+    """Quiet label, as high as its text."""
     return QLabel("", objectName="quiet", accessibleName=name, wordWrap=True)

@@ -13,7 +13,7 @@ SIZE = QSize(20, 20)
 
 
 class _LineIcon(QIconEngine):
-    """Paints the SVG afresh, so that it is sharp at every scale factor."""
+    """SVG icon painted afresh, sharp at every scale factor."""
 
     def __init__(self, svg: str, theme: Theme) -> None:
         super().__init__()

@@ -20,7 +20,7 @@ _MAGNET = 3  # pixels around the neutral value within which the knob falls into 
 
 
 class SliderScale(NamedTuple):
-    """How the steps of a slider stand for values.
+    """Map between slider steps and values.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ DECADES = SliderScale(
 
 
 class Slider(QSlider):
-    """A slider whose knob goes to the cursor, and whose neutral value is marked.
+    """Slider with a marked neutral value; its knob jumps to the cursor.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Slider(QSlider):
             painter.drawEllipse(QPointF(knob, middle), _KNOB / 2 + 1.75, _KNOB / 2 + 1.75)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the knob, which comes to the cursor unless the cursor is on it."""
+        """Grab the knob; unless hit, it jumps to the cursor."""
         if event.button() != Qt.MouseButton.LeftButton:
             return
         x, knob = event.position().x(), self._x_of(self.value())
@@ -135,7 +135,7 @@ class Slider(QSlider):
         super().keyPressEvent(event)
 
     def give_up(self) -> bool:
-        """Let the knob go and say that the sweep does not count; True if there was one."""
+        """Cancel a drag of the knob; True if there was one."""
         if not self.isSliderDown():
             return False
         self.blockSignals(True)
@@ -240,11 +240,11 @@ class Dial(QWidget):
 
     @property
     def value(self) -> float:
-        """What the field shows."""
+        """Value of the field."""
         return self.field.value()
 
     def show_value(self, value: float) -> None:
-        """Show a value that was chosen elsewhere, or here."""
+        """Show a value without emitting a choice."""
         self.field.show_value(value)
         # The knob in the hand stays under the cursor, between steps or not.
         step = min(max(round(self._scale.step_of(value)), 0), self._scale.steps)
@@ -255,7 +255,7 @@ class Dial(QWidget):
         self.back.setVisible(value != self._neutral)
 
     def set_active(self, on: bool) -> None:
-        """Let the value be chosen or not; what stands before it is left alone."""
+        """Enable or disable the field, keeping its text."""
         for part in (self.field, self.slider, self.back):
             part.setEnabled(on)
 

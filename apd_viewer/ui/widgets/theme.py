@@ -76,7 +76,7 @@ DARK = Theme(
 
 
 def theme_for(scheme: Qt.ColorScheme) -> Theme:
-    """Light or dark as asked for; where nothing was asked for, as the platform has it."""
+    """Light or dark theme as chosen, or as on the platform."""
     hints = QGuiApplication.styleHints()
     hints.setColorScheme(scheme)  # for what the platform draws itself, such as the title bar
     asked = hints.colorScheme() if scheme is Qt.ColorScheme.Unknown else scheme

@@ -1,4 +1,4 @@
-"""Rows that become columns where they have no room: other languages have longer words."""
+"""Rows wrapped into columns when too narrow, as for longer languages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QBoxLayout
 
 
 def arrange(row: QBoxLayout, room: float) -> bool:
-    """Have what is in ``row`` stand side by side within ``room`` pixels, or else below each other.
+    """Arrange ``row`` side by side within ``room`` pixels, else stacked.
 
     Returns whether it stands side by side.
     """
