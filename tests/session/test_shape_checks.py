@@ -17,6 +17,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes import shape_checker
+from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.shape_checker import Examiner, Shape
 from apd_viewer.session.session import Session
 
@@ -78,7 +79,7 @@ def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(examiner_, woke
 def test_a_process_is_ended_when_its_shape_has_moved_on(examiner_, woken, monkeypatch):
     examiner_.ask(two_spheres(1.0))
     taken(examiner_, woken)
-    process = examiner_._process
+    pid = examiner_._process.pid
     V, F = meshes.sphere(6)
     examiner_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
     end = time.monotonic() + LONG
@@ -86,7 +87,7 @@ def test_a_process_is_ended_when_its_shape_has_moved_on(examiner_, woken, monkey
         assert time.monotonic() < end
         time.sleep(0.001)
     examiner_.forget()
-    while examiner_._process is process:
+    while examiner_._process.pid == pid:
         assert time.monotonic() < end
         time.sleep(0.001)
     shape = two_spheres(1.0)
@@ -99,7 +100,7 @@ def test_of_a_shape_whose_process_dies_nothing_is_known(examiner_, woken):
     examiner_.ask(two_spheres(1.0))
     taken(examiner_, woken)
     os.kill(examiner_._process.pid, SIGKILL)
-    examiner_._process.wait()
+    examiner_._process._process.wait()
     examiner_.ask(two_spheres(1.0))
     _, found = taken(examiner_, woken)
     assert found.crossing is None
@@ -109,10 +110,10 @@ def test_of_a_shape_whose_process_dies_nothing_is_known(examiner_, woken):
 
 
 def test_where_there_can_be_no_process_nothing_is_known(examiner_, woken, monkeypatch):
-    def refused(_):
+    def refused(*_):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(shape_checker, "started", refused)
+    monkeypatch.setattr(ChildProcess, "_spawned", refused)
     examiner_.ask(two_spheres(1.0))
     assert taken(examiner_, woken)[1].crossing is None
 
@@ -123,7 +124,7 @@ def test_it_can_be_closed_at_any_time(woken):
         examiner_.ask(two_spheres(1.0))
         time.sleep(pause)
         examiner_.close()
-        assert examiner_._process is None
+        assert examiner_._process.pid is None
         assert not examiner_._thread.is_alive()
 
 

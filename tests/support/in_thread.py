@@ -5,18 +5,34 @@ changes in the solver would not reach it; those that are about the process have 
 """
 
 import contextlib
+import os
 import socket
 import threading
 
-from apd_viewer.session.processes.solver_main import serve
+from apd_viewer.session.processes.child_process import ChildProcess
+from apd_viewer.session.processes.solver_main import Teller, serve
 
 NAME = "process"
 
 
-class InThread:
+class InThread(ChildProcess):
     """Serves like a process; once killed it ends after the iteration that it is in."""
 
     def __init__(self) -> None:
+        super().__init__("solver", "")
+        self.start()
+
+    def _spawned(self) -> "ServingThread":
+        return ServingThread()
+
+
+class ServingThread:
+    """What a ChildProcess needs of a process, done by a thread."""
+
+    stderr = None
+
+    def __init__(self) -> None:
+        self.pid = os.getpid()
         ours, theirs = socket.socketpair()
         self._socket = ours
         self.stdin, self.stdout = ours.makefile("wb"), ours.makefile("rb")
@@ -30,7 +46,7 @@ class InThread:
             connection.makefile("rb") as source,
             connection.makefile("wb") as sink,
         ):
-            serve(source, sink)
+            serve(source, Teller(sink))
             connection.shutdown(socket.SHUT_RDWR)
 
     def kill(self) -> None:
@@ -38,7 +54,7 @@ class InThread:
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
 
-    def wait(self) -> int:
+    def wait(self, _: float | None = None) -> int:
         self._thread.join()
         self._socket.close()
         return 0

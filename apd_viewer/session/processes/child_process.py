@@ -1,23 +1,30 @@
-"""Processes of our own: how one is started, and what memory it keeps."""
+"""Child processes: start, messages both ways, end and restart, last words."""
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import logging
 import os
-import signal
 import subprocess
 import sys
-from typing import BinaryIO, Protocol, cast
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, BinaryIO, Protocol, cast
+
+from apd_viewer.session.processes import array_pipe
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_log = logging.getLogger(__name__)
 
 # Not multiprocessing and not -m: neither the user's script nor what lies in the current folder is imported.
-# What libraries print goes to the standard error where there is one, and never between the answers.
+# What libraries print goes to the standard error, and never between the answers.
 START = """
 import os, sys
 replies = os.dup(1)
-try:
-    os.dup2(2, 1)
-except OSError:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+os.dup2(2, 1)
 sys.path[:] = sys.argv[1:]
 from apd_viewer.session.{module} import main
 main(replies)
@@ -26,33 +33,143 @@ main(replies)
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
 # The same of a process that shall not keep more than this when something large has gone; names are numbers.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
+_LINES, _LINE_LENGTH = 40, 300  # of the last words, at most
+_GRACE = 1.0  # s; for what is about to end by itself
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
 
 
 class Process(Protocol):
-    """What is needed of a process: two pipes, and an end."""
+    """What a ChildProcess needs of a process; ``stderr`` is None where nothing is to be read from it."""
 
+    pid: int
     stdin: BinaryIO
     stdout: BinaryIO
+    stderr: BinaryIO | None
 
     def kill(self) -> None:
         """End it at once."""
 
-    def wait(self) -> int:
-        """Wait until it has ended."""
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait until it has ended and return its exit code; raises TimeoutExpired."""
 
 
-def started(script: str) -> Process:
-    """Start a process that runs ``script``; raises OSError if it cannot be started."""
-    command = [sys.executable, "-c", script, *sys.path]
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        creationflags=_FLAGS,
-        env={**os.environ, **_KEEP_MEMORY},
-    )
-    return cast("Process", process)
+class ChildProcess:
+    """A process that exchanges messages with its owner; one that fails leaves its last words in the log.
+
+    One thread at a time may call each method; :meth:`kill` may be called by any thread at any time.
+
+    Parameters
+    ----------
+    title : str
+        For the log.
+    script : str
+        What it runs, made of START.
+    """
+
+    def __init__(self, title: str, script: str) -> None:
+        self._title = title
+        self._script = script
+        self._process: Process | None = None
+        self._killed = self._failed = False
+        self._last_words: deque[str] = deque(maxlen=_LINES)
+        self._error_reader: threading.Thread | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """The number of the process; None if it has not been started, or :meth:`end` has been called."""
+        return self._process.pid if self._process else None
+
+    def start(self) -> None:
+        """Start it; raises OSError if there can be no process."""
+        self._killed = self._failed = False
+        self._last_words.clear()
+        try:
+            self._process = process = self._spawned()
+        except OSError as error:
+            _log.error("The %s process cannot be started: %s", self._title, error)
+            raise
+        if process.stderr is not None:
+            self._error_reader = threading.Thread(
+                target=self._read_errors, args=(process.stderr,), name=f"{self._title} errors", daemon=True
+            )
+            self._error_reader.start()
+
+    def send(self, *messages: bytes | np.ndarray) -> bool:
+        """Send messages; False if the process has ended."""
+        with contextlib.suppress(OSError, ValueError):
+            if self._process is not None:
+                for message in messages:
+                    array_pipe.write(self._process.stdin, message)
+                return True
+        self._failed = not self._killed
+        return False
+
+    def receive(self) -> bytes | None:
+        """Wait for a message; None if the process has ended."""
+        with contextlib.suppress(OSError, ValueError):
+            if self._process is not None:
+                message = array_pipe.read(self._process.stdout)
+                if message is not None:
+                    return message
+        self._failed = not self._killed
+        return None
+
+    def kill(self) -> None:
+        """End the process now, whatever it is doing; does not wait for it."""
+        self._killed = True
+        if (process := self._process) is not None:
+            process.kill()
+
+    def end(self) -> None:
+        """End the process, wait until it has gone, and log why if that was not on purpose."""
+        if (process := self._process) is None:
+            return
+        code = _exit_code(process) if self._failed else None
+        process.kill()
+        process.wait()
+        self._process = None
+        with contextlib.suppress(OSError):  # what was not sent yet reaches nobody
+            process.stdin.close()
+        process.stdout.close()
+        if self._error_reader is not None:
+            self._error_reader.join(_GRACE)
+        if self._failed:
+            words = "\n".join(self._last_words)
+            _log.error(
+                "The %s process ended with exit code %s. Its last words:\n%s", self._title, code, words
+            )
+
+    def restart(self) -> None:
+        """End the process, if there is one, and start another; raises OSError."""
+        self.end()
+        self.start()
+
+    def _spawned(self) -> Process:
+        process = subprocess.Popen(
+            [sys.executable, "-c", self._script, *sys.path],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            creationflags=_FLAGS,
+            env={**os.environ, **_KEEP_MEMORY},
+        )
+        return cast("Process", process)
+
+    def _read_errors(self, errors: BinaryIO) -> None:
+        """Keep the last lines, and pass all on to where our own errors go."""
+        with errors:
+            for line in errors:
+                self._last_words.append(line.decode(errors="replace").rstrip()[:_LINE_LENGTH])
+                if sys.__stderr__ is not None:  # a program without a console has none
+                    with contextlib.suppress(OSError, ValueError):
+                        os.write(sys.__stderr__.fileno(), line)
+
+
+def _exit_code(process: Process) -> int | None:
+    """The code of a process that is about to end by itself; None if it does not."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        return process.wait(_GRACE)
+    return None
 
 
 def keep_freed_memory() -> None:
@@ -64,8 +181,3 @@ def keep_freed_memory() -> None:
     if sys.platform.startswith("linux") and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
         for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
             mallopt(*option)
-
-
-def leave_interrupts_to_the_owner() -> None:
-    """Have Ctrl+C end the owner, and this process only with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -5,9 +5,7 @@ Factoring holds the interpreter for seconds and cannot be stopped, except with t
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
-import os
 import signal
 import sys
 from typing import BinaryIO
@@ -16,7 +14,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
+from apd_viewer.session.processes.child_boot import run
 
 _NICENESS = 10  # what is shown meanwhile comes first
 _DEATH_OF_THE_PARENT = 1  # of prctl(2)
@@ -24,12 +22,8 @@ _DEATH_OF_THE_PARENT = 1  # of prctl(2)
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
-    leave_interrupts_to_the_owner()
-    if hasattr(os, "nice"):
-        os.nice(_NICENESS)
     _end_with_the_owner()
-    with os.fdopen(replies, "wb") as sink, contextlib.suppress(OSError, ValueError):
-        serve(sys.stdin.buffer, sink)
+    run(replies, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:

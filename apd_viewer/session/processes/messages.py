@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from logging import LogRecord
 from typing import TypeAlias
 
 from apd_viewer.geometry.mesh.decimation import Thinning
@@ -78,4 +79,4 @@ class Answer:
     account: Account | None = None
 
 
-Message: TypeAlias = Progress | Found | Answer
+Message: TypeAlias = Progress | Found | Answer | LogRecord

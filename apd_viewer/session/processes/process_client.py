@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
+import logging
 import pickle
 import threading
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import START, Process, started
+from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
@@ -22,9 +22,11 @@ from apd_viewer.session.processes.shared_memory import Tray
 _START = START.format(module="processes.solver_main")
 
 
-def start_process() -> Process:
+def start_process() -> ChildProcess:
     """Start the process; raises OSError if it cannot be started."""
-    return started(_START)
+    process = ChildProcess("solver", _START)
+    process.start()
+    return process
 
 
 class Published(NamedTuple):
@@ -101,9 +103,8 @@ class Child:
         known = () if request.document.mesh is self._finder_of else thinnings
         order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
         message = self._packer.packed(order)
-        with contextlib.suppress(OSError, ValueError):  # it has just ended: the listening thread says so
-            if self.alive:
-                array_pipe.write(self._process.stdin, message)
+        if self.alive:  # where it has just ended the listening thread says so
+            self._process.send(message)
         if not self.alive:
             self._discard_envelope()
         return self.alive
@@ -144,17 +145,12 @@ class Child:
     # The thread
 
     def _listen(self) -> None:
-        process = self._process
         try:
-            while (message := array_pipe.read(process.stdout)) is not None:
+            while (message := self._process.receive()) is not None:
                 self._hear(pickle.loads(message))
         finally:
             self.alive = False
-            process.kill()
-            process.wait()
-            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
-                process.stdin.close()
-            process.stdout.close()
+            self._process.end()
             self._discard_envelope()
             self._received.set()
             self._ended(self)
@@ -165,6 +161,8 @@ class Child:
         elif isinstance(message, Found):
             self._finder_of = self._orders[message.number][0].document.mesh
             self._learned(self._finder_of, message.thinnings)
+        elif isinstance(message, logging.LogRecord):
+            logging.getLogger(message.name).handle(message)
         elif message.step is Step.RECEIVED:
             self._discard_envelope()
             self._received.set()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import threading
 from typing import TYPE_CHECKING
 
@@ -10,8 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.linalg.linear_solver import rows_of
 from apd_viewer.language import tr
-from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import START, Process, started
+from apd_viewer.session.processes.child_process import START, ChildProcess
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,7 +38,7 @@ class FarFactor:
 
     def __init__(self, matrix: Callable[[], Matrix]) -> None:
         self._matrix = matrix
-        self._process: Process | None = None
+        self._process = ChildProcess("factor", _START)
         self._thread: threading.Thread | None = None
         self._error: Exception | None = None
         self._missing = True
@@ -60,14 +58,14 @@ class FarFactor:
         """Start a process, if there is none or it has died."""
         if self._factors or not self._missing or self._error is not None:
             return
-        if self._process is not None:
-            self.close()
+        if self._process.pid is not None:
             self._deaths += 1
         if self._deaths == _MOST_DEATHS:
             self._error = MemoryError(_ENDED.format(times=_MOST_DEATHS))
             return
         # Not on the thread that waits for it: on Linux it ends with the thread that has started it.
-        self._process, self._missing = started(_START), False
+        self._process.restart()
+        self._missing = False
         self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
         self._thread.start()
 
@@ -95,13 +93,10 @@ class FarFactor:
 
     def close(self) -> None:
         """End the process; there is no factor any more."""
-        if (process := self._process) is not None:
-            process.kill()
-            self._join()
-            process.wait()
-            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
-                process.stdin.close()
-            process.stdout.close()
+        if not self._missing:
+            self._process.kill()
+        self._join()
+        self._process.end()
 
     def _join(self) -> None:
         if self._thread is not None:
@@ -118,12 +113,6 @@ class FarFactor:
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
         """The answer of the process; None if it has died."""
-        process = self._process
-        assert process is not None
-        with contextlib.suppress(OSError, ValueError):
-            for message in messages:
-                array_pipe.write(process.stdin, message)
-            if (answer := array_pipe.read(process.stdout)) is not None:
-                return answer
-        self._missing = True
-        return None
+        answer = self._process.receive() if self._process.send(*messages) else None
+        self._missing = answer is None
+        return answer

@@ -5,16 +5,13 @@ The library that looks for crossings holds the interpreter, and cannot be stoppe
 
 from __future__ import annotations
 
-import contextlib
-import os
-import sys
 from typing import BinaryIO
 
 import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import examined
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
+from apd_viewer.session.processes.child_boot import run
 
 _NICENESS = 10  # nobody waits for it
 NOBODY_LOOKED = b"-"
@@ -22,12 +19,7 @@ NOBODY_LOOKED = b"-"
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
-    leave_interrupts_to_the_owner()
-    if hasattr(os, "nice"):
-        os.nice(_NICENESS)
-    # What is left to be written when nobody listens any more is lost as the sink is closed.
-    with contextlib.suppress(OSError, ValueError), os.fdopen(replies, "wb") as sink:
-        serve(sys.stdin.buffer, sink)
+    run(replies, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import threading
 from collections.abc import Callable
@@ -12,8 +11,7 @@ import numpy as np
 
 from apd_viewer.geometry.analysis.shape_check import Examination
 from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import START, Process, started
+from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="processes.shape_check_main")
@@ -45,7 +43,7 @@ class Examiner:
         self._shapes: Mailbox[Shape] = Mailbox()
         self._found: Mailbox[tuple[Shape, Examination]] = Mailbox()
         self._wanted: Shape | None = None
-        self._process: Process | None = None
+        self._process = ChildProcess("shape check", _START)
         self._busy = False
         self._lock = threading.Lock()
         self._closed = threading.Event()
@@ -63,7 +61,7 @@ class Examiner:
         self._wanted = None
         self._shapes.take()
         with self._lock:
-            if self._busy and self._process is not None:
+            if self._busy:
                 self._process.kill()
 
     def take(self) -> tuple[Shape, Examination] | None:
@@ -92,44 +90,33 @@ class Examiner:
             if shape is self._wanted:
                 self._found.put((shape, found))
                 self._wake()
-        self._end_process()
+        self._process.end()
 
     def _examined(self, shape: Shape) -> Examination:
         try:
             with self._lock:
                 if shape is not self._wanted:
                     return UNKNOWN
-                if self._process is None:
-                    self._process = started(_START)
-                process, self._busy = self._process, True
-            found = _answer(process, shape)
+                if self._process.pid is None:
+                    self._process.start()
+                self._busy = True
+            found = self._answer(shape)
         except OSError:  # there can be no process
             found = None
         with self._lock:
             self._busy = False
         if found is None:
-            self._end_process()
+            self._process.end()
         return UNKNOWN if found is None else found
 
-    def _end_process(self) -> None:
-        with self._lock:
-            process, self._process = self._process, None
-        if process is not None:
-            process.kill()
-            process.wait()
-            with contextlib.suppress(OSError):  # what was not sent yet finds nobody any more
-                process.stdin.close()
-            process.stdout.close()
-
-
-def _answer(process: Process, shape: Shape) -> Examination | None:
-    """What a process says of a shape; None if it has died."""
-    with contextlib.suppress(OSError, ValueError):
-        array_pipe.write(process.stdin, np.ascontiguousarray(shape.F, dtype=np.int32))
-        array_pipe.write(process.stdin, np.ascontiguousarray(shape.U))
-        crossing, boxes = array_pipe.read(process.stdout), array_pipe.read(process.stdout)
-        if crossing is not None and boxes is not None:
-            ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
-            dx, dy, dz, packed = np.frombuffer(boxes).tolist()
-            return Examination(ids, (dx, dy, dz), packed)
-    return None
+    def _answer(self, shape: Shape) -> Examination | None:
+        """What the process says of a shape; None if it has died."""
+        process = self._process
+        if not process.send(np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U)):
+            return None
+        crossing, boxes = process.receive(), process.receive()
+        if crossing is None or boxes is None:
+            return None
+        ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
+        dx, dy, dz, packed = np.frombuffer(boxes).tolist()
+        return Examination(ids, (dx, dy, dz), packed)

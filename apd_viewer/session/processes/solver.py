@@ -7,8 +7,8 @@ and none of them is measured; the one with which a request is finished always is
 from __future__ import annotations
 
 import contextlib
+import logging
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -35,6 +35,7 @@ from apd_viewer.session.processes.shared_memory import Tray
 if TYPE_CHECKING:
     from apd_viewer.geometry.linalg.linear_solver import Matrix
 
+_log = logging.getLogger(__name__)
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
@@ -83,7 +84,7 @@ class Solver:
                 self._fail(order, str(error))
             except Exception as error:
                 # A defect or a lack of memory must reach the screen, and the next request a solver.
-                traceback.print_exc()
+                _log.exception("The solver stopped")
                 said = str(error) or type(error).__name__
                 stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
                 self._fail(order, _NO_ROOM if isinstance(error, MemoryError) else stopped)

@@ -7,17 +7,18 @@ saving: the process ends at once when its owner has gone, whatever it is doing.
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import pickle
-import sys
 import threading
 from collections.abc import Callable
+from logging.handlers import QueueHandler
 from typing import BinaryIO
 
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
-from apd_viewer.session.processes.child_process import leave_interrupts_to_the_owner
+from apd_viewer.session.processes.child_boot import run
 from apd_viewer.session.processes.messages import Message, Order, Progress, Step
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
@@ -25,16 +26,45 @@ from apd_viewer.session.processes.solver import Solver
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
-    leave_interrupts_to_the_owner()
-    sys.stdout = sys.stderr
     leave_blocks_to_their_owner()
-    with os.fdopen(replies, "wb") as sink:
-        serve(sys.stdin.buffer, sink, lambda: os._exit(0), _compile)
+    run(replies, _serve_at_leisure)
+
+
+def _serve_at_leisure(source: BinaryIO, sink: BinaryIO) -> None:
+    tell = Teller(sink)
+    logging.getLogger().addHandler(_Forwarder(tell))
+    serve(source, tell, lambda: os._exit(0), _compile)
+
+
+class Teller:
+    """Sends messages to the owner; any thread may call it."""
+
+    def __init__(self, sink: BinaryIO) -> None:
+        self._sink = sink
+        self._one_at_a_time = threading.Lock()
+
+    def __call__(self, message: Message) -> None:
+        """Send a message."""
+        # An owner that has stopped listening has gone: the source will end as well.
+        with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
+            array_pipe.write(self._sink, pickle.dumps(message))
+
+
+class _Forwarder(QueueHandler):
+    """Hands what is logged here to the owner, who has the log."""
+
+    def __init__(self, tell: Teller) -> None:
+        super().__init__(queue=None)  # type: ignore[arg-type]
+        self._tell = tell
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        """Send a record that has been made fit for pickling."""
+        self._tell(record)
 
 
 def serve(
     source: BinaryIO,
-    sink: BinaryIO,
+    tell: Teller,
     abandoned: Callable[[], object] = lambda: None,
     at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None,
 ) -> None:
@@ -42,19 +72,14 @@ def serve(
 
     Parameters
     ----------
-    source, sink : binary files
+    source : binary file
+    tell : Teller
     abandoned : callable
         Called on another thread as soon as ``source`` has ended.
     at_leisure : callable
         Called when there is nothing to do: see :meth:`Solver.run`.
     """
     orders: Mailbox[Order] = Mailbox()
-    one_at_a_time = threading.Lock()
-
-    def tell(message: Message) -> None:
-        # Who has stopped listening has gone: the source will end as well.
-        with one_at_a_time, contextlib.suppress(OSError, ValueError):
-            array_pipe.write(sink, pickle.dumps(message))
 
     def receive() -> None:
         unpacker = array_pipe.Unpacker()

@@ -17,9 +17,9 @@ All that a reply says may be overwritten by the next one, but for news: they go 
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
@@ -34,6 +34,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.processes.process_client import Child, Published
 from apd_viewer.session.processes.requests import Reply, Request
 
+_log = logging.getLogger(__name__)
 MOST_DEATHS = 3  # one after another, without a shape
 _CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
 
@@ -125,7 +126,7 @@ class Worker:
 
     def _give_up(self, error: Exception) -> None:
         """Forget a request that cannot be sent, and the process that may have half of it."""
-        traceback.print_exc()
+        _log.exception("A request cannot be sent to the solver")
         request, self._turned_to = self._turned_to, None
         if self._child is not None:
             self._child.dismiss()

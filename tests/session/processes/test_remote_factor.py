@@ -39,7 +39,7 @@ def wait_for(factor, seconds=20.0):
 
 def kill(factor):
     os.kill(factor._process.pid, SIGKILL)
-    factor._process.wait()
+    factor._process._process.wait()
 
 
 def test_it_solves_as_one_that_is_near_does(factor):

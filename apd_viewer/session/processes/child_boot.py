@@ -1,0 +1,34 @@
+"""Set-up that every child process needs, and its end with its owner."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import signal
+import sys
+from collections.abc import Callable
+from typing import BinaryIO
+
+
+def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0) -> None:
+    """Call ``serve(source, sink)``, which returns once ``source`` ends.
+
+    Parameters
+    ----------
+    replies : int
+        File descriptor of the sink.
+    serve : callable
+        Reads messages from ``source`` and writes messages to ``sink``; see :mod:`array_pipe`.
+    niceness : int
+        Above 0 where other processes come first.
+    """
+    faulthandler.enable()
+    # Ctrl+C ends the owner, and this process only with it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.stdout = sys.stderr
+    if hasattr(os, "nice"):
+        os.nice(niceness)
+    # An owner that has gone reads no more: what it has not read is lost as the sink is closed.
+    with contextlib.suppress(OSError), os.fdopen(replies, "wb") as sink:
+        serve(sys.stdin.buffer, sink)

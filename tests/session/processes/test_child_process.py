@@ -1,0 +1,97 @@
+"""A child process alone: messages, its end, and what the log gets of one that fails."""
+
+import sys
+import time
+
+import pytest
+
+from apd_viewer.session.processes.child_process import START, ChildProcess
+
+ECHO = """
+import sys
+from apd_viewer.session.processes import array_pipe, child_boot
+def serve(source, sink):
+    while (message := array_pipe.read(source)) is not None:
+        if message == b"fail":
+            raise RuntimeError("out of luck")
+        if message == b"crash":
+            import faulthandler
+            faulthandler._sigsegv()
+        if message == b"sleep":
+            import time
+            time.sleep(60)
+        print("printed")
+        array_pipe.write(sink, message)
+child_boot.run(replies, serve)
+"""
+LINES = START.split("from apd_viewer")[0] + ECHO
+
+
+@pytest.fixture
+def child():
+    child = ChildProcess("echo", LINES)
+    yield child
+    child.kill()
+    child.end()
+
+
+def test_messages_come_and_go_until_it_is_ended(child, caplog):
+    child.start()
+    assert child.pid
+    for message in (b"one", b"", b"two" * 10_000):
+        assert child.send(message)
+        assert child.receive() == message
+    child.end()
+    assert child.pid is None
+    assert not child.send(b"one")
+    assert child.receive() is None
+    child.end()
+    assert caplog.text == "", "it was ended on purpose"
+
+
+def test_one_that_is_killed_on_purpose_is_no_failure(child, caplog):
+    child.start()
+    child.send(b"sleep")
+    started = time.monotonic()
+    child.kill()
+    assert child.receive() is None
+    child.end()
+    assert time.monotonic() - started < 5.0
+    assert caplog.text == ""
+
+
+def test_an_exception_reaches_the_log_with_the_exit_code(child, caplog, capfd):
+    child.start()
+    child.send(b"fail")
+    assert child.receive() is None
+    child.end()
+    assert "echo process ended with exit code 1" in caplog.text
+    assert "RuntimeError: out of luck" in caplog.text
+    assert "RuntimeError: out of luck" in capfd.readouterr().err, "and a terminal, where there is one"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+def test_a_crash_reaches_the_log_with_where_it_was(child, caplog):
+    child.start()
+    child.send(b"crash")
+    assert child.receive() is None
+    child.end()
+    assert "exit code -" in caplog.text
+    assert "Fatal Python error" in caplog.text
+    assert "in serve" in caplog.text
+
+
+def test_after_a_failure_it_can_be_started_again(child):
+    child.start()
+    child.send(b"fail")
+    assert child.receive() is None
+    child.restart()
+    assert child.send(b"one")
+    assert child.receive() == b"one"
+
+
+def test_one_that_cannot_be_started_is_logged(child, caplog, monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/no/such/python")
+    with pytest.raises(OSError, match="such"):
+        child.start()
+    assert "echo process cannot be started" in caplog.text
