@@ -62,16 +62,6 @@ class _Mesh(NamedTuple):
     path: Path | None
 
 
-class _Parcel(NamedTuple):
-    """A message: the arrays and meshes that are new, in order, and what is made of them."""
-
-    arrays: list[_Array]
-    meshes: list[_Mesh]
-    forgotten: list[int]
-    envelope: str | None
-    content: bytes
-
-
 class Packer:
     """Makes values into messages for one :class:`Unpacker`.
 
@@ -98,7 +88,7 @@ class Packer:
         arrays = self._laid_out()
         self._known = self._mentioned
         name = self.envelope.name if self.envelope else None
-        return pickle.dumps(_Parcel(arrays, self._meshes, forgotten, name, content))
+        return pickle.dumps((arrays, self._meshes, forgotten, name, content))
 
     def number(self, thing: object) -> int | None:
         """The number under which the other side knows ``thing``; None if it travels as it is."""
@@ -154,11 +144,11 @@ class Unpacker:
 
     def unpacked(self, message: bytes) -> Any:
         """The value, with arrays of its own that are read-only."""
-        parcel: _Parcel = pickle.loads(message)
-        for number in parcel.forgotten:
+        arrays, meshes, forgotten, name, content = pickle.loads(message)
+        for number in forgotten:
             del self._known[number]
-        envelope = OpenedEnvelope(parcel.envelope) if parcel.envelope else None
-        for number, dtype, shape, place in parcel.arrays:
+        envelope = OpenedEnvelope(name) if name else None
+        for number, dtype, shape, place in arrays:
             if isinstance(place, bytes):
                 array = np.frombuffer(place, np.dtype(dtype)).reshape(shape)
             else:
@@ -167,9 +157,9 @@ class Unpacker:
             self._known[number] = frozen(array)
         if envelope:
             envelope.close()
-        for mesh in parcel.meshes:
+        for mesh in meshes:
             self._known[mesh.number] = self._mesh(mesh)
-        return _unpickled(parcel.content, self._known)
+        return _unpickled(content, self._known)
 
     def _mesh(self, told: _Mesh) -> Mesh:
         known = self._known

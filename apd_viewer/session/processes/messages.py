@@ -1,15 +1,18 @@
-"""What worker and solver process tell each other."""
+"""Messages between the window's process and the solver's."""
 
 from __future__ import annotations
 
+import io
+import pickle
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from logging import LogRecord
-from typing import TypeAlias
+from typing import BinaryIO, NamedTuple
 
 from apd_viewer.geometry.mesh.decimation import Thinning
-from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.session.processes.requests import Account, Request
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.processes.requests import Reply, Request
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +24,9 @@ class Order:
     number : int
         Later orders have higher ones.
     tray : str or None
-        Name of the tray to put shapes into; without one they travel in the answers.
+        Name of the tray for the shapes; without one they travel in the messages.
     thinnings : tuple of Thinning
-        Of the mesh, as far as they are known and not found by the process itself.
+        Of the mesh, where they are known and the process has not found them itself.
     """
 
     number: int
@@ -33,50 +36,55 @@ class Order:
 
 
 class Step(Enum):
-    """How far an order has come."""
+    """Progress of an order."""
 
     RECEIVED = "received"
-    TURNED_TO = "turned to"  # whatever was ordered before is answered or dropped
+    TURNED_TO = "turned to"  # all that was ordered before is answered or dropped
 
 
-@dataclass(frozen=True, eq=False)
-class Progress:
-    """An order has come a step further."""
-
-    number: int
-    step: Step
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """The thinnings of the mesh of an order, which another process would take long to find."""
-
-    number: int
-    thinnings: tuple[Thinning, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What came of an order.
+class Message(NamedTuple):
+    """Progress of an order, the thinnings of its mesh once found, or a reply to it.
 
     Attributes
     ----------
-    frame : Frame or None
-        Without its shape, if that lies in the tray.
+    number : int
+        Of the order.
+    content : Step, tuple of Thinning or Reply
     put : int or None
-        The number under which it lies there.
-    finished, seconds, failure, warning, account
-        See :class:`apd_viewer.session.processes.requests.Reply`.
+        Number of the reply's shape in the tray, where it lies there instead of in the frame.
     """
 
     number: int
-    frame: Frame | None
+    content: Step | tuple[Thinning, ...] | Reply
     put: int | None = None
-    finished: bool = True
-    seconds: float = 0.0
-    failure: str | None = None
-    warning: str | None = None
-    account: Account | None = None
 
 
-Message: TypeAlias = Progress | Found | Answer | LogRecord
+def packed(message: Message | LogRecord) -> bytes:
+    """Pickle a message, a reply's document by the number of its order alone: the owner has it."""
+    buffer = io.BytesIO()
+    _Pickler(buffer, message.number if isinstance(message, Message) else None).dump(message)
+    return buffer.getvalue()
+
+
+def unpacked(content: bytes, requests: Mapping[int, Request]) -> Message | LogRecord:
+    """Restore a message, given the requests by the numbers of their orders."""
+    message: Message | LogRecord = _Unpickler(io.BytesIO(content), requests).load()
+    return message
+
+
+class _Pickler(pickle.Pickler):
+    def __init__(self, sink: BinaryIO, number: int | None) -> None:
+        super().__init__(sink, pickle.HIGHEST_PROTOCOL)
+        self._number = number
+
+    def persistent_id(self, thing: object) -> int | None:
+        return self._number if isinstance(thing, Document) else None
+
+
+class _Unpickler(pickle.Unpickler):
+    def __init__(self, source: BinaryIO, requests: Mapping[int, Request]) -> None:
+        super().__init__(source)
+        self._requests = requests
+
+    def persistent_load(self, number: int) -> Document:
+        return self._requests[number].document

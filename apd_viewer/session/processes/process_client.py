@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import itertools
 import logging
-import pickle
 import threading
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Step
+from apd_viewer.session.processes.messages import Message, Order, Step, unpacked
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
@@ -29,26 +28,14 @@ def start_process() -> ChildProcess:
     return process
 
 
-class Published(NamedTuple):
-    """A reply, and the tray that its shape came on."""
-
-    reply: Reply
-    tray: Tray | None = None
-    put: int = 0
-
-    def look(self) -> None:
-        """Say that it is being looked at: the solver then lays down another."""
-        if self.tray is not None:
-            self.tray.look(self.put)
-
-
 class Child:
     """A solver process: takes requests, one after another, and publishes what comes of them.
 
     Parameters
     ----------
     publish : callable
-        Called with every Published, on a thread of the child.
+        ``publish(reply, looked)``, called with every reply, on a thread of the child. ``looked()`` tells the
+        solver that it is displayed, and that it may send another.
     learned : callable
         Called on that thread with a mesh and its thinnings, once the process has found them.
     ended : callable
@@ -68,7 +55,7 @@ class Child:
 
     def __init__(
         self,
-        publish: Callable[[Published], object],
+        publish: Callable[[Reply, Callable[[], object]], object],
         learned: Callable[[Mesh, tuple[Thinning, ...]], object],
         ended: Callable[[Child], object],
     ) -> None:
@@ -78,7 +65,8 @@ class Child:
         self._process = start_process()
         self._packer = array_pipe.Packer()
         self._numbers = itertools.count(1)
-        self._orders: dict[int, tuple[Request, Tray | None]] = {}
+        self._requests: dict[int, Request] = {}
+        self._trays: dict[int, Tray | None] = {}
         self._tray: tuple[int, Tray | None] | None = None
         self._start: Request | None = None
         self._finder_of: Mesh | None = None
@@ -98,7 +86,7 @@ class Child:
         """
         self._received.clear()
         number, tray = next(self._numbers), self._tray_for(request)
-        self._orders[number] = request, tray
+        self._requests[number], self._trays[number] = request, tray
         # With every order, as the process may never look at the one before; what it found itself it has.
         known = () if request.document.mesh is self._finder_of else thinnings
         order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
@@ -147,7 +135,7 @@ class Child:
     def _listen(self) -> None:
         try:
             while (message := self._process.receive()) is not None:
-                self._hear(pickle.loads(message))
+                self._hear(unpacked(message, self._requests))
         finally:
             self.alive = False
             self._process.end()
@@ -155,44 +143,38 @@ class Child:
             self._received.set()
             self._ended(self)
 
-    def _hear(self, message: Message) -> None:
-        if isinstance(message, Answer):
-            self._hear_answer(message)
-        elif isinstance(message, Found):
-            self._finder_of = self._orders[message.number][0].document.mesh
-            self._learned(self._finder_of, message.thinnings)
-        elif isinstance(message, logging.LogRecord):
+    def _hear(self, message: Message | logging.LogRecord) -> None:
+        if isinstance(message, logging.LogRecord):
             logging.getLogger(message.name).handle(message)
-        elif message.step is Step.RECEIVED:
+        elif isinstance(message.content, Reply):
+            self._hear_reply(message.content, self._trays[message.number], message.put)
+        elif message.content is Step.RECEIVED:
             self._discard_envelope()
             self._received.set()
-        else:
-            for number in [n for n in list(self._orders) if n < message.number]:
-                del self._orders[number]
+        elif message.content is Step.TURNED_TO:
+            for number in [n for n in list(self._requests) if n < message.number]:
+                del self._requests[number], self._trays[number]
+        elif isinstance(message.content, tuple):
+            self._finder_of = self._requests[message.number].document.mesh
+            self._learned(self._finder_of, message.content)
 
-    def _hear_answer(self, answer: Answer) -> None:
-        if answer.failure:
-            self._start = (
-                None  # what the process had has gone with it: the next one starts from what is shown
-            )
-        request, tray = self._orders[answer.number]
-        frame = answer.frame
-        if frame is not None:
-            U = frozen(frame.U if tray is None or answer.put is None else tray.carry(answer.put))
-            frame = replace(frame, U=U)
-        reply = Reply(
-            request.document,
-            request.generation,
-            frame,
-            answer.finished,
-            answer.seconds,
-            answer.failure,
-            answer.warning,
-            account=answer.account,
-        )
-        self._publish(Published(reply, tray, answer.put) if answer.put else Published(reply))
+    def _hear_reply(self, reply: Reply, tray: Tray | None, put: int | None) -> None:
+        if reply.failure:
+            # What the process had has gone with it: the next request starts from what is shown.
+            self._start = None
+        looked: Callable[[], object] = _nothing
+        if (frame := reply.frame) is not None:
+            U = frame.U
+            if tray is not None and put is not None:
+                U, looked = tray.carry(put), partial(tray.look, put)
+            reply = replace(reply, frame=replace(frame, U=frozen(U)))
+        self._publish(reply, looked)
 
     def _discard_envelope(self) -> None:
         envelope, self._packer.envelope = self._packer.envelope, None
         if envelope is not None:
             envelope.discard()
+
+
+def _nothing() -> None:
+    """Tell nobody that a reply has been looked at."""

@@ -27,9 +27,9 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.processes.messages import Answer, Found, Message, Order, Progress, Step
+from apd_viewer.session.processes.messages import Message, Order, Step
 from apd_viewer.session.processes.remote_factor import FarFactor
-from apd_viewer.session.processes.requests import Account, alike, factored_for
+from apd_viewer.session.processes.requests import Account, Reply, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Solver:
         """
         done = not self._orders.comes_within(_SOON) and self._rested(at_leisure)
         while (order := self._orders.wait()) is not None:
-            self._tell(Progress(order.number, Step.TURNED_TO))
+            self._tell(Message(order.number, Step.TURNED_TO))
             try:
                 self._answer(order)
             except InputError as error:
@@ -106,7 +106,9 @@ class Solver:
 
     def _fail(self, order: Order, message: str) -> None:
         self._drop()
-        self._tell(Answer(order.number, None, failure=message))
+        request = order.request
+        reply = Reply(request.document, request.generation, None, finished=True, failure=message)
+        self._tell(Message(order.number, reply))
 
     def _answer(self, order: Order) -> None:
         request = order.request
@@ -152,7 +154,16 @@ class Solver:
                     account = Account(solver.rest.energy(frame.U), took)
                 if tray is not None:
                     put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
-                self._tell(Answer(order.number, frame, put, finished, seconds, None, self._warning, account))
+                reply = Reply(
+                    order.request.document,
+                    order.request.generation,
+                    frame,
+                    finished,
+                    seconds,
+                    warning=self._warning,
+                    account=account,
+                )
+                self._tell(Message(order.number, reply, put))
                 since, last = time.perf_counter(), iterations
                 self._have_factored()
             if finished or self._orders.waiting:
@@ -208,7 +219,7 @@ class Solver:
             rest = RestMesh(mesh.V, mesh.F, mesh.weld, order.thinnings)
             self._rest = mesh, rest
             if _is_large(rest) and not order.thinnings:
-                self._tell(Found(order.number, make_ready(rest)))
+                self._tell(Message(order.number, make_ready(rest)))
         return self._rest[1]
 
 

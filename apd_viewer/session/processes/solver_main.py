@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
-import pickle
 import threading
 from collections.abc import Callable
 from logging.handlers import QueueHandler
@@ -19,7 +18,7 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
-from apd_viewer.session.processes.messages import Message, Order, Progress, Step
+from apd_viewer.session.processes.messages import Message, Order, Step, packed
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
 
@@ -43,11 +42,11 @@ class Teller:
         self._sink = sink
         self._one_at_a_time = threading.Lock()
 
-    def __call__(self, message: Message) -> None:
+    def __call__(self, message: Message | logging.LogRecord) -> None:
         """Send a message."""
         # An owner that has stopped listening has gone: the source will end as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
-            array_pipe.write(self._sink, pickle.dumps(message))
+            array_pipe.write(self._sink, packed(message))
 
 
 class _Forwarder(QueueHandler):
@@ -86,7 +85,7 @@ def serve(
         try:
             while (message := array_pipe.read(source)) is not None:
                 order: Order = unpacker.unpacked(message)
-                tell(Progress(order.number, Step.RECEIVED))
+                tell(Message(order.number, Step.RECEIVED))
                 orders.put(order)
         finally:  # who cannot hear any more is of no use either
             orders.close()

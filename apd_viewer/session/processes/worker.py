@@ -31,7 +31,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.processes.process_client import Child, Published
+from apd_viewer.session.processes.process_client import Child
 from apd_viewer.session.processes.requests import Reply, Request
 
 _log = logging.getLogger(__name__)
@@ -65,7 +65,7 @@ class Worker:
     def __init__(self, wake: Callable[[], object]) -> None:
         self._wake = wake
         self._requests: Mailbox[Request | _Call] = Mailbox()
-        self._replies: Mailbox[Published] = Mailbox()
+        self._replies: Mailbox[tuple[Reply, Callable[[], object]]] = Mailbox()
         self._turned_to: Request | None = None
         self._finished: tuple[Document, int] | None = None
         self._shape: tuple[int, np.ndarray] | None = None
@@ -85,12 +85,13 @@ class Worker:
 
     def take(self) -> Reply | None:
         """Take the newest reply; None if there is none."""
-        published = self._replies.take()
-        if published is None:
+        taken = self._replies.take()
+        if taken is None:
             return None
-        published.look()
+        reply, looked = taken
+        looked()
         news = self._news.take()
-        return replace(published.reply, news=news) if news else published.reply
+        return replace(reply, news=news) if news else reply
 
     def close(self) -> None:
         """End the process, whatever it is doing, and the threads."""
@@ -175,27 +176,28 @@ class Worker:
             return True
         if calm:
             self._news.put(_DIED)
-            if self._replies.offer(Published(Reply(request.document, request.generation, None, False))):
+            reply = Reply(request.document, request.generation, None, finished=False)
+            if self._replies.offer((reply, lambda: None)):
                 self._wake()
         return False
 
     def _fail(self, request: Request, sentence: str) -> None:
-        self._put(Published(Reply(request.document, request.generation, None, True, failure=sentence)))
+        reply = Reply(request.document, request.generation, None, finished=True, failure=sentence)
+        self._put(reply, lambda: None)
 
-    def _put(self, published: Published) -> None:
-        if self._replies.put(published):
+    def _put(self, reply: Reply, looked: Callable[[], object]) -> None:
+        if self._replies.put((reply, looked)):
             self._wake()
 
     # The thread "answers"
 
-    def _publish(self, published: Published) -> None:
-        reply = published.reply
+    def _publish(self, reply: Reply, looked: Callable[[], object]) -> None:
         if reply.frame is not None:
             self._deaths = 0
             self._shape = reply.generation, reply.frame.U
         if reply.finished:
             self._finished = reply.document, reply.generation
-        self._put(published)
+        self._put(reply, looked)
 
     def _learned(self, mesh: Mesh, thinnings: tuple[Thinning, ...]) -> None:
         self._known = mesh, thinnings

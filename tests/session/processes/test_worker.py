@@ -16,7 +16,6 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
-from apd_viewer.session.processes.process_client import Published
 from apd_viewer.session.processes.requests import Reply, Request
 from apd_viewer.session.processes.solver import Solver
 from apd_viewer.session.processes.worker import Worker
@@ -30,10 +29,10 @@ class Remembering(Worker):
         self.awake = threading.Event()
         super().__init__(self.awake.set)
 
-    def _put(self, published: Published) -> None:
-        self.replies.append(published.reply)
-        published.look()
-        super()._put(published)
+    def _put(self, reply: Reply, looked) -> None:
+        self.replies.append(reply)
+        looked()
+        super()._put(reply, looked)
 
     def answers(self, request: Request) -> list[Reply]:
         """Every reply to ``request``, up to the last."""
