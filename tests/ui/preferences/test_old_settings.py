@@ -1,0 +1,38 @@
+"""Settings kept by the program of version 0.1.0; never make them anew."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QSettings, Qt
+
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.ui.preferences.preferences import Memory
+
+OLD = Path(__file__).with_name("version-1.ini")
+PARTS = Path("/home/ada/parts")
+
+
+@pytest.fixture
+def memory(tmp_path):
+    """The old settings, in a file that may be written to."""
+    path = shutil.copy(OLD, tmp_path / "settings.ini")
+    return Memory(QSettings(str(path), QSettings.Format.IniFormat))
+
+
+def test_all_that_was_kept_is_read(memory):
+    assert memory.recent == [PARTS / "a, b.apd", PARTS / "Büste 2.ply", PARTS / "bar.obj"]
+    assert memory.folder == PARTS
+    assert memory.folded == ["Method", "Regions"]
+    assert memory.plots == ["area", "energy"]
+    assert memory.compared == ["exact", "local"]
+    assert memory.units == {PARTS / "Büste 2.ply": Unit.NONE, PARTS / "bar.obj": Unit.CENTIMETRE}
+    assert memory.walls == {
+        PARTS / "a, b.apd": Wall("", "1.2"),
+        PARTS / "bar.obj": Wall("0.3mm", "1380 kg/m3"),
+    }
+    assert memory.shortcuts == {"undo": "Ctrl+U", "paint": "Shift+P, Q", "open": ""}
+    assert memory.looks == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
+    assert memory.toured
+    assert memory.scheme is Qt.ColorScheme.Dark
