@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -13,10 +12,11 @@ from PySide6.QtWidgets import QMainWindow, QPushButton
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.actions import Actions
+from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.edit_commands import Editing
 from apd_viewer.ui.compare.compare_controller import Comparing
 from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
 from apd_viewer.ui.docks import Docks
-from apd_viewer.ui.edit_commands import Editing
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.file_commands import Filing
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
@@ -101,23 +101,19 @@ class Window(QMainWindow):
         self.status = StatusBar(self.health.badge)
         self.setStatusBar(self.status)
         self.studies = Studies(self, self._memory, self._studied, self.notice.fail)
-        self.actions_ = Actions(self, self._verbs())
-        self.looks.start(self.actions_.looks)
+        self.actions_ = Actions(self, self._commands())
         self._next_step = NextStep(self.invitation, self.actions_.tools)
-        self.panel.name_keys(self.actions_.pose)
-        self.health.badge.name_keys(self.actions_.findings)
-        self.way_bar = WayBar(self.canvas.viewport, self.actions_.select)
+        add_handle, _, add_region = self.actions_.pose.parts
+        self.panel.name_keys(add_handle, self.actions_.pose.put_back, add_region)
+        self.way_bar = WayBar(self.canvas.viewport, self.actions_.select.groups)
         self.looks.cards.stand_beside(self.way_bar)
         self.actions_.add_panels(self.docks.toggles)
-        for nudge in self.actions_.pose.nudges:  # elsewhere arrows move a slider or a cursor
-            nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)
-            self.canvas.viewport.addAction(nudge)
         parts = self.canvas, self.actions_, self.panel
         self.help = Help(self, parts, self._memory, partial(self.filing.open_sample, "bottle"))
         for change in (self.help.tour.began, self.help.tour.ended):
             change.connect(self._invite)
         self.actions_.show_history(None, None)
-        self.actions_.fill_recent(self._memory.recent)
+        self.actions_.file.fill_recent(self._memory.recent)
         self._memory.restore_layout(self)
         self._set_scheme(self._memory.scheme)
         self.choose_way(Way.BRUSH)
@@ -150,7 +146,7 @@ class Window(QMainWindow):
         self._connect_canvas()
         self._connect_panel()
         self.plots.start(self.session)
-        self.comparing.start(self.session, self.actions_)
+        self.comparing.start(self.session)
         self.reporting.start(self.session)
         self._started = True
         self.filing.start(self.session)
@@ -184,20 +180,25 @@ class Window(QMainWindow):
             "Ctrl+P"
         )
 
-    def _verbs(self) -> dict[str, Callable[..., object]]:
-        who = self.filing, self.editing, self.canvas, self.looks, self.studies, self.comparing, self.reporting
-        return {
-            **{name: verb for one in who for name, verb in one.verbs.items()},
-            "quit": self.close,
-            "take": self.take,
-            "way": self.choose_way,
-            "type_motion": self._type_motion,
-            "findings": self.health.open,
-            "scheme": self._set_scheme,
-            "shortcuts": lambda: self.help.open_sheet(),
-            "tour": lambda: self.help.begin_tour(),
-            "about": partial(file_dialogs.about, self),
-        }
+    def _commands(self) -> Commands:
+        return Commands(
+            canvas=self.canvas,
+            filing=self.filing,
+            editing=self.editing,
+            looks=self.looks,
+            findings=self.health,
+            studies=self.studies,
+            comparing=self.comparing,
+            reporting=self.reporting,
+            take=self.take,
+            choose_way=self.choose_way,
+            type_motion=self._type_motion,
+            set_scheme=self._set_scheme,
+            list_shortcuts=lambda: self.help.open_sheet(),
+            begin_tour=lambda: self.help.begin_tour(),
+            tell_about=partial(file_dialogs.about, self),
+            quit=self.close,
+        )
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
@@ -214,7 +215,7 @@ class Window(QMainWindow):
         self.editing.start(session, parts)
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.measuring.start(session)
-        self._history.chosen.connect(self.editing.verbs["travel"])
+        self._history.chosen.connect(self.editing.travel)
         panel.area.unit.chosen.connect(self._choose_unit)
 
     # The user's verbs that need a word with the user
@@ -295,7 +296,7 @@ class Window(QMainWindow):
         self.measuring.look_as(view)
         self._choose_unit(type(self.session.store.unit)(view.unit))
         self.filing.viewed()
-        self.actions_.fill_recent(self._memory.recent)
+        self.actions_.file.fill_recent(self._memory.recent)
 
     def _parts_changed(self) -> None:
         self.canvas.choose(self.parts.handle, self.parts.region)
@@ -313,7 +314,7 @@ class Window(QMainWindow):
         self.measuring.welcome(mesh)
         self.looks.measure_in(self.session.store.unit)
         self.filing.opened(state)
-        self.actions_.fill_recent(self._memory.recent)
+        self.actions_.file.fill_recent(self._memory.recent)
 
     def _status_changed(self) -> None:
         session, history = self.session, self.session.gestures.history
@@ -348,8 +349,7 @@ class Window(QMainWindow):
 
     def _set_scheme(self, scheme: Qt.ColorScheme) -> None:
         self._memory.scheme = scheme
-        for action in self.actions_.schemes.actions():
-            action.setChecked(action.data() == scheme.value)
+        self.actions_.view.schemes[scheme].setChecked(True)
         self._dress()
 
     def _dress(self) -> None:

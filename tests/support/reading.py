@@ -254,9 +254,9 @@ def parts(driver):
             driver.scene("a way to choose", window.status._hint)
     window.take(Tool.BASE)
     window.parts.remove_handle(1)
-    window.editing.verbs["add_region"]()
+    window.editing.add_region()
     driver.scene("an empty region")
-    window.editing.verbs["choose_by_numbers"]()
+    window.editing.choose_by_numbers()
     card = window.editing.typed.vertices
     for text in ("y > 0.9Y", "y > ", "9-2", "3-", "999999", "q", "z"):
         card.text.setText(text)
@@ -271,7 +271,7 @@ def parts(driver):
     bar.setValue(bar.maximum())
     driver.scene("the end of the panel")
     for change in ("GROW", "SHRINK", "SMOOTH", "INVERT", "MIRROR_X"):
-        window.editing.verbs["reshape"](change)
+        window.editing.reshape(change)
     driver.idle()
     driver.scene("the history")
     session.settings.set_method("paper")
@@ -287,7 +287,7 @@ def mistakes(driver):
         ("MOVE_X", "5mm"), ("SCALE", "x + 1"), ("SCALE", "1/0"), ("SCALE", "sin"), ("SCALE", "sqrt(L)"),
         ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
     ):  # fmt: skip
-        driver.window.editing.verbs["move_by"](motion, text)
+        driver.window.editing.move_by(motion, text)
         driver.scene("a motion that is none", field._problem)
         field._problem.hide()
     for name in ("gone.obj", "odd.xyz", "broken.obj"):

@@ -139,7 +139,7 @@ def luminance(image):
 def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
     unseen = []
     for scheme in SCHEMES:
-        scene.actions_.schemes.actions()[scheme.value].trigger()
+        scene.actions_.view.schemes[scheme].trigger()
         qtbot.wait(20)
         for widget in controls(scene):
             if widget is scene.canvas.viewport:  # all that is left over
@@ -158,7 +158,7 @@ def test_what_has_the_keys_is_seen_in_light_and_dark(qtbot, scene):
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_buttons_of_the_panels_are_seen(qtbot, window, scheme):
-    window.actions_.schemes.actions()[scheme.value].trigger()
+    window.actions_.view.schemes[scheme].trigger()
     qtbot.wait(20)
     buttons = window.docks["readings"].findChildren(
         QAbstractButton, options=Qt.FindChildOption.FindDirectChildrenOnly

@@ -125,7 +125,7 @@ def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch)
 
     target = tmp_path / "bent.obj"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(target), "OBJ (*.obj)"))
-    window.actions_.export.trigger()
+    window.actions_.file.export.trigger()
     idle(qtbot, window)
     again = open_mesh(target)
     assert area(again.V, again.F) == pytest.approx(window.session.store.state.frame.area, rel=1e-6)
@@ -361,7 +361,7 @@ def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settin
     idle(qtbot, window)
     assert document(window).mesh.path == path
     assert window.windowTitle() == "a mesh.off – APD Viewer"
-    assert [action.text() for action in window.actions_.recent.actions()] == ["a mesh.off"]
+    assert [action.text() for action in window.actions_.file.recent.actions()] == ["a mesh.off"]
     assert settings.value("recent") is not None
 
 
@@ -370,7 +370,7 @@ def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path
     target.write_text("precious")
     missing = tmp_path / "nowhere" / "kept.obj"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(missing), "OBJ (*.obj)"))
-    bottle.actions_.export.trigger()
+    bottle.actions_.file.export.trigger()
     idle(qtbot, bottle)
     assert "no folder" in bottle.notice.text
     assert target.read_text() == "precious"
@@ -501,7 +501,7 @@ def test_every_action_has_a_name_a_tip_and_a_place_in_a_menu(window):
 
 @pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
 def test_a_theme_reaches_panel_and_canvas(qtbot, window, scheme):
-    window.actions_.schemes.actions()[scheme.value].trigger()
+    window.actions_.view.schemes[scheme].trigger()
     qtbot.wait(50)
     dark = scheme is Qt.ColorScheme.Dark
     picture = window.grab().toImage()

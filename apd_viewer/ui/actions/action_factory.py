@@ -1,10 +1,9 @@
-"""Makes actions that are whole: each has a name, a tip, an icon and, if it has one, its keys."""
+"""Actions with a name, a title, a tip, an icon and, if they have any, keys."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from enum import Enum
 
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow
@@ -21,8 +20,6 @@ class ActionMaker:
     ----------
     window : QMainWindow
         Their parent.
-    verbs : dict
-        What to call, by name.
 
     Attributes
     ----------
@@ -30,36 +27,43 @@ class ActionMaker:
         All that was made.
     """
 
-    def __init__(self, window: QMainWindow, verbs: dict[str, Callable[..., object]]) -> None:
+    def __init__(self, window: QMainWindow) -> None:
         self._window = window
-        self._verbs = verbs
         self.entries: list[Entry] = []
 
     def make(
-        self, text: str, image: str, tip: str, key: object = None, verb: str = "", what: object = None
+        self, name: str, title: str, image: str, tip: str, key: object, command: Callable[[], object]
     ) -> QAction:
-        """An action that calls a verb, with ``what`` if that is given."""
-        action = QAction(text, self._window)
-        given = () if what is None else (what,)
-        action.triggered.connect(lambda _checked=False: self._verbs[verb](*given))
-        return self.adopt(action, image, tip, key, f"{verb}:{_word(what)}" if given else verb)
+        """Make an action that calls a command.
+
+        ``name`` is what settings know it by: whoever gives it another takes away the keys that were chosen
+        for it.
+        """
+        action = QAction(title, self._window)
+        action.triggered.connect(lambda _checked=False: command())
+        return self.adopt(name, action, image, tip, key)
 
     def switch(
-        self, text: str, image: str, tip: str, key: object = None, verb: str = "", on: bool = False
+        self,
+        name: str,
+        title: str,
+        image: str,
+        tip: str,
+        key: object,
+        command: Callable[[bool], object],
+        on: bool = False,
     ) -> QAction:
-        """An action that is on or off, and calls a verb with which of both."""
-        action = QAction(text, self._window, checkable=True, checked=on)
-        action.toggled.connect(lambda on: self._verbs[verb](on))
-        return self.adopt(action, image, tip, key, verb)
+        """Make an action that is on or off, and calls a command with that."""
+        action = QAction(title, self._window, checkable=True, checked=on)
+        action.toggled.connect(lambda on: command(on))
+        return self.adopt(name, action, image, tip, key)
 
-    def adopt(self, action: QAction, image: str, tip: str, key: object, name: str) -> QAction:
-        """Give an action tip, icon and keys, and remember its keys by a name."""
+    def adopt(self, name: str, action: QAction, image: str, tip: str, key: object) -> QAction:
+        """Give an action tip, icon and keys, and remember its keys by its name."""
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
-        title = plain(action.text())
-        entry = Entry.of(action, name, title, image, tip)
-        self.entries.append(entry)
+        self.entries.append(Entry.of(action, name, plain(action.text()), image, tip))
         return action
 
     def one_of(self, actions: Iterable[QAction]) -> None:
@@ -78,8 +82,3 @@ class ActionMaker:
 def plain(text: str) -> str:
     """The text of an action or a menu without its mnemonic, which other scripts have behind it: 開く(&O)…."""
     return re.sub(r"\(&\w\)", "", text).replace("&", "").rstrip("…")
-
-
-def _word(what: object) -> str:
-    """A word for what a verb is called with."""
-    return what.name if isinstance(what, Enum) else str(what).replace(" ", "")

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.preferences.shortcut_hints import name_keys
 
 if TYPE_CHECKING:
     from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.overlays.display_options import Looks
 
 
 class LookActions:
@@ -19,6 +22,7 @@ class LookActions:
     Parameters
     ----------
     maker : ActionMaker
+    looks : Looks
 
     Attributes
     ----------
@@ -26,81 +30,83 @@ class LookActions:
     measures : dict of Measure to QAction
     worst : list of QAction
     switches : dict of str to QAction
-        What is on or off, by the names of their verbs.
+        What is on or off, by name.
     """
 
-    def __init__(self, maker: ActionMaker) -> None:
-        make = maker.make
-        self.off = make(
+    def __init__(self, maker: ActionMaker, looks: Looks) -> None:
+        self._looks = looks
+        self._make_measures(maker)
+        self._make_switches(maker)
+        self._follow()
+
+    def _make_measures(self, maker: ActionMaker) -> None:
+        heat = self._looks.heat
+        self.off = maker.make(
+            "no_measure",
             tr("&No overlay"),
             "overlay-off",
             tr("Show the paint without an overlay"),
             "Alt+0",
-            "no_measure",
+            partial(heat.choose, None),
         )
-        self.measures = {
-            measure: make(
-                measure.words.title, "overlay", measure.words.tip, measure.words.key, "measure", measure
+        self.measures = {}
+        for measure in Measure:
+            name, words = f"measure:{measure.name}", measure.words
+            self.measures[measure] = maker.make(
+                name, words.title, "overlay", words.tip, words.key, partial(heat.choose, measure)
             )
-            for measure in Measure
-        }
         maker.one_of([self.off, *self.measures.values()])
         self.worst = [
-            make(
+            maker.make(
+                "worst:1",
                 tr("Ne&xt extreme"),
                 "worst",
                 tr("Go to the next extreme value of the overlay"),
                 "C",
-                "worst",
-                1,
+                partial(heat.next_worst, 1),
             ),
-            make(
+            maker.make(
+                "worst:-1",
                 tr("Pre&vious extreme"),
                 "worst",
                 tr("Go to the previous extreme value of the overlay"),
                 "Shift+C",
-                "worst",
-                -1,
+                partial(heat.next_worst, -1),
             ),
         ]
 
+    def _make_switches(self, maker: ActionMaker) -> None:
+        looks = self._looks
+        ghost = tr("Show the rest shape as a transparent ghost")
+        compare = tr("Drag a slider to see the path from the rest shape")
+        cut = tr("Cut the mesh with a plane to see inside")
+        ground = tr("Show the axes and a ground grid in the unit of length")
+        turntable = tr("Rotate the camera around the mesh until you use the mouse")
         self.switches = {
-            name: maker.switch(title, image, tip, key, name)
-            for name, title, image, tip, key in (
-                (
-                    "ghost",
-                    tr("&Rest shape"),
-                    "ghost",
-                    tr("Show the rest shape as a transparent ghost"),
-                    "A",
-                ),
-                (
-                    "compare",
-                    tr("&Before and after"),
-                    "compare",
-                    tr("Drag a slider to see the path from the rest shape"),
-                    "Shift+A",
-                ),
-                ("cut", tr("Se&ction"), "cut", tr("Cut the mesh with a plane to see inside"), "S"),
-                (
-                    "ground",
-                    tr("&Axes and grid"),
-                    "ground",
-                    tr("Show the axes and a ground grid in the unit of length"),
-                    "I",
-                ),
-                (
-                    "turntable",
-                    tr("&Turntable"),
-                    "turntable",
-                    tr("Rotate the camera around the mesh until you use the mouse"),
-                    "Shift+T",
-                ),
+            name: maker.switch(name, title, name, tip, key, command, on)
+            for name, title, tip, key, command, on in (
+                ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.on),
+                ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
+                ("cut", tr("Se&ction"), cut, "S", looks.cut.show_card, False),
+                ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.on),
+                ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.turn, False),
             )
         }
 
-    def show_measure(self, measure: Measure | None) -> None:
-        """Check the measure that is shown."""
+    def _follow(self) -> None:
+        """Be checked as what is shown, and name keys where the mouse does the same."""
+        looks, switches = self._looks, self.switches
+        looks.heat.changed.connect(self._check_measure)
+        looks.before_after.dismissed.connect(partial(switches["compare"].setChecked, False))
+        looks.cut.dismissed.connect(partial(switches["cut"].setChecked, False))
+        looks.turntable.stopped.connect(partial(switches["turntable"].setChecked, False))
+        name_keys(looks.legend.close_button, self.off)
+        name_keys(looks.legend.worst, self.worst[0])
+        name_keys(looks.cut.close_button, switches["cut"])
+        self._check_measure()
+
+    def _check_measure(self) -> None:
+        measure = self._looks.heat.measure
         (self.off if measure is None else self.measures[measure]).setChecked(True)
 
     def fill(self, menu: QMenu) -> None:

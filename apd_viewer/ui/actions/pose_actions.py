@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
@@ -11,6 +13,7 @@ from apd_viewer.ui.tools.gizmo import Along
 
 if TYPE_CHECKING:
     from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.commands import Commands
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (
@@ -34,6 +37,7 @@ class PoseActions:
     Parameters
     ----------
     maker : ActionMaker
+    commands : Commands
 
     Attributes
     ----------
@@ -42,87 +46,109 @@ class PoseActions:
     typed, put_back, compare, sweep : QAction
     """
 
-    def __init__(self, maker: ActionMaker) -> None:
-        make = maker.make
+    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
+        make, editing = maker.make, commands.editing
+        self._gizmo = commands.canvas.gizmo
         self.parts = [
             make(
+                "add_handle",
                 tr("&Add handle"),
                 "add",
                 tr("Add another handle"),
                 "Shift+H",
-                "add_handle",
+                editing.add_handle,
             ),
             make(
+                "next_handle",
                 tr("&Next handle"),
                 "next-handle",
                 tr("Select next handle"),
                 "N",
-                "next_handle",
+                editing.next_handle,
             ),
             make(
+                "add_region",
                 tr("Add &region"),
                 "add",
                 tr("Add another region to measure or keep its area"),
                 "Shift+R",
-                "add_region",
+                editing.add_region,
             ),
         ]
         self.typed = make(
+            "type_motion",
             tr("&Enter motion"),
             "type",
             tr("Enter an amount to move, rotate, twist or bend the handle"),
             "Ctrl+M",
-            "type_motion",
+            commands.type_motion,
         )
         self.put_back = make(
+            "put_back",
             tr("Rese&t handle"),
             "reset",
             tr("Return the active handle to its rest position"),
             "Shift+M",
-            "put_back",
+            editing.put_back,
         )
         self.compare = make(
+            "compare_methods",
             tr("&Compare methods…"),
             "methods",
             tr("Compare the methods side by side in this pose, with a table of measurements"),
             "Ctrl+Shift+M",
-            "compare_methods",
+            commands.comparing.open,
         )
         self.pivots = [
             make(
+                "pick_pivot",
                 tr("Pick p&ivot"),
                 "pivot",
                 tr("Click the point of the mesh to rotate the handle about"),
                 "V",
-                "pick_pivot",
+                editing.pick_pivot,
             ),
             make(
+                "type_pivot",
                 tr("Set pivot b&y coordinates…"),
                 "pivot",
                 tr("Enter the coordinates of the point to rotate the handle about"),
                 "Ctrl+Shift+V",
-                "type_pivot",
+                editing.type_pivot,
             ),
             make(
+                "centre_pivot",
                 tr("Pivot at &centre"),
                 "pivot",
                 tr("Rotate about the centre of the handle"),
                 "Shift+P",
-                "centre_pivot",
+                editing.centre_pivot,
             ),
         ]
         self.sweep = make(
-            tr("&Sweep…"), "sweep", tr("Plot area, volume and energy along the motion"), None, "sweep"
+            "sweep",
+            tr("&Sweep…"),
+            "sweep",
+            tr("Plot area, volume and energy along the motion"),
+            None,
+            commands.studies.sweep,
         )
-        self.nudges = [
-            make(title, f"nudge-{name}", tip, key, "nudge", step) for title, tip, name, key, step in _NUDGES
-        ]
-        self.along = {
-            along: make(title, "axes", tip, key, "along", along)
-            for along, (title, tip, key) in _ALONG.items()
-        }
+        self.nudges = []
+        for title, tip, way, key, step in _NUDGES:
+            name, command = f"nudge:({step[0]},{step[1]},{step[2]})", partial(editing.nudge, step)
+            nudge = make(name, title, f"nudge-{way}", tip, key, command)
+            nudge.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # arrows move sliders and cursors too
+            commands.canvas.viewport.addAction(nudge)
+            self.nudges.append(nudge)
+        self.along = {}
+        for along, (title, tip, key) in _ALONG.items():
+            command = partial(self._align, along)
+            self.along[along] = make(f"along:{along.name}", title, "axes", tip, key, command)
         maker.one_of(self.along.values())
         self.along[Along.WORLD].setChecked(True)
+
+    def _align(self, along: Along) -> None:
+        self._gizmo.along = along
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QMenu
@@ -10,8 +11,13 @@ from apd_viewer.language import tr
 from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from PySide6.QtGui import QAction
 
+    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.commands import Commands
+    from apd_viewer.ui.filing.file_commands import Filing
+
+_LARGER, _SMALLER = 1.25, 0.8
 # Title, icon, tip, keys, and the name in apd_viewer.session.part_operations.Change, which is loaded later.
 _CHANGES = (
     (tr("&Grow"), "grow", tr("Add the neighbouring vertices to the active part"), "Ctrl++", "GROW"),
@@ -49,6 +55,7 @@ class SelectActions:
     Parameters
     ----------
     maker : ActionMaker
+    commands : Commands
 
     Attributes
     ----------
@@ -57,55 +64,82 @@ class SelectActions:
     sizes, files, changes, mirrors : list of QAction
     """
 
-    def __init__(self, maker: ActionMaker) -> None:
-        self.ways = {
-            way: maker.make(way.words.title, way.words.icon, way.words.tip, way.words.key, "way", way)
-            for way in Way
-        }
+    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
+        self._make_ways(maker, commands)
+        self._make_sizes(maker, commands)
+        self._make_files(maker, commands.filing)
+        editing = commands.editing
+        self.changes, self.mirrors = (
+            [
+                maker.make(f"reshape:{change}", title, image, tip, key, partial(editing.reshape, change))
+                for title, image, tip, key, change in changes
+            ]
+            for changes in (_CHANGES, _MIRRORS)
+        )
+
+    def _make_ways(self, maker: ActionMaker, commands: Commands) -> None:
+        self.ways = {}
+        for way in Way:
+            name, words, command = f"way:{way.name}", way.words, partial(commands.choose_way, way)
+            self.ways[way] = maker.make(name, words.title, words.icon, words.tip, words.key, command)
         maker.one_of(self.ways.values())
         self.through = maker.switch(
+            "through",
             tr("&X-ray (select hidden)"),
             "through",
             tr("Let box, lasso and polygon also select hidden vertices"),
             "T",
-            "through",
+            commands.canvas.select_through,
         )
+
+    def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
+        make, brush, editing = maker.make, commands.canvas.painter, commands.editing
+        larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
         self.sizes = [
-            maker.make(tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", "larger"),
-            maker.make(tr("S&maller brush"), "shrink", tr("Make the brush smaller"), "[", "smaller"),
-            maker.make(
+            make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),
+            make("smaller", tr("S&maller brush"), "shrink", tr("Make the brush smaller"), "[", smaller),
+            make(
+                "type_brush",
                 tr("Brush si&ze…"),
                 "way-brush",
                 tr("Enter the brush radius, in pixels or as a length on the mesh"),
                 "Shift+D",
-                "type_brush",
+                editing.type_brush,
             ),
         ]
-        self.numbers = maker.make(
+        self.numbers = make(
+            "choose_by_numbers",
             tr("Select by ID or expressio&n…"),
             "type",
             tr("Select vertices by ID or by conditions on their coordinates"),
             "Ctrl+L",
-            "choose_by_numbers",
+            editing.choose_by_numbers,
         )
+
+    def _make_files(self, maker: ActionMaker, filing: Filing) -> None:
         self.files = [
             maker.make(
+                "load_selection",
                 tr("&Load selection…"),
                 "open",
                 tr("Load base, handles and regions from a file"),
                 None,
-                "load_selection",
+                filing.load_selection,
             ),
             maker.make(
+                "save_selection",
                 tr("Save selec&tion…"),
                 "save",
                 tr("Save base, handles and regions to a file"),
                 None,
-                "save_selection",
+                filing.save_selection,
             ),
         ]
-        self.changes = [maker.make(*words[:4], "reshape", words[4]) for words in _CHANGES]
-        self.mirrors = [maker.make(*words[:4], "reshape", words[4]) for words in _MIRRORS]
+
+    @property
+    def groups(self) -> list[list[QAction]]:
+        """The actions at hand while a tool paints."""
+        return [list(self.ways.values()), [self.through], self.changes]
 
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""

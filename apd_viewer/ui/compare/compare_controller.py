@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,9 +11,10 @@ from apd_viewer.presentation.scales import Measure, usual
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
+    from PySide6.QtGui import QAction
+
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.actions.actions import Actions
     from apd_viewer.ui.compare.comparison_window import ComparisonWindow
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
@@ -43,29 +44,37 @@ class Comparing:
 
     def __init__(self, canvas: Canvas, looks: Looks, memory: Memory, notice: Notice) -> None:
         self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
-        self._at_work: tuple[Session, Actions] | None = None
+        self._session: Session | None = None
+        self._views: Mapping[str, QAction] = {}
+        self._frame: QAction | None = None
         self._theme = LIGHT
         self.window: ComparisonWindow | None = None
 
-    @property
-    def verbs(self) -> dict[str, Callable[[], None]]:
-        """What can be done, by name."""
-        return {"compare_methods": self.open}
-
-    def start(self, session: Session, actions: Actions) -> None:
+    def start(self, session: Session) -> None:
         """Begin to work."""
-        self._at_work = session, actions
+        self._session = session
+
+    def lend_keys(self, views: Mapping[str, QAction], frame: QAction) -> None:
+        """Give the window, whenever it is opened, the keys that turn and frame the view of the mesh.
+
+        Parameters
+        ----------
+        views : mapping of str to QAction
+            By the direction from which they look, as in Viewport.look_along.
+        frame : QAction
+        """
+        self._views, self._frame = views, frame
 
     def open(self) -> None:
         """Compare methods on the document as it is now, or say what is missing for that."""
-        if self._at_work is None or self._at_work[0].store.state is None:
+        if self._session is None or (state := self._session.store.state) is None:
             return
-        session, state, actions = self._at_work[0], self._at_work[0].store.state, self._at_work[1]
+        session = self._session
         if sentence := _why_not(session):
             self._notice.fail(sentence)
             return
         if self.window is None:
-            self.window = self._made(actions)
+            self.window = self._made()
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
@@ -73,7 +82,7 @@ class Comparing:
         window.raise_()
         window.activateWindow()
 
-    def _made(self, actions: Actions) -> ComparisonWindow:
+    def _made(self) -> ComparisonWindow:
         from apd_viewer.ui.compare.comparison_window import ComparisonWindow
 
         scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
@@ -81,18 +90,15 @@ class Comparing:
         window.set_theme(self._theme)
         window.again_asked.connect(self._again)
         window.closed.connect(self._forget)
-        axes = "front", "side", "top", "-front", "-side", "-top"
-        keys = [
-            (action.shortcuts(), partial(window.linked.look_along, axis))
-            for action, axis in zip(actions.views, axes, strict=True)
-        ]
-        window.give_keys([*keys, (actions.frame.shortcuts(), window.linked.frame)])
+        for axis, action in self._views.items():
+            window.give_keys(action.shortcuts(), partial(window.linked.look_along, axis))
+        if self._frame is not None:
+            window.give_keys(self._frame.shortcuts(), window.linked.frame)
         return window
 
     def _again(self) -> None:
-        if self._at_work is None or self.window is None:
+        if (session := self._session) is None or self.window is None:
             return
-        session = self._at_work[0]
         if sentence := _why_not(session):
             self.window.refuse(sentence)
         elif session.store.state is not None:
@@ -105,7 +111,7 @@ class Comparing:
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit, if it is the mesh at hand that is compared."""
-        state = None if self._at_work is None else self._at_work[0].store.state
+        state = None if self._session is None else self._session.store.state
         if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
             self.window.measure_in(unit)
 

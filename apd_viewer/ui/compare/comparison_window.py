@@ -142,11 +142,10 @@ class ComparisonWindow(QWidget):
         column.addWidget(self.linked, 1)
         column.addLayout(foot)
 
-    def give_keys(self, keys: list[tuple[list[QKeySequence], Callable[[], object]]]) -> None:
+    def give_keys(self, keys: list[QKeySequence], do: Callable[[], object]) -> None:
         """Have keys do something, as they do in the main window."""
-        for sequences, do in keys:
-            for sequence in sequences:
-                QShortcut(sequence, self, do)
+        for sequence in keys:
+            QShortcut(sequence, self, do)
 
     # Comparing
 

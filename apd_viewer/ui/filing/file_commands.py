@@ -55,20 +55,6 @@ class Filing:
         if self._wish is not None:
             self._wish(session)
 
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """What can be done with files, by name."""
-        return {
-            "open": self.ask_for_file,
-            "open_path": self.open_path,
-            "open_sample": self.open_sample,
-            "export": self.ask_for_target,
-            "save": self.save,
-            "save_as": self.save_as,
-            "load_selection": self.load_selection,
-            "save_selection": self.save_selection,
-        }
-
     def leftovers(self) -> list[Leftover]:
         """What was left by programs that were killed, locked for this window."""
         from apd_viewer.session.storage.recovery import leftovers

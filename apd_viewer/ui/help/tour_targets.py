@@ -62,7 +62,7 @@ class Places:
 
     def export(self) -> QRect | None:
         """The button that exports."""
-        return self._buttons([self._actions.export])
+        return self._buttons([self._actions.file.export])
 
     def _gizmo(self, points: Callable[[Frame, int], np.ndarray]) -> QRect | None:
         gizmo = self._canvas.gizmo

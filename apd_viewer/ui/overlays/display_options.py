@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from apd_viewer.presentation.scales import Measure, Scale
@@ -12,7 +11,6 @@ from apd_viewer.ui.overlays.card_stack import Cards
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
 from apd_viewer.ui.overlays.deviation_overlay import HeatMap
 from apd_viewer.ui.overlays.legend import Legend
-from apd_viewer.ui.preferences.shortcut_hints import name_keys
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
 from apd_viewer.ui.scene.turntable import Turntable
@@ -22,14 +20,9 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.actions.display_actions import LookActions
     from apd_viewer.ui.preferences.preferences import Memory
-    from apd_viewer.ui.scene.rest_actor import RestActor
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme
-
-# What is as it was at the next start; where a plane cuts, only the mesh at hand can tell.
-_REMEMBERED = "ghost", "ground"
 
 
 class Looks:
@@ -64,38 +57,23 @@ class Looks:
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
         self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
         self.turntable = Turntable(canvas.viewport)
-        self._actions: LookActions | None = None
-
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """What can be done, by name."""
-        return {
-            "measure": self.heat.choose,
-            "no_measure": partial(self.heat.choose, None),
-            "worst": self.heat.next_worst,
-            "ghost": partial(self._switch, self.ghost),
-            "ground": partial(self._switch, self.ground),
-            "compare": self.before_after.show_card,
-            "cut": self.cut.show_card,
-            "turntable": partial(setattr, self.turntable, "on"),
-        }
-
-    def start(self, actions: LookActions) -> None:
-        """Look as before, and keep the actions in step."""
-        looks = self._memory.looks
-        if looks.get("overlay") in {measure.value for measure in Measure}:
-            self.heat.choose(Measure(looks["overlay"]))
-        for name in _REMEMBERED:
-            actions.switches[name].setChecked(looks.get(name) == "on")
-        self._actions = actions
-        name_keys(self.legend.close_button, actions.off)
-        name_keys(self.legend.worst, actions.worst[0])
-        name_keys(self.cut.close_button, actions.switches["cut"])
+        self._recall()
         self.heat.changed.connect(self._keep)
-        self.before_after.dismissed.connect(partial(actions.switches["compare"].setChecked, False))
-        self.cut.dismissed.connect(partial(actions.switches["cut"].setChecked, False))
-        self.turntable.stopped.connect(partial(actions.switches["turntable"].setChecked, False))
         self._keep()
+
+    def show_ghost(self, on: bool) -> None:
+        """Show the rest shape around the mesh, or hide it."""
+        self.ghost.on = on
+        self._keep()
+
+    def show_ground(self, on: bool) -> None:
+        """Show axes and grid, or hide them."""
+        self.ground.on = on
+        self._keep()
+
+    def turn(self, on: bool) -> None:
+        """Let the camera go around the mesh, or stop it."""
+        self.turntable.on = on
 
     def follow(self, state: State) -> None:
         """Look at another mesh."""
@@ -117,17 +95,21 @@ class Looks:
         self.turntable.on = False
         self.heat.close()
 
-    def _switch(self, part: RestActor, on: bool) -> None:
-        part.on = on
-        self._keep()
+    def _recall(self) -> None:
+        looks = self._memory.looks
+        if looks.get("overlay") in {measure.value for measure in Measure}:
+            self.heat.choose(Measure(looks["overlay"]))
+        self.ghost.on = looks.get("ghost") == "on"
+        self.ground.on = looks.get("ground") == "on"
 
     def _keep(self) -> None:
-        if self._actions is None:
-            return  # it is still looking as before
+        """Remember what is shown; where a plane cuts, only the mesh at hand can tell."""
         measure = self.heat.measure
-        self._actions.show_measure(measure)
-        looks = {"overlay": "" if measure is None else measure.value}
-        looks |= {name: "on" if self._actions.switches[name].isChecked() else "" for name in _REMEMBERED}
+        looks = {
+            "overlay": "" if measure is None else measure.value,
+            "ghost": "on" if self.ghost.on else "",
+            "ground": "on" if self.ground.on else "",
+        }
         for scale in self.heat.scales.values():
             if scale.travels:
                 looks[scale.measure.value] = f"{scale.reach:g} {scale.neutral:g}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import cast
 
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QToolBar, QToolButton
 
 from apd_viewer.language import tr
-from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
@@ -23,20 +24,20 @@ class WayBar(QToolBar):
     Parameters
     ----------
     canvas : Viewport
-    actions : SelectActions
+    groups : sequence of sequences of QAction
+        Parted by lines.
     """
 
-    def __init__(self, canvas: Viewport, actions: SelectActions) -> None:
+    def __init__(self, canvas: Viewport, groups: Sequence[Sequence[QAction]]) -> None:
         super().__init__(tr("Selection tools"), canvas, objectName="ways")
         shield(self)
         self._canvas = canvas
         self.setOrientation(Qt.Orientation.Vertical)
         self.setIconSize(SIZE)
-        self.addActions(list(actions.ways.values()))
-        self.addSeparator()
-        self.addAction(actions.through)
-        self.addSeparator()
-        self.addActions(actions.changes)
+        for group in groups:
+            if self.actions():
+                self.addSeparator()
+            self.addActions(list(group))
         self.move(QPoint(_MARGIN, _MARGIN))
         self.hide()
         canvas.resized.connect(self._fit)

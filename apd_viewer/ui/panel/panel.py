@@ -23,8 +23,9 @@ from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
+    from PySide6.QtGui import QAction
+
     from apd_viewer.session.model.document import Document, State
-    from apd_viewer.ui.actions.pose_actions import PoseActions
 
 _WIDTH = 296
 
@@ -167,15 +168,11 @@ class Panel(QScrollArea):
         """Cancel the slider being dragged; True if there was one."""
         return any(dial.slider.give_up() for dial in self.dials)
 
-    def name_keys(self, actions: PoseActions) -> None:
+    def name_keys(self, add_handle: QAction, put_back: QAction, add_region: QAction) -> None:
         """Name the shortcuts of equivalent actions in the buttons' tips."""
-        add_handle, _, add_region = actions.parts
-        for button, action in (
-            (self.handles.add, add_handle),
-            (self.handles.back, actions.put_back),
-            (self.regions.add, add_region),
-        ):
-            name_keys(button, action)
+        name_keys(self.handles.add, add_handle)
+        name_keys(self.handles.back, put_back)
+        name_keys(self.regions.add, add_region)
 
     def show_motion(self) -> None:
         """Unfold the handle section and focus the motion field."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
@@ -18,7 +17,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.help.diagnostics import diagnostics
+from apd_viewer.ui.sharing.diagnostics import diagnostics
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
@@ -85,16 +84,6 @@ class Reporting:
         """Tell of what is open in a session."""
         self._session = session
         self.pictures.start(session)
-
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """What can be done, by name."""
-        return {
-            "report": self.ask,
-            "save_picture": self.ask_for_picture,
-            "copy_picture": self.pictures.copy,
-            "copy_diagnostics": self.copy_diagnostics,
-        }
 
     def copy_diagnostics(self) -> None:
         """Copy what helps to find a defect to the clipboard."""

@@ -39,11 +39,6 @@ class Studies(QObject):
         self._opened, self._failed = opened, failed
         self.dialogs: dict[str, QDialog] = {}
 
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """What can be done, by name."""
-        return {"sweep": self.sweep, "paper": self.paper}
-
     def sweep(self) -> None:
         """Sweep the motion of the handles that are open."""
         found = self._opened()

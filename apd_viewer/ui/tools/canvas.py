@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -126,20 +124,6 @@ class Canvas(QObject):
         self.gizmo.ended.connect(self._show_tool)
         self.gizmo.cancelled.connect(self.gesture_cancelled)
         self.pivots.chosen.connect(self.handle_chosen)
-
-    @property
-    def verbs(self) -> dict[str, Callable[..., object]]:
-        """How the mesh is looked at, and how large the hand is, by name."""
-        return {
-            "through": self.select_through,
-            "larger": partial(self.painter.scale, 1.25),
-            "smaller": partial(self.painter.scale, 0.8),
-            "along": partial(setattr, self.gizmo, "along"),
-            "frame": self.frame_mesh,
-            "look": self.viewport.look_along,
-            "edges": partial(setattr, self.surface, "edges"),
-            "smooth": partial(setattr, self.surface, "smooth"),
-        }
 
     # Painting
 

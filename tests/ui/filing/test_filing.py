@@ -29,7 +29,7 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
     bottle.canvas.viewport.eye = bottle.canvas.viewport.eye.orbited(60, 20)
     idle(qtbot, bottle)
     chosen["ask_for_session"] = path, False
-    bottle.actions_.save.trigger()
+    bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.name in bottle.notice.text
     before, picture = bottle.session.store.state, bottle.canvas.viewport.screenshot()
@@ -38,7 +38,7 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
     idle(qtbot, bottle)
     assert bottle.session.store.unit is Unit.NONE
     chosen["ask_for_mesh"] = path
-    bottle.actions_.open.trigger()
+    bottle.actions_.file.open.trigger()
     idle(qtbot, bottle)
     after = bottle.session.store.state
     np.testing.assert_array_equal(after.frame.U, before.frame.U)
@@ -53,19 +53,19 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
 def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
     chosen["ask_for_session"] = path, True
-    bottle.actions_.save.trigger()
+    bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     size = path.stat().st_size
     chosen["ask_for_session"] = None
     bottle.session.handles.move_by("TWIST", "5", 0)
     idle(qtbot, bottle)
-    bottle.actions_.save.trigger()
+    bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.stat().st_size > size, "the shape is in it now, and the mesh still"
     assert not bottle.session.files.unsaved
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
-    bottle.actions_.save.trigger()  # another mesh is another session: it is asked again, and nothing chosen
+    bottle.actions_.file.save.trigger()  # another mesh is another session: asked again, nothing chosen
     idle(qtbot, bottle)
     assert bottle.session.jobs.current is None
 
@@ -75,7 +75,7 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     chosen["ask_for_session"] = path, False
     bottle.session.handles.move_by("TWIST", "30", 0)
     idle(qtbot, bottle)
-    bottle.actions_.save.trigger()
+    bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     other = Window(QSettings(str(tmp_path / "other.ini"), QSettings.Format.IniFormat))
     other.filing.open_path(path)

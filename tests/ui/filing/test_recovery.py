@@ -111,13 +111,13 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     assert document(window).mesh.name == "my duck.obj"
     assert window.filing.worth_asking
     answers[:] = [None]
-    window.actions_.save.trigger()
+    window.actions_.file.save.trigger()
     idle(qtbot, window)
     assert asked == [1]
     qtbot.waitUntil(lambda: not path.exists(), timeout=SLOW)
     assert len(files(folder)) == 1, "the one of this program"
     answers[:] = [(tmp_path / "mine.apd", False)]
-    window.actions_.save.trigger()
+    window.actions_.file.save.trigger()
     idle(qtbot, window)
     assert (tmp_path / "mine.apd").exists()
     assert (tmp_path / "earlier.apd").read_bytes() == earlier

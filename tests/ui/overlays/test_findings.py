@@ -81,7 +81,7 @@ def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
     assert not badge.isEnabled()
     assert badge.text() == badge.accessibleName() == "No issues"
     qtbot.mouseClick(badge, LEFT)
-    window.actions_.findings.trigger()
+    window.actions_.view.findings.trigger()
     assert not window.health.list.isVisible()
 
 
@@ -200,7 +200,7 @@ def test_the_list_is_used_by_keys_alone(qtbot, ill):
     assert not rows.isVisible()
     qtbot.keyClick(badge, Qt.Key.Key_Return)
     assert rows.isVisible()
-    ill.actions_.findings.trigger()
+    ill.actions_.view.findings.trigger()
     assert not rows.isVisible()
 
 

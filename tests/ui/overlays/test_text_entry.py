@@ -113,7 +113,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
 
 def test_escape_calls_a_line_off_after_its_first_click(bottle, mouse):
     view = bottle.canvas.viewport
-    bottle.editing.verbs["pick_line"]()
+    bottle.editing.pick_line()
     at = on_screen(bottle, bottle.session.store.state.document.mesh.V.mean(axis=0))
     mouse(view).drag(at, at)
     QTest.keyClick(view, Qt.Key.Key_Escape)

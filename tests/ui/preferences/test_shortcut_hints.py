@@ -61,7 +61,7 @@ def test_no_words_name_keys_that_an_action_had(ball):
     named = [text for text in after if any(key in text for key in keys) and "<b>" not in text]
     assert len(named) >= 8, "panel, badge, legend, section and invitation name some"
     assert ball.health.badge.toolTip() == with_keys(
-        "Issues found in the mesh, and where they are", ball.actions_.findings
+        "Issues found in the mesh, and where they are", ball.actions_.view.findings
     )
 
 

@@ -224,7 +224,7 @@ def test_keys_can_be_taken_away(qtbot, sheet, again):
     entry = sheet.rows["edges"].entry
     assert entry.keys == ""
     assert "(" not in entry.action.toolTip()
-    assert again().actions_.edges.shortcut().isEmpty()
+    assert again().actions_.view.edges.shortcut().isEmpty()
 
 
 @pytest.mark.parametrize("way", ["esc", "elsewhere", "modifiers"])
@@ -259,7 +259,7 @@ def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
     qtbot.keyClick(sheet.swap, Qt.Key.Key_Escape)
     assert sheet.isVisible(), "Esc takes back the offer only"
     assert not sheet.swap.isVisible()
-    assert active.actions_.frame.shortcut() == QKeySequence("F")
+    assert active.actions_.view.frame.shortcut() == QKeySequence("F")
     assert active.actions_.tools[Tool.BASE].shortcut() == QKeySequence("B")
     assert active.focusWidget() is sheet.rows["frame"].keys
 
@@ -267,14 +267,14 @@ def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
 def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
     qtbot.mouseClick(sheet.swap, LEFT)
-    assert active.actions_.frame.shortcut() == QKeySequence("B")
+    assert active.actions_.view.frame.shortcut() == QKeySequence("B")
     assert active.actions_.tools[Tool.BASE].shortcut() == QKeySequence("F")
     assert "(F)" in active.actions_.tools[Tool.BASE].toolTip()
     qtbot.keyClick(sheet, Qt.Key.Key_Escape)
     qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F)
     assert active.canvas.tool is Tool.BASE
     other = again()
-    assert other.actions_.frame.shortcut() == QKeySequence("B")
+    assert other.actions_.view.frame.shortcut() == QKeySequence("B")
     assert other.actions_.tools[Tool.BASE].shortcut() == QKeySequence("F")
 
 
@@ -312,9 +312,9 @@ def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     ]
     assert "Ctrl+E" in rows["export"].back.accessibleName()
     qtbot.mouseClick(rows["export"].back, LEFT)
-    assert active.actions_.export.shortcut() == QKeySequence("Ctrl+E")
+    assert active.actions_.file.export.shortcut() == QKeySequence("Ctrl+E")
     assert not rows["export"].back.isVisible()
-    assert again().actions_.frame.shortcut() == QKeySequence("K")
+    assert again().actions_.view.frame.shortcut() == QKeySequence("K")
     qtbot.mouseClick(sheet.back, LEFT)
     assert all(not entry.is_changed for entry in active.actions_.entries)
     assert not sheet.back.isEnabled()
@@ -374,5 +374,5 @@ def test_settings_that_others_have_written_make_no_key_work_twice(settings, agai
 
 def test_a_theme_reaches_the_open_sheet(qtbot, sheet, active):
     before = sheet.rows["open"]._symbol.pixmap().toImage()
-    active.actions_.schemes.actions()[2].trigger()
+    active.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
     assert sheet.rows["open"]._symbol.pixmap().toImage() != before

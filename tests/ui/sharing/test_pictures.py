@@ -275,14 +275,18 @@ def test_from_the_menu_to_the_file(qtbot, still, tmp_path, monkeypatch):
         dialog.save.click()
 
     QTimer.singleShot(200, answer)
-    still.actions_.picture.trigger()
+    still.actions_.file.picture.trigger()
     idle(qtbot, still)
     assert isinstance(seen[0], PictureDialog)
     assert QImage(str(path)).size() == still.reporting.pictures.view_size
 
 
 def test_before_there_is_a_mesh_there_is_nothing_to_hand_out(window):
-    for action in (window.actions_.report, window.actions_.picture, window.actions_.copy_picture):
+    for action in (
+        window.actions_.file.report,
+        window.actions_.file.picture,
+        window.actions_.file.copy_picture,
+    ):
         assert not action.isEnabled()
     window.reporting.ask()
     window.reporting.ask_for_picture()

@@ -176,7 +176,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(qtbot, bottle, tmp_path,
     path = tmp_path / "file" / "report.html"
     path.parent.write_text("no folder")
     monkeypatch.setattr(file_dialogs, "ask_where_to_report", lambda *_: path)
-    bottle.actions_.report.trigger()
+    bottle.actions_.file.report.trigger()
     qtbot.waitUntil(lambda: "cannot be written" in bottle.notice.text, timeout=30_000)
     assert [one.name for one in tmp_path.iterdir() if one.suffix != ".ini"] == ["file"]
     assert path.parent.read_text() == "no folder"

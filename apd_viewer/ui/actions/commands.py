@@ -1,0 +1,43 @@
+"""The controllers of a window, whose methods its actions call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import Qt
+
+    from apd_viewer.ui.actions.edit_commands import Editing
+    from apd_viewer.ui.compare.compare_controller import Comparing
+    from apd_viewer.ui.filing.file_commands import Filing
+    from apd_viewer.ui.overlays.display_options import Looks
+    from apd_viewer.ui.overlays.findings_controller import Health
+    from apd_viewer.ui.sharing.report_controller import Reporting
+    from apd_viewer.ui.studies.studies import Studies
+    from apd_viewer.ui.tools.canvas import Canvas
+    from apd_viewer.ui.tools.toolbox import Tool, Way
+
+
+@dataclass(frozen=True, eq=False)
+class Commands:
+    """The controllers, and the commands of the window itself."""
+
+    canvas: Canvas
+    filing: Filing
+    editing: Editing
+    looks: Looks
+    findings: Health
+    studies: Studies
+    comparing: Comparing
+    reporting: Reporting
+    take: Callable[[Tool], object]
+    choose_way: Callable[[Way], object]
+    type_motion: Callable[[], object]
+    set_scheme: Callable[[Qt.ColorScheme], object]
+    list_shortcuts: Callable[[], object]
+    begin_tour: Callable[[], object]
+    tell_about: Callable[[], object]
+    quit: Callable[[], object]

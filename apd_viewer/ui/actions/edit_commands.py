@@ -1,0 +1,193 @@
+"""What the user does to the document by keys, menus and the panel, brought to the session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.ui.overlays.text_entry import Typed
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
+
+
+class Editing:
+    """The commands of a window that change the document; without one they do nothing.
+
+    Most of them, given in the middle of a drag, take the drag back and do no more.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    panel : Panel
+    take : callable
+        Puts a tool into the hand.
+    """
+
+    _session: Session
+    _parts: ActiveParts
+
+    def __init__(self, canvas: Canvas, panel: Panel, take: Callable[[Tool], None]) -> None:
+        self._canvas = canvas
+        self._panel = panel
+        self._take = take
+        self._started = False
+
+    def start(self, session: Session, parts: ActiveParts) -> None:
+        """Begin to work."""
+        self._session, self._parts, self._started = session, parts, True
+        handles = self._panel.handles
+        handles.added.connect(self.add_handle)
+        handles.reset_asked.connect(self.reset)
+        handles.put_back_asked.connect(self.put_back)
+        handles.motion.typed.connect(self.move_by)
+        self._panel.regions.added.connect(self.add_region)
+        handles.motion.line_asked.connect(self.pick_line)
+        handles.motion.choice.currentIndexChanged.connect(self._show_line)
+        self.typed = Typed(self._canvas, session, parts, self.give_up)
+
+    @property
+    def _is_open(self) -> bool:
+        return self._started and self._session.store.state is not None
+
+    def _may_begin(self) -> bool:
+        """Whether something is open, and no drag was under way, which is taken back."""
+        return self._is_open and not self.give_up()
+
+    def give_up(self) -> bool:
+        """Take back the drag or the sweep that is under way; True if there was one."""
+        return self._canvas.viewport.cancel() or self._panel.give_up_sweep()
+
+    # Going back
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        if self._may_begin():
+            self._session.gestures.undo()
+
+    def redo(self) -> None:
+        """Redo the step that was undone last."""
+        if self._may_begin():
+            self._session.gestures.redo()
+
+    def travel(self, steps: int) -> None:
+        """Undo or redo until so many steps are done."""
+        if self._may_begin():
+            self._session.gestures.travel(steps)
+
+    def reset(self) -> None:
+        """Put all handles back, and the mesh in its rest shape."""
+        if self._is_open:
+            self.give_up()
+            self._session.rest_shape.restore()
+
+    def bake(self) -> None:
+        """Make the shape on screen the rest shape."""
+        if self._may_begin():
+            self._session.rest_shape.bake()
+
+    # Parts
+
+    def add_handle(self) -> None:
+        """Add a handle, and take the tool that paints it."""
+        if self._is_open:
+            self._parts.add_handle()
+            self._take(Tool.HANDLE)
+
+    def next_handle(self) -> None:
+        """Make the next handle active."""
+        if self._is_open:
+            self._parts.next_handle()
+
+    def add_region(self) -> None:
+        """Add a region, and take the tool that paints it."""
+        if self._is_open:
+            self._parts.add_region()
+            self._take(Tool.REGION)
+
+    def reshape(self, change: str) -> None:
+        """Change the part that the tool in hand paints as a whole."""
+        if self._may_begin():
+            self._session.painting.reshape(self._canvas.part, change)
+
+    def choose_by_numbers(self) -> None:
+        """Choose vertices by ids or coordinates, in a card."""
+        if self._is_open:
+            self.typed.open(self.typed.vertices)
+
+    def type_brush(self) -> None:
+        """Enter the radius of the brush, in a card."""
+        if self._is_open:
+            if not self._canvas.tool.words.is_brush:
+                self._take(Tool.HANDLE)
+            self.typed.open(self.typed.brush)
+
+    # Moving the active handle
+
+    def put_back(self) -> None:
+        """Put the active handle back."""
+        if self._may_begin():
+            self._session.handles.reset(self._parts.handle)
+
+    def nudge(self, step: tuple[int, int, int]) -> None:
+        """Move the active handle by a small step in the picture: right, up, to the viewer."""
+        if self._may_begin() and (pose := self._canvas.nudged(step)) is not None:
+            self._session.handles.pose(pose, self._parts.handle, tr("Nudge handle"), repeats=True)
+
+    def move_by(self, motion: str, text: str) -> None:
+        """Move the active handle by what was typed, or have the field say why not."""
+        if not self._is_open:
+            return
+        field = self._panel.handles.motion
+        try:
+            self._session.handles.move_by(motion, text, self._parts.handle, self._canvas.line)
+        except InputError as error:
+            field.refuse(str(error))
+        else:
+            field.done()
+
+    # The pivot, and the line to bend about
+
+    def pick_pivot(self) -> None:
+        """Have the next click on the mesh set the pivot of the active handle."""
+        if self._may_begin():
+            self._take(Tool.MOVE)
+            self._canvas.picker.ask(
+                1,
+                lambda points: self._session.handles.set_pivot(points[0], self._parts.handle),
+                tr("Click the point of the mesh to rotate the handle about; Esc cancels"),
+            )
+
+    def type_pivot(self) -> None:
+        """Enter the coordinates of the pivot, in a card."""
+        if self._is_open:
+            self.typed.open(self.typed.pivot)
+
+    def centre_pivot(self) -> None:
+        """Put the pivot of the active handle at its centre."""
+        if self._may_begin():
+            self._session.handles.set_pivot(None, self._parts.handle)
+
+    def pick_line(self) -> None:
+        """Have the next two clicks on the mesh set the line to bend about."""
+        if self._may_begin():
+            self._take(Tool.MOVE)
+            words = tr("Click two points of the mesh to set the line to bend about")
+            self._canvas.picker.ask(2, self._keep_line, words)
+
+    def _keep_line(self, line: np.ndarray) -> None:
+        self._canvas.line = line
+        self._show_line()
+        self._panel.show_motion()
+
+    def _show_line(self) -> None:
+        line = self._canvas.line if self._panel.handles.motion.about_line else None
+        self._canvas.picker.shown = np.empty((0, 3)) if line is None else line

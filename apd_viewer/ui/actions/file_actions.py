@@ -1,0 +1,127 @@
+"""The actions that open and write files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMenu
+
+from apd_viewer.files.samples import SAMPLES
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.commands import Commands
+
+_OPEN_SAMPLE = {
+    "bottle": tr("Open the PET bottle, with base and handle painted"),
+    "duck": tr("Open the rubber duck, with base and handle painted"),
+}
+_KEYS = QKeySequence.StandardKey
+
+
+class FileActions:
+    """What is opened and written.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    commands : Commands
+
+    Attributes
+    ----------
+    open, save, save_as, export, report, picture, copy_picture, quit : QAction
+    samples : list of QAction
+    recent : QMenu
+        The files that were opened last.
+    """
+
+    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
+        make, filing, reporting = maker.make, commands.filing, commands.reporting
+        self._open_path = filing.open_path
+        self.open = make(
+            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, filing.ask_for_file
+        )
+        self.export = make(
+            "export",
+            tr("&Export…"),
+            "export",
+            tr("Export the deformed mesh to a file"),
+            "Ctrl+E",
+            filing.ask_for_target,
+        )
+        self.save = make(
+            "save",
+            tr("&Save session"),
+            "save",
+            tr("Save paint, handles, settings and shape"),
+            _KEYS.Save,
+            filing.save,
+        )
+        self.save_as = make(
+            "save_as",
+            tr("Save session &as…"),
+            "save",
+            tr("Save the session to another file"),
+            "Ctrl+Shift+S",
+            filing.save_as,
+        )
+        self.report = make(
+            "report",
+            tr("&Report…"),
+            "report",
+            tr("Save pictures, measurements and settings as an HTML page"),
+            "Ctrl+Shift+E",
+            reporting.ask,
+        )
+        self.picture = make(
+            "save_picture",
+            tr("Save &picture…"),
+            "picture",
+            tr("Save the view as a picture of any size, with or without background"),
+            "Ctrl+Shift+P",
+            reporting.ask_for_picture,
+        )
+        self.copy_picture = make(
+            "copy_picture",
+            tr("&Copy picture"),
+            "copy",
+            tr("Copy the view to the clipboard"),
+            "Ctrl+Shift+C",
+            reporting.pictures.copy,
+        )
+        self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, commands.quit)
+        self.samples = []
+        for name, title in SAMPLES.items():
+            tip, command = _OPEN_SAMPLE[name], partial(filing.open_sample, name)
+            self.samples.append(make(f"open_sample:{name}", title, "sample", tip, None, command))
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into a menu."""
+        menu.addAction(self.open)
+        self.recent = menu.addMenu(tr("Open &recent"))
+        menu.addMenu(tr("Open &sample")).addActions(self.samples)
+        menu.addSeparator()
+        menu.addActions([self.save, self.save_as, self.export])
+        menu.addSeparator()
+        menu.addActions([self.report, self.picture, self.copy_picture])
+        menu.addSeparator()
+        menu.addAction(self.quit)
+
+    def fill_recent(self, paths: Sequence[Path]) -> None:
+        """List the files that were opened last."""
+        self.recent.clear()
+        for path in paths:
+            action = self.recent.addAction(path.name)
+            action.setStatusTip(str(path))
+            action.triggered.connect(lambda _checked=False, path=path: self._open_path(path))
+        self.recent.setEnabled(bool(paths))
+
+    @property
+    def of_a_mesh(self) -> list[QAction]:
+        """What can only be done while a mesh is open."""
+        return [self.save, self.save_as, self.export, self.report, self.picture, self.copy_picture]

@@ -1,0 +1,103 @@
+"""The actions of the camera and of what the window looks like."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+
+from apd_viewer.language import tr, trc
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QAction
+    from PySide6.QtWidgets import QMenu
+
+    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.actions.commands import Commands
+    from apd_viewer.ui.actions.display_actions import LookActions
+
+_VIEWS = (
+    (trc("view", "Front"), tr("View the mesh from the front"), "1", "front"),
+    (trc("view", "Right"), tr("View the mesh from the right"), "3", "side"),
+    (trc("view", "Top"), tr("View the mesh from the top"), "7", "top"),
+    (trc("view", "Back"), tr("View the mesh from the back"), "Ctrl+1", "-front"),
+    (trc("view", "Left"), tr("View the mesh from the left"), "Ctrl+3", "-side"),
+    (trc("view", "Bottom"), tr("View the mesh from the bottom"), "Ctrl+7", "-top"),
+)
+_SCHEMES = (
+    (tr("&System default"), Qt.ColorScheme.Unknown, tr("Follow the light or dark mode of the system")),
+    (tr("&Light"), Qt.ColorScheme.Light, tr("Use the light theme")),
+    (tr("&Dark"), Qt.ColorScheme.Dark, tr("Use the dark theme")),
+)
+
+
+class ViewActions:
+    """From where the mesh is seen, how it is drawn, and the colours of the window.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    commands : Commands
+
+    Attributes
+    ----------
+    frame, findings, edges, smooth : QAction
+    directions : dict of str to QAction
+        By the direction, as in Viewport.look_along.
+    schemes : dict of Qt.ColorScheme to QAction
+    """
+
+    def __init__(self, maker: ActionMaker, commands: Commands) -> None:
+        canvas = commands.canvas
+        self._surface = canvas.surface
+        self.frame = maker.make(
+            "frame", tr("&Frame mesh"), "frame", tr("Zoom to the whole mesh"), "F", canvas.frame_mesh
+        )
+        self.findings = maker.make(
+            "findings",
+            tr("Mesh &check"),
+            "warning",
+            tr("List the issues found in the mesh and show where they are"),
+            "Ctrl+I",
+            commands.findings.open,
+        )
+        commands.findings.badge.name_keys(self.findings)
+        self.directions = {}
+        for title, tip, key, axis in _VIEWS:
+            command = partial(canvas.viewport.look_along, axis)
+            self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
+        commands.comparing.lend_keys(self.directions, self.frame)
+        edges, smooth = tr("Show the triangle edges"), tr("Shade smoothly across edges")
+        self.edges = maker.switch("edges", tr("&Edges"), "edges", edges, "W", self._show_edges)
+        self.smooth = maker.switch(
+            "smooth", tr("&Smooth shading"), "smooth", smooth, None, self._shade_smoothly, True
+        )
+        self.schemes = {}
+        for title, scheme, tip in _SCHEMES:
+            name, choose = f"scheme:{scheme.name}", partial(commands.set_scheme, scheme)
+            self.schemes[scheme] = maker.make(name, title, "scheme", tip, None, choose)
+        maker.one_of(self.schemes.values())
+
+    def _show_edges(self, on: bool) -> None:
+        self._surface.edges = on
+
+    def _shade_smoothly(self, on: bool) -> None:
+        self._surface.smooth = on
+
+    def fill(self, menu: QMenu, looks: LookActions) -> None:
+        """Put all of them into a menu, with those of the overlays between."""
+        menu.addAction(self.frame)
+        menu.addActions(list(self.directions.values()))
+        menu.addSeparator()
+        looks.fill(menu)
+        menu.addSeparator()
+        menu.addActions([self.edges, self.smooth, self.findings])
+        menu.addSeparator()
+        self._menu, self._appearance = menu, menu.addMenu(tr("&Appearance"))
+        self._appearance.addActions(list(self.schemes.values()))
+
+    def add_panels(self, actions: list[QAction]) -> None:
+        """Offer panels that can be hidden, above the appearance."""
+        self._menu.insertActions(self._appearance.menuAction(), actions)
+        self._menu.insertSeparator(self._appearance.menuAction())

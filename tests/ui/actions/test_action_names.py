@@ -1,0 +1,24 @@
+"""Settings know actions by their names: under another name, the keys that a user chose are lost."""
+
+NAMES = """
+open export save save_as report save_picture copy_picture quit open_sample:bottle open_sample:duck
+undo redo reset bake take:ORBIT take:BASE take:HANDLE take:REGION take:ERASE take:MOVE
+way:BRUSH way:BOX way:LASSO way:POLYGON way:FILL way:PIECE way:LOOP way:SLAB
+through larger smaller type_brush choose_by_numbers load_selection save_selection
+reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT
+reshape:MIRROR_X reshape:MIRROR_Y reshape:MIRROR_Z
+add_handle next_handle add_region type_motion put_back compare_methods
+pick_pivot type_pivot centre_pivot sweep
+nudge:(-1,0,0) nudge:(1,0,0) nudge:(0,1,0) nudge:(0,-1,0) nudge:(0,0,1) nudge:(0,0,-1)
+along:WORLD along:HANDLE along:VIEW
+frame findings look:front look:side look:top look:-front look:-side look:-top edges smooth
+no_measure measure:AREA measure:STRAIN measure:BENDING measure:DISPLACEMENT measure:DISTANCE worst:1 worst:-1
+ghost compare cut ground turntable scheme:Unknown scheme:Light scheme:Dark
+shortcuts tour paper copy_diagnostics about panel:readings panel:history panel:plots
+"""
+
+
+def test_actions_keep_their_names(window):
+    names = [entry.name for entry in window.actions_.entries]
+    assert len(names) == len(set(names))
+    assert set(names) >= set(NAMES.split())
