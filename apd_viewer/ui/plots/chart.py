@@ -1,7 +1,6 @@
 """Charts: what is to be seen in one, and how it is drawn, on a screen as in a file.
 
-They are drawn by hand. pyqtgraph 0.14 was tried: it takes 155 ms to import and three times as long for a
-frame, makes a dozen hidden windows for each plot, and its SVG export fails on bars.
+They are drawn by hand: docs/architecture.md says what pyqtgraph costs.
 """
 
 from __future__ import annotations
