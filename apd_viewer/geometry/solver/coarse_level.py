@@ -20,14 +20,14 @@ from apd_viewer.geometry.linalg.rotations import turned
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.solver.constrained_descent import Constrained
 from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.iterative_solver import Level
 
 # A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.
 _UNHEARD = 1.5
 
 
-class Coarse:
+class CoarseLevel:
     """A coarse surface with the same material, held where the fine one is.
 
     Its vertices are some of the fine one's, so that what is held needs no interpolation.
@@ -37,8 +37,8 @@ class Coarse:
     elastic : Elastic
         The fine surface.
     goals : tuple of Goal
-    iterations_of : callable
-        How a coarse surface is to be iterated.
+    solver_of : callable
+        Makes the solver of the coarse surface.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Coarse:
         self,
         elastic: Elastic,
         goals: tuple[Goal, ...],
-        iterations_of: Callable[[Elastic, tuple[Goal, ...]], Constrained],
+        solver_of: Callable[[Elastic, tuple[Goal, ...]], Level],
     ) -> None:
         rest, fixed = elastic.rest, elastic.fixed
         thinning = rest.thinning
@@ -67,55 +67,50 @@ class Coarse:
         )
         drawn = soft.among(has)._replace(ids=own[soft.ids[has]])
         self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
-        self._method = iterations_of(self._elastic, self._own(goals))
+        self._solver = solver_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
         self._free = elastic.free
-        self._refer()
+        self._set_reference()
 
     @property
-    def settled(self) -> bool:
-        """Whether the coarse surface has nothing more to show."""
-        return self._method.stuck or self._method.exhausted
-
-    @property
-    def is_guided(self) -> bool:
-        """Whether it follows one that is coarser yet."""
-        return type(self._method) is not Constrained
+    def converged(self) -> bool:
+        """Whether further iterations would show next to nothing."""
+        return self._solver.stuck or bool(self._solver.converged)
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals of the fine surface from now on, as far as a coarse one can tell."""
-        self._method.keep(self._own(goals))
+        self._solver.keep(self._own(goals))
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3) of the fine surface."""
-        self._method.restart(U[self.vertices])
-        self._refer()
+        self._solver.restart(U[self.vertices])
+        self._set_reference()
 
     def shapes(self) -> list[np.ndarray]:
-        """The shape of this surface, and of those that it follows."""
-        return self._method.shapes()
+        """The shape of this level, then those of the coarser ones."""
+        return self._solver.shapes()
 
-    def put_back(self, shapes: list[np.ndarray]) -> None:
-        """Continue from where :meth:`shapes` was asked."""
-        self._method.put_back(shapes)
-        self._refer()
+    def restore(self, shapes: list[np.ndarray]) -> None:
+        """Continue from the result of an earlier :meth:`shapes`."""
+        self._solver.restore(shapes)
+        self._set_reference()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw its vertices where the ``targets`` (k + s, 3) of the fine surface say."""
-        self._method.aim(targets[self._which])
+        self._solver.aim(targets[self._which])
 
-    def go_on(self, iterations: int) -> None:
-        """Do some iterations, or as many as it takes to settle."""
+    def iterate(self, iterations: int) -> None:
+        """Do some iterations, or as many as it takes to converge."""
         with cores_for(len(self.vertices)):
             for _ in range(iterations):
-                if self.settled:
+                if self.converged:
                     break
-                self._method.descend()
+                self._solver.step()
 
     def turns(self) -> np.ndarray:
         """How each fine vertex should turn for what has happened since the last time, (n, 4) quaternions."""
         turns = _blended(self._turned(), self._near, self._weight)
-        self._refer()
+        self._set_reference()
         return turns
 
     def carried(self, U: np.ndarray) -> np.ndarray:
@@ -134,7 +129,7 @@ class Coarse:
         given[own] = self._elastic.solve(forces[own])
         return _spread(given, self._free, self._near, self._weight)
 
-    def _refer(self) -> None:
+    def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
 
     def _turned(self) -> np.ndarray:

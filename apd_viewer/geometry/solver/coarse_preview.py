@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.solver.coarse_level import Coarse
+from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.goal_projection import Projection
 from apd_viewer.geometry.solver.goals import Goal
 
@@ -19,7 +19,7 @@ class Preview:
     ----------
     elastic : Elastic
         The fine surface; it is not touched.
-    coarse : Coarse
+    coarse : CoarseLevel
     goals : tuple of Goal
 
     Attributes
@@ -30,7 +30,7 @@ class Preview:
         The last shape.
     """
 
-    def __init__(self, elastic: Elastic, coarse: Coarse, goals: tuple[Goal, ...]) -> None:
+    def __init__(self, elastic: Elastic, coarse: CoarseLevel, goals: tuple[Goal, ...]) -> None:
         self._elastic, self._coarse = elastic, coarse
         self.free = elastic.free
         self.U = elastic.U

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,7 @@ from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_n
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
-from apd_viewer.geometry.solver.constrained_descent import Constrained
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.goal_projection import MET
 from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.solver.li_hui import LiHui
@@ -31,16 +32,12 @@ from apd_viewer.geometry.solver.methods import (
     check_tolerance,
     material_of,
 )
-from apd_viewer.geometry.solver.multilevel import guided
-from apd_viewer.geometry.solver.restarts import Cycled
+from apd_viewer.geometry.solver.restarts import minimizer
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     from apd_viewer.geometry.linalg.linear_solver import Factored
-
-    Method: TypeAlias = Constrained | LiHui
+    from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 
 # Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
 # all those to come together will move none by more than _REMAINING, guessed from how fast the steps
@@ -140,23 +137,26 @@ class Deformation:
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
-        self._descends = not plain and not self._traits.plain_only
         with cores_for(len(rest.shape.V)):
-            goals = self._goals(area, volume, regions)
+            self._goals = self._goals_of(area, volume, regions)
             started = time.perf_counter()
             self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
-            self._method = self._made(elastic, goals)
+            self._solver = self._solver_of(elastic, plain)
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
-    def _made(self, elastic: Elastic, goals: tuple[Goal, ...]) -> Method:
+    def _solver_of(self, elastic: Elastic, plain: bool) -> IterativeSolver:
         if self._traits.moves_handles:
             of = np.concatenate([self._handle_of, self._soft.handle + 1])
-            return LiHui(elastic, of, goals, self._tolerance)
-        return guided(elastic, goals, kind=Cycled) if self._descends else Constrained(elastic, goals)
+            return LiHui(elastic, of, self._goals)
+        if plain or self._traits.plain_only:
+            return ConstrainedDescent(elastic, self._goals, plain=True)
+        return minimizer(elastic, self._goals)
 
-    def _goals(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> tuple[Goal, ...]:
+    def _goals_of(
+        self, area: float | None, volume: float | None, regions: Sequence[Region]
+    ) -> tuple[Goal, ...]:
         if not isinstance(regions, Sequence):
             raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
         patches = [patch_of(self.rest, region) for region in regions]
@@ -172,7 +172,10 @@ class Deformation:
             )
         goals = make_goals(self.rest, area, volume, regions)
         self._regions, self._patches = tuple(regions), patches
-        return goals
+        return self._with_tolerance(goals)
+
+    def _with_tolerance(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
+        return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
 
     @property
     def tolerance(self) -> float:
@@ -183,8 +186,10 @@ class Deformation:
     def tolerance(self, tolerance: float) -> None:
         check_tolerance(tolerance)
         self._tolerance = tolerance
-        if isinstance(self._method, LiHui):
-            self._method.tolerance = tolerance
+        if self._traits.has_tolerance:
+            self._goals = self._with_tolerance(self._goals)
+            with cores_for(len(self.rest.shape.V)):
+                self._solver.keep(self._goals)
 
     def keep(
         self, area: float | None = None, volume: float | None = None, regions: Sequence[Region] = ()
@@ -197,7 +202,8 @@ class Deformation:
             See the class.
         """
         with cores_for(len(self.rest.shape.V)):
-            self._method.keep(self._goals(area, volume, regions))
+            self._goals = self._goals_of(area, volume, regions)
+            self._solver.keep(self._goals)
         self._begin()
 
     def aim(
@@ -238,11 +244,11 @@ class Deformation:
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if U is not None:
-                self._method.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+                self._solver.restart(np.ascontiguousarray(U[self.rest.weld.first]))
             drawn = self.rest.shape.V[self._soft.ids]
             if soft_targets is not None:
                 drawn = numbers(soft_targets, "Soft targets")[self._drawn]
-            self._method.aim(np.concatenate([self._asked, drawn]) if len(drawn) else self._asked)
+            self._solver.aim(np.concatenate([self._asked, drawn]) if len(drawn) else self._asked)
         self._begin()
 
     def _begin(self) -> None:
@@ -256,14 +262,11 @@ class Deformation:
 
     def iterate(self) -> None:
         """One iteration, without the readings of its shape."""
-        method = self._method
-        before = method.U
+        solver = self._solver
+        before = solver.U
         with cores_for(len(before)):
-            if self._descends and isinstance(method, Constrained):
-                method.descend()
-            else:
-                method.iterate()
-            step = largest_difference(method.U, before)
+            solver.step()
+            step = largest_difference(solver.U, before)
         self._iteration += 1
         self._total += 1
         self._steps.append(step / self.rest.diagonal)
@@ -271,31 +274,30 @@ class Deformation:
     @property
     def ready(self) -> bool:
         """Whether an iteration has nothing to wait for, such as a factor."""
-        return self._method.ready
+        return self._solver.ready
 
     @property
     def settled(self) -> bool:
         """Whether nothing more comes of iterating."""
-        method = self._method
-        return method.stuck or (method.met and self._still())
+        return self._solver.stuck or (self._solver.met and self._still())
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
-        method, settled = self._method, self.settled
-        with cores_for(len(method.U)):
-            found = self.rest.survey(method.U)
-            regions = tuple(patch.area(method.U) for patch in self._patches)
-            energy = method.energy
+        solver, settled = self._solver, self.settled
+        with cores_for(len(solver.U)):
+            found = self.rest.survey(solver.U)
+            regions = tuple(patch.area(solver.U) for patch in self._patches)
+            energy = solver.energy
         return Frame(
-            U=frozen(self._spread(method.U)),
+            U=frozen(self._spread(solver.U)),
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
             handle_drift=self._drift(),
-            converged=settled and method.met,
+            converged=settled and solver.met,
             settled=settled,
             regions=regions,
-            unreached=self._unreached() if method.stuck else None,
+            unreached=self._unreached() if solver.stuck else None,
             energy=energy,
             total=self._total,
         )
@@ -319,14 +321,14 @@ class Deformation:
 
     def target(self, name: str) -> float | None:
         """What "the area" or "the volume" should be; None if nothing was asked."""
-        return next((goal.target for goal in self._method.goals if goal.name == name), None)
+        return next((goal.target for goal in self._goals if goal.name == name), None)
 
     def _still(self) -> bool:
         if not self._steps:
             return False
         last = self._steps[-1]
-        if self._descends and isinstance(self._method, Constrained):
-            return self._method.exhausted or (last <= _ROUNDING and not self._method.hides)
+        if self._solver.converged is not None:
+            return self._solver.converged or (last <= _ROUNDING and not self._solver.hides)
         if last <= _ROUNDING:
             return True
         if last > _STILL or len(self._steps) <= _MEMORY or last >= self._steps[0]:
@@ -335,7 +337,7 @@ class Deformation:
         return last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING
 
     def _drift(self) -> float:
-        away = self._method.held[: len(self._asked)] - self._asked
+        away = self._solver.held[: len(self._asked)] - self._asked
         handles = range(1, int(self._handle_of.max()) + 1)
         centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
         return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
@@ -343,14 +345,15 @@ class Deformation:
     @property
     def missed(self) -> str | None:
         """What is asked for and not met by the last frame, and how near it came; None if all is met."""
-        method = self._method
+        # Li & Hui's method comes nearer round by round: that it is not there yet is no news.
+        if self._traits.has_tolerance:
+            return None
         missed = [
             goal.shortfall(float(value))
-            for goal, value in zip(method.goals, method.values, strict=True)
+            for goal, value in zip(self._goals, self._solver.values, strict=True)
             if abs(goal.miss(float(value))) > MET
         ]
-        # The paper's method comes nearer round by round: that it is not there yet is no news.
-        return ", ".join(missed) if missed and isinstance(method, Constrained) else None
+        return ", ".join(missed) or None
 
     def _unreached(self) -> str | None:
         missed = self.missed

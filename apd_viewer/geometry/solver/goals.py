@@ -62,6 +62,8 @@ class Goal:
     is_volume : bool
     rest, target : float
         Value at rest, and the value asked for.
+    tolerance : float
+        Relative error that is accepted, where the goal is not met to the last digits.
     """
 
     name: str
@@ -69,6 +71,7 @@ class Goal:
     is_volume: bool
     rest: float
     target: float
+    tolerance: float = 0.0
 
     @property
     def measured(self) -> tuple[bool, int]:

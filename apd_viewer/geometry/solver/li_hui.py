@@ -33,24 +33,20 @@ class LiHui:
     handle_of : (k,) int array
         For each held vertex the number of its handle, from 1; 0 is base. Each handle moves as one.
     goals : (Goal,)
-        The total area.
-    tolerance : float
-        Relative error of the area that is accepted.
+        The total area, with a tolerance.
     """
 
     # Literally (kappa = 0) Eq. 9 returns the corrected points and leaves a crease at the base.
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
-    # The area is always tried for again.
-    stuck = False
+    # The goal is never given up, and there is no energy that converges.
+    stuck, converged = False, None
+    hides = False
 
-    def __init__(
-        self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...], tolerance: float
-    ) -> None:
-        self._elastic = elastic
+    def __init__(self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
+        self.elastic = elastic
         self._base = np.flatnonzero(handle_of == 0)
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
-        self.tolerance = tolerance
         self._m = elastic.rest.masses[elastic.free][:, None]
         self._blend = elastic.factored(
             lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr()
@@ -60,28 +56,28 @@ class LiHui:
 
     @property
     def ready(self) -> bool:
-        """Whether an iteration has nothing to wait for."""
-        return self._elastic.factor.ready and self._blend.ready
+        """Whether a step has nothing to wait for."""
+        return self.elastic.factor.ready and self._blend.ready
 
     @property
     def energy(self) -> float:
         """The energy of ``U``, which is not the shape that minimises it."""
-        return self._elastic.energy_at(self.U)
+        return self.elastic.energy_at(self.U)
 
     @property
     def met(self) -> bool:
         """Whether the area of ``U`` is close enough to what it should be."""
-        return abs(self.goals[0].miss(float(self.values[0]))) <= self.tolerance * self._wanted
+        return abs(self._area.miss(float(self.values[0]))) <= self._area.tolerance * self._wanted
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
-        """Bring the total area to another value from now on."""
-        (self._area,) = self.goals = goals
+        """Bring the total area to another value, or to another tolerance, from now on."""
+        (self._area,) = goals
         self._wanted = self._area.target / self._area.rest
         self.values = np.array([self._area.value(self.U)])
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
-        self._elastic.restart(U)
+        self.elastic.restart(U)
         self.U = U
 
     def aim(self, targets: np.ndarray) -> None:
@@ -89,16 +85,16 @@ class LiHui:
         self._h = self.held = targets
         self._iteration = 0
 
-    def iterate(self) -> None:
+    def step(self) -> None:
         """One ARAP iteration, corrected and blended; at the end of a round the handle may move."""
-        self._elastic.iterate(self._h)
+        self.elastic.iterate(self._h)
         self._correct_and_blend()
         self._iteration += 1
         if self._iteration % self.ITERATIONS_A_ROUND == 0 and not self.met:
             self._h = self.held
 
     def _correct_and_blend(self) -> None:
-        elastic, target = self._elastic, self._area.target
+        elastic, target = self.elastic, self._area.target
         # A shape that has collapsed cannot be scaled back to its area.
         s = np.sqrt(target / max(area(elastic.U, elastic.rest.F), 1e-6 * target))
         base_centroid = self._h[self._base].mean(axis=0)

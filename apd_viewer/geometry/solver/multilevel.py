@@ -1,4 +1,4 @@
-"""A fine surface that follows a coarse one, which may follow a coarser one, and is finished by itself."""
+"""Multilevel descent: coarse surfaces lead a fine one near its minimum, where it descends alone."""
 
 from __future__ import annotations
 
@@ -9,97 +9,116 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import FEWEST, RestShape
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
-from apd_viewer.geometry.solver.coarse_level import Coarse
+from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.coarse_preview import Preview
-from apd_viewer.geometry.solver.constrained_descent import WORTH_WHILE, Constrained
+from apd_viewer.geometry.solver.constrained_descent import TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.iterative_solver import Level
 
-# Below so many free vertices a surface finds its way as soon alone.
+# Below so many free vertices a surface converges as soon alone.
 _ALONE = 4 * FEWEST
-# How far a coarse surface is to be iterated: what it leaves, the finer one sees better.
-_ROUGHLY = 1e-4
-# Iterations of the coarsest surface for one of the next, which takes as long as they.
-_LEAP = 16
-# A coarse surface goes further ahead from iteration to iteration: the first is for a hand that moves on.
-_FARTHEST = 8
+# Convergence tolerance of a coarse level: what it leaves, the finer one reduces faster.
+_COARSE_TOLERANCE = 1e-4
+# Iterations of the coarsest level for one of the next, which takes as long as they.
+_COARSEST_ITERATIONS = 16
+# The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
+# for the targets may move on.
+_MOST_AHEAD = 8
 
 
-def guided(
-    elastic: Elastic,
-    goals: tuple[Goal, ...],
-    worth_while: float = WORTH_WHILE,
-    kind: type[Guided] | None = None,
-) -> Constrained:
-    """Iterations of a surface that follow a coarse one, if it is fine enough to gain by that."""
+def gains_from_coarse(elastic: Elastic) -> bool:
+    """Whether a surface is fine enough to converge sooner with a coarse level than alone."""
     if len(elastic.free) < _ALONE:
-        return Constrained(elastic, goals, worth_while)
-    # Thousands of loose triangles cannot be thinned, and what is held may leave the thin mesh no freedom.
+        return False
+    # Thousands of loose triangles cannot be decimated, and the held vertices may leave the coarse mesh no
+    # freedom.
     vertices = elastic.rest.thinning.vertices
-    helps = _thin(elastic.rest) and np.isin(vertices, elastic.free).sum() > FEWEST / 2
-    return (kind or Guided if helps else Constrained)(elastic, goals, worth_while)
+    return _shrinks(elastic.rest) and bool(np.isin(vertices, elastic.free).sum() > FEWEST / 2)
 
 
-def _roughly(elastic: Elastic, goals: tuple[Goal, ...]) -> Constrained:
-    return guided(elastic, goals, _ROUGHLY)
+def multilevel(elastic: Elastic, goals: tuple[Goal, ...], tolerance: float = TOLERANCE) -> Multilevel:
+    """A solver of a surface with all the coarse levels that it gains from."""
+    return Multilevel(ConstrainedDescent(elastic, goals, tolerance), CoarseLevel(elastic, goals, _coarse))
+
+
+def _coarse(elastic: Elastic, goals: tuple[Goal, ...]) -> Level:
+    if gains_from_coarse(elastic):
+        return multilevel(elastic, goals, _COARSE_TOLERANCE)
+    return ConstrainedDescent(elastic, goals, _COARSE_TOLERANCE)
 
 
 def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
-    """Find what every deformation of a mesh will need, whatever is held, and what takes longest: it is kept.
+    """Compute the decimations that every deformation of a mesh needs, and keep them with it.
 
-    With these thinnings another :class:`RestMesh` of the mesh need not find them.
+    They take longest of all that does not depend on the held vertices. With these thinnings another
+    :class:`RestMesh` of the mesh need not compute them.
     """
     shape, found = rest.shape, []
     with cores_for(len(shape.V)):
         while len(shape.V) >= _ALONE:
             found.append(shape.thinning)
-            if not _thin(shape):
+            if not _shrinks(shape):
                 break
             shape = shape.thinner
     return tuple(found)
 
 
-def _thin(rest: RestShape) -> bool:
-    """Whether the thinner mesh is thin enough to be of use."""
+def _shrinks(rest: RestShape) -> bool:
+    """Whether decimation removes at least half of the vertices."""
     return len(rest.thinning.vertices) < len(rest.V) / 2
 
 
-class Guided(Constrained):
-    """Iterations that first follow a coarse copy, until that has settled, and then descend.
+class Multilevel:
+    """Steps that follow a coarse level until that has converged, and then descend on the fine one.
 
-    Every one ends where the goals are met, with the held vertices where they were put, just as without.
+    Each step ends with the goals met and the held vertices in place, just as without a coarse level.
 
-    Where the matrix is factored elsewhere, the surface is a large one, and a global step takes longer than
-    a hand likes to wait. Then previews are shown until the coarse surface has settled and the factor is
-    there.
+    Where the matrix is factored by another process, the surface is large, and a global step takes longer
+    than a user likes to wait. Then previews are shown until the coarse level has converged and the factor
+    is ready.
+
+    Parameters
+    ----------
+    fine : ConstrainedDescent
+    coarse : CoarseLevel
+
+    Attributes
+    ----------
+    elastic : Elastic
+        The fine surface.
     """
 
-    def __init__(
-        self, elastic: Elastic, goals: tuple[Goal, ...] = (), worth_while: float = WORTH_WHILE
-    ) -> None:
-        self._coarse = Coarse(elastic, goals, _roughly)
-        self._leap = 1 if self._coarse.is_guided else _LEAP
+    def __init__(self, fine: ConstrainedDescent, coarse: CoarseLevel) -> None:
+        self.elastic = fine.elastic
+        self.fine, self.coarse = fine, coarse
+        self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
         self._preview: Preview | None = None
-        super().__init__(elastic, goals, worth_while)
+        self._reset()
 
     @property
     def U(self) -> np.ndarray:
         """The shape to show, (n, 3) float array."""
-        return self._preview.U if self._preview else self._elastic.U
+        return (self._preview or self.fine).U
+
+    @property
+    def held(self) -> np.ndarray:
+        """Positions of the held vertices, then the targets of the soft ones, (k + s, 3) float array."""
+        return self.fine.held
 
     @property
     def values(self) -> np.ndarray:
-        """What the goals measure at ``U``, (g,) float array."""
-        return self._preview.values if self._preview else super().values
+        """Values of the goals at ``U``, (g,) float array."""
+        return (self._preview or self.fine).values
 
     @property
     def met(self) -> bool:
         """Whether all goals are met at ``U``."""
-        return self._preview.met if self._preview else super().met
+        return (self._preview or self.fine).met
 
     @property
     def energy(self) -> float | None:
         """The energy of ``U``; None if it is not known."""
-        return None if self._preview else super().energy
+        return None if self._preview else self.fine.energy
 
     @property
     def hides(self) -> bool:
@@ -108,68 +127,86 @@ class Guided(Constrained):
 
     @property
     def ready(self) -> bool:
-        """Whether an iteration has nothing to wait for."""
-        return (self._previews and not self._coarse.settled) or super().ready
+        """Whether a step has nothing to wait for."""
+        return (self._previews and not self.coarse.converged) or self.fine.ready
 
     @property
-    def exhausted(self) -> bool:
-        """Whether going on would gain next to nothing."""
-        return self._coarse.settled and not self._previews and super().exhausted
+    def stuck(self) -> bool:
+        """Whether the goals have been given up."""
+        return self.fine.stuck
+
+    @property
+    def converged(self) -> bool | None:
+        """Whether further steps would gain next to nothing."""
+        return self.coarse.converged and not self._previews and self.fine.converged
+
+    def stalls(self, tolerance: float) -> bool:
+        """Whether the last steps, on the fine level, reduced the energy by at most this part of it."""
+        return self.coarse.converged and self.fine.stalls(tolerance)
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._preview = None
-        self._coarse.keep(goals)
-        super().keep(goals)
+        self.coarse.keep(goals)
+        self.fine.keep(goals)
+        self._reset()
+
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
+        self.coarse.aim(targets)
+        self.fine.aim(targets)
+        self._reset()
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
         self._preview = None
-        self._coarse.restart(U)
-        super().restart(U)
+        self.coarse.restart(U)
+        self.fine.restart(U)
+        self._reset()
+
+    def follow_again(self) -> None:
+        """Follow the coarse level again from the current fine shape, without previews."""
+        self.restart(self.fine.U)
+        self._previews = False
 
     def shapes(self) -> list[np.ndarray]:
-        """The current shape, and those of the coarser surfaces."""
-        return [*super().shapes(), *self._coarse.shapes()]
+        """The fine shape, then those of the coarser levels."""
+        return [*self.fine.shapes(), *self.coarse.shapes()]
 
-    def put_back(self, shapes: list[np.ndarray]) -> None:
-        """Continue from where :meth:`shapes` was asked."""
-        Constrained.restart(self, shapes[0])
-        self._coarse.put_back(shapes[1:])
+    def restore(self, shapes: list[np.ndarray]) -> None:
+        """Continue from the result of an earlier :meth:`shapes`."""
+        self._preview = None
+        self.fine.restart(shapes[0])
+        self.coarse.restore(shapes[1:])
+        self._reset()
 
-    def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
-        self._coarse.aim(targets)
-        super().aim(targets)
-
-    def _hope_again(self) -> None:
+    def _reset(self) -> None:
         self._ahead = 1
-        self._previews = self._elastic.factor.elsewhere
-        super()._hope_again()
+        self._previews = self.elastic.factor.elsewhere
 
-    def descend(self) -> None:
-        """Turn as the coarse surface has turned; once that is settled, go downhill."""
-        if self._previews and not (self._coarse.settled and super().ready):
-            self._go_ahead()
-            self._preview = self._preview or Preview(self._elastic, self._coarse, self.goals)
+    def step(self) -> None:
+        """Turn as the coarse level has turned; once that has converged, descend."""
+        if self._previews and not (self.coarse.converged and self.fine.ready):
+            self._advance_coarse()
+            self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
             self._preview.follow(self.held)
         elif self._previews:
-            self._take_over()
-        elif self._coarse.settled or self.stuck:
-            super().descend()
+            self._end_previews()
+        elif self.coarse.converged or self.stuck:
+            self.fine.step()
         else:
-            self._go_ahead()
-            self._elastic.turn(self._coarse.turns())
-            self.iterate()
+            self._advance_coarse()
+            self.elastic.turn(self.coarse.turns())
+            self.fine.iterate()
 
-    def _go_ahead(self) -> None:
-        self._coarse.go_on(self._leap * self._ahead)
-        self._ahead = min(2 * self._ahead, _FARTHEST)
+    def _advance_coarse(self) -> None:
+        self.coarse.iterate(self._coarse_iterations * self._ahead)
+        self._ahead = min(2 * self._ahead, _MOST_AHEAD)
 
-    def _take_over(self) -> None:
-        """Iterate from where the previews have led."""
-        self._elastic.turn(self._coarse.turns())
+    def _end_previews(self) -> None:
+        """Iterate from the last preview."""
+        self.elastic.turn(self.coarse.turns())
         if self._preview is not None:
-            self._elastic.U, self._preview = self._preview.U, None
+            self.elastic.U, self._preview = self._preview.U, None
         self._previews = False
-        self.iterate()
+        self.fine.iterate()

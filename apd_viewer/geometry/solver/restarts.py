@@ -1,114 +1,167 @@
-"""A guided surface that, once it has come to rest, is guided again from there, as long as that leads lower.
+"""Restarts: a converged multilevel solver follows its coarse level again, for as long as that ends lower.
 
-A surface that buckles has many shapes at rest, and the coarse one knows fewer of them: led by it from where
-the fine one rests, folds open that the fine one cannot open by itself. That is tried out of sight: what is
-shown is the best shape so far, until a better one is found.
+A surface that buckles has many minima, and the coarse one knows fewer of them: led by it from where the
+fine one has converged, folds open that the fine one cannot open by itself. Such a trial is hidden: the best
+shape so far is shown until the trial is better.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.multilevel import Guided
+from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
 
-# Another shape is worth moving to if it takes so much of the energy away.
+# A minimum is better, and shown, if it takes so much of the energy away.
 _GAIN = 1e-3
-# A try has ended where ten steps bring less than that of the energy, and it is not lower yet.
-_HOPE = 1e-4
-# The way down may lead over a shape or two that are higher.
+# A trial that is not better ends where ten steps bring less than that of the energy.
+_TRIAL_TOLERANCE = 1e-4
+# So many minima in a row may be higher than the best.
 _PATIENCE = 1
-# A coarse surface that goes no farther than that of its size, led from there, has nothing else to show.
-_ALIKE = 5e-3
+# Coarse shapes that differ by no more than that of their size are the same: there is nothing to be led to.
+_SAME = 5e-3
 
 
-class Cycled(Guided):
-    """Iterations as of :class:`Guided`, several times over."""
+def minimizer(elastic: Elastic, goals: tuple[Goal, ...]) -> IterativeSolver:
+    """The solver that finds the lowest minimum: with coarse levels and restarts where they help."""
+    if gains_from_coarse(elastic):
+        return Restarts(multilevel(elastic, goals))
+    return ConstrainedDescent(elastic, goals)
 
-    _tries = False
+
+class Restarts:
+    """A multilevel solver that is restarted from each minimum that it converges to.
+
+    Parameters
+    ----------
+    inner : Multilevel
+
+    Attributes
+    ----------
+    elastic : Elastic
+        The fine surface.
+    """
+
+    def __init__(self, inner: Multilevel) -> None:
+        self.elastic = inner.elastic
+        self._inner = inner
+        self._reset()
 
     @property
     def U(self) -> np.ndarray:
         """The shape to show, (n, 3) float array."""
-        return self._best[1][0] if self._tries else super().U
+        return self._best[1][0] if self._on_trial else self._inner.U
+
+    @property
+    def held(self) -> np.ndarray:
+        """Positions of the held vertices, then the targets of the soft ones, (k + s, 3) float array."""
+        return self._inner.held
+
+    @property
+    def values(self) -> np.ndarray:
+        """Values of the goals at the shape that is iterated, (g,) float array."""
+        return self._inner.values
+
+    @property
+    def met(self) -> bool:
+        """Whether all goals are met at the shape that is iterated."""
+        return self._inner.met
 
     @property
     def energy(self) -> float | None:
         """The energy of ``U``; None if it is not known."""
-        return self._best[0] if self._tries else super().energy
+        return self._best[0] if self._on_trial else self._inner.energy
 
     @property
     def hides(self) -> bool:
         """Whether ``U`` is not the shape that is iterated."""
-        return self._tries or super().hides
+        return self._on_trial or self._inner.hides
 
     @property
-    def exhausted(self) -> bool:
-        """Whether there is no lower shape to be found this way."""
+    def ready(self) -> bool:
+        """Whether a step has nothing to wait for."""
+        return self._inner.ready
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the goals have been given up."""
+        return self._inner.stuck
+
+    @property
+    def converged(self) -> bool | None:
+        """Whether no further restart promises a lower minimum."""
         return self._done
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
-        self._leave_off()
-        super().keep(goals)
+        self._end_trial()
+        self._inner.keep(goals)
+        self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
-        self._leave_off()
-        super().aim(targets)
+        self._end_trial()
+        self._inner.aim(targets)
+        self._reset()
 
-    def _hope_again(self) -> None:
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from the positions ``U`` (n, 3)."""
+        self._inner.restart(U)
+        self._reset()
+
+    def _reset(self) -> None:
+        # Energy, shapes of all levels, multipliers.
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
-        self._ends: list[float] = []
-        self._tries = self._done = False
-        super()._hope_again()
+        self._minima: list[float] = []
+        self._on_trial = self._done = False
 
-    def descend(self) -> None:
-        """Go on as a guided surface does, and again from where that has ended."""
-        super().descend()
-        energy = self._elastic.energy if self._tries else np.inf
+    def step(self) -> None:
+        """Do a step of the multilevel solver, and restart it where it has converged."""
+        inner = self._inner
+        inner.step()
+        energy = self.elastic.energy if self._on_trial else np.inf
         # Once it is shown it stays: to and fro would flicker.
-        self._tries = self._tries and not energy < (1.0 - _GAIN) * self._best[0]
-        if self._tries and (self.stuck or self._agrees or self._fails(energy)):
-            self._leave_off()
+        self._on_trial = self._on_trial and not energy < (1.0 - _GAIN) * self._best[0]
+        if self._on_trial and (inner.stuck or self._leads_nowhere or self._fails(energy)):
+            self._end_trial()
             self._done = True
-        elif self.stuck:
+        elif inner.stuck:
             self._done = True
-        elif super().exhausted or (self._tries and self._hopeless):
-            self._try_again()
+        elif inner.converged or (self._on_trial and inner.stalls(_TRIAL_TOLERANCE)):
+            self._begin_trial()
 
     @property
-    def _agrees(self) -> bool:
-        """Whether the coarse surface rests where the fine one does."""
-        if not self._coarse.settled:
+    def _leads_nowhere(self) -> bool:
+        """Whether the coarse level has converged to the shape that it was restarted from."""
+        coarse = self._inner.coarse
+        if not coarse.converged:
             return False
-        before, now = self._led_from, self._coarse.shapes()[0]
-        return float(np.abs(now - before).max()) <= _ALIKE * float(np.ptp(before, axis=0).max())
-
-    @property
-    def _hopeless(self) -> bool:
-        return self._coarse.settled and self._gained_at_most(_HOPE)
+        before, now = self._coarse_start, coarse.shapes()[0]
+        return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
     def _fails(self, energy: float) -> bool:
-        """Whether a try has ended, and there is no point in another one."""
-        if not (super().exhausted or self._hopeless):
+        """Whether a trial has converged, and no other one is worth beginning."""
+        if not (self._inner.converged or self._inner.stalls(_TRIAL_TOLERANCE)):
             return False
-        been_there = any(abs(energy - end) <= _GAIN * end for end in self._ends)
-        return been_there or len(self._ends) - int(np.argmin(self._ends)) > _PATIENCE
+        known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
+        return known or len(self._minima) - int(np.argmin(self._minima)) > _PATIENCE
 
-    def _try_again(self) -> None:
-        """Be guided from the shape that was arrived at; the best one is shown meanwhile."""
-        energy, best, ends = self._elastic.energy, self._best, self._ends
+    def _begin_trial(self) -> None:
+        """Follow the coarse level from the minimum that was found; the best shape is shown meanwhile."""
+        inner, energy, best, minima = self._inner, self.elastic.energy, self._best, self._minima
         if energy < best[0]:
-            best = energy, self.shapes(), self._mult
-        self.restart(self._elastic.U)
-        self._previews = False
-        self._led_from = self._coarse.shapes()[0]
-        self._best, self._ends, self._tries = best, [*ends, energy], True
+            best = energy, inner.shapes(), inner.fine.multipliers
+        inner.follow_again()
+        self._coarse_start = inner.coarse.shapes()[0]
+        self._best, self._minima, self._on_trial = best, [*minima, energy], True
 
-    def _leave_off(self) -> None:
-        """Go back to the best shape, if another one is being tried."""
-        if self._tries:
-            _, shapes, mult = self._best
-            self.put_back(shapes)
-            self._mult = mult
+    def _end_trial(self) -> None:
+        """Restore the best shape, if another one is on trial."""
+        if self._on_trial:
+            _, shapes, multipliers = self._best
+            self._inner.restore(shapes)
+            self._inner.fine.multipliers = multipliers
+            self._reset()

@@ -47,11 +47,11 @@ def test_what_is_asked_holds_in_every_preview(asked, factor):
     for k in range(1, 30):
         solver.aim(targets(0.04 * k, (0, 0, 0)))
         solver.iterate()
-        method = solver._method
+        method = solver._solver
         assert method.hides, "it is none of its own shapes"
         assert method.met
         assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
-        for goal in method.goals:
+        for goal in solver._goals:
             assert abs(goal.miss(goal.value(method.U))) <= (1e-9 if asked == "all" else 1e-10)
         assert not solver.frame().settled
 
@@ -98,7 +98,7 @@ def test_it_ends_where_it_would_without_and_nothing_jumps(method, factor):
     factor.there = True
     assert solver.ready
     first = solver.step()
-    assert not solver._method.hides
+    assert not solver._solver.hides
     diagonal = solver.rest.diagonal
     assert np.abs(first.U - preview).max() <= 0.01 * diagonal
     normals = [solver.rest.shape.whole.vertex_normals(U) for U in (preview, first.U)]
@@ -122,7 +122,7 @@ def test_a_hand_that_moves_on_is_followed_from_the_last_full_shape(factor):
     for shift in (0.25, 0.3, 0.25, 0.2):
         solver.aim(targets(0.3, (0.1, 0.0, shift)))
         solver.iterate()
-        assert solver._method.hides
+        assert solver._solver.hides
     while not (frame := solver.step()).settled:
         pass
     assert np.abs(frame.U - rest.U).max() <= 5e-3 * solver.rest.diagonal

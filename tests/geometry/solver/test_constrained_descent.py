@@ -10,7 +10,7 @@ from apd_viewer.geometry.energy import elastic as elastic_module
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import area, volume
-from apd_viewer.geometry.solver.constrained_descent import Constrained
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals
@@ -56,7 +56,7 @@ def test_without_goals_it_is_the_plain_iteration(move):
     V, F = MESHES["box"]
     fixed, _, targets = held(V, move)
     rest = RestMesh(V, F)
-    plain, method = Elastic(rest.shape, fixed), Constrained(Elastic(rest.shape, fixed))
+    plain, method = Elastic(rest.shape, fixed), ConstrainedDescent(Elastic(rest.shape, fixed))
     method.aim(targets)
     for _ in range(10):
         plain.iterate(targets)
@@ -89,7 +89,9 @@ def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, a
     fixed = np.concatenate([base, handle])
     targets = np.vstack([V[base], V[handle] + [0, 0, shift * np.ptp(V[:, 2])]])
     rest = RestMesh(V, F)
-    method = Constrained(Elastic(rest.shape, fixed), make_goals(rest, area_percent, volume_percent, []))
+    method = ConstrainedDescent(
+        Elastic(rest.shape, fixed), make_goals(rest, area_percent, volume_percent, [])
+    )
     method.aim(targets)
     for _ in range(3000):
         method.iterate()

@@ -8,7 +8,7 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.lbfgs import Memory
-from apd_viewer.geometry.solver.constrained_descent import Constrained
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals
@@ -45,18 +45,18 @@ def test_the_energy_falls_and_the_goals_stay_met(mesh, material, kind):
     rest, (fixed, targets) = RestMesh(V, F), twisted(V)
     order = np.argsort(fixed)
     elastic = Elastic(rest.shape, fixed[order], MATERIALS[material])
-    method = Constrained(elastic, some_goals(rest, kind))
+    method = ConstrainedDescent(elastic, some_goals(rest, kind))
     method.aim(targets[order])
-    method.descend()
+    method.step()
     assert method.met
     before = elastic.energy
     for _ in range(120):
-        method.descend()
+        method.step()
         assert method.met
         assert np.array_equal(method.U[fixed[order]], targets[order])
         assert elastic.energy <= before * (1 + 1e-14)
         before = elastic.energy
-        if method.exhausted:
+        if method.converged:
             break
 
 
@@ -72,7 +72,7 @@ def test_it_ends_lower_than_plain_iterations_and_sooner(mesh, method):
 
     def energy(U):
         solver.aim(targets, U=U)
-        return solver._method._elastic.energy
+        return solver._solver.elastic.energy
 
     assert energy(fast.U) <= energy(plain.U) * (1 + 1e-7)
 
@@ -83,10 +83,10 @@ def test_it_ends_where_nothing_pulls_but_the_goals(kind):
     rest, (fixed, targets) = RestMesh(V, F), twisted(V, 0.6)
     order = np.argsort(fixed)
     elastic = Elastic(rest.shape, fixed[order])
-    method = Constrained(elastic, some_goals(rest, kind))
+    method = ConstrainedDescent(elastic, some_goals(rest, kind))
     method.aim(targets[order])
     for _ in range(400):
-        method.descend()
+        method.step()
     free, h = elastic.free, 1e-6
     goals = some_goals(rest, kind)
     g = np.zeros((len(goals), *V.shape))

@@ -8,11 +8,12 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.measures import area_of
-from apd_viewer.geometry.solver.coarse_level import Coarse, _blended, _difference
-from apd_viewer.geometry.solver.constrained_descent import Constrained
+from apd_viewer.geometry.solver.coarse_level import CoarseLevel, _blended, _difference
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals
-from apd_viewer.geometry.solver.multilevel import Guided, guided, make_ready
+from apd_viewer.geometry.solver.multilevel import Multilevel, make_ready, multilevel
+from apd_viewer.geometry.solver.restarts import Restarts
 
 TUBE = tube(80, 120, height=4.0)
 
@@ -32,7 +33,7 @@ def held(V, angle=1.5, shift=(0.2, 0, 0.3)):
 
 
 def coarse_of(V, F, fixed, goals=()):
-    return Coarse(Elastic(RestMesh(V, F).shape, fixed), goals, Constrained)
+    return CoarseLevel(Elastic(RestMesh(V, F).shape, fixed), goals, ConstrainedDescent)
 
 
 @pytest.mark.parametrize("mesh", [TUBE, sphere(5)], ids=["tube", "sphere"])
@@ -71,12 +72,12 @@ def test_pieces_turn_by_themselves():
     fixed, _ = ends_of(V)
     coarse = coarse_of(both, faces, fixed)
     coarse.aim(V[fixed] @ rotation([0, 0, 1], 0.7).T)
-    coarse.go_on(400)
+    coarse.iterate(400)
     turns = coarse.turns()
     half = np.array([np.cos(0.35), 0, 0, np.sin(0.35)])
     assert np.abs(np.abs(turns[:n] @ half) - 1.0).max() <= 1e-6
     assert np.abs(turns[n:] - [1.0, 0, 0, 0]).max() <= 1e-15
-    coarse.go_on(10)
+    coarse.iterate(10)
     assert np.abs(np.abs(coarse.turns()[:, 0]) - 1.0).max() <= 1e-6, "what was handed over is not again"
 
 
@@ -86,7 +87,7 @@ def test_goals_are_those_of_the_coarse_surface():
     upper = np.flatnonzero(V[:, 2] > 0)
     goals = make_goals(rest, 103.0, 97.0, (Region("upper", upper, 110.0), Region("dot", F[0], 100.0)))
     coarse = coarse_of(V, F, np.arange(3), goals)
-    own = {goal.name: goal for goal in coarse._method.goals}
+    own = {goal.name: goal for goal in coarse._solver.goals}
     assert list(own) == ["the area", "the volume", "“upper”"], "what has no triangle cannot be asked for"
     assert own["the area"].rest == pytest.approx(goals[0].rest, rel=0.02)
     for goal in goals[:3]:
@@ -112,11 +113,11 @@ def test_what_is_held_and_what_is_kept_holds_in_every_iteration(material):
     V, F = TUBE
     rest, (fixed, targets) = RestMesh(V, F), held(V)
     elastic = Elastic(rest.shape, fixed, material)
-    method = guided(elastic, make_goals(rest, 100.0, None, ()))
-    assert isinstance(method, Guided)
+    method = multilevel(elastic, make_goals(rest, 100.0, None, ()))
+    assert isinstance(method, Multilevel)
     method.aim(targets)
     for _ in range(40):
-        method.descend()
+        method.step()
         assert method.met
         assert np.array_equal(method.U[fixed], targets)
         assert np.isfinite(method.U).all()
@@ -136,7 +137,7 @@ def test_it_gets_lower_in_a_few_iterations_than_alone_in_many(method):
         solver.aim(targets)
         for _ in range(count):
             solver.iterate()
-        return solver._method._elastic.energy
+        return solver._solver.elastic.energy
 
     assert energy(False, 12) < 0.9 * energy(True, 25)
 
@@ -175,10 +176,10 @@ def test_what_cannot_be_thinned_goes_alone():
     rng = np.random.default_rng(0)
     V = V + 0.01 * rng.normal(size=(len(F), 1, 3)).repeat(3, axis=1).reshape(-1, 3)
     solver = Deformation(V, F, np.flatnonzero(V[:, 2] > 0))
-    assert type(solver._method) is Constrained
+    assert type(solver._solver) is ConstrainedDescent
     V, F = TUBE
     nearly_all = np.setdiff1d(np.arange(len(V)), F[::3].ravel()[:200])
-    assert type(Deformation(V, F, nearly_all)._method) is Constrained
+    assert type(Deformation(V, F, nearly_all)._solver) is ConstrainedDescent
 
 
 def test_triangles_that_nothing_joins_go_alone():
@@ -198,7 +199,7 @@ def test_what_is_made_ready_is_not_looked_for_again(mesh, monkeypatch):
     make_ready(rest)
     monkeypatch.delattr("apd_viewer.geometry.energy.solve_mesh.thinned")
     for method in ("arap", "exact", "local"):
-        assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._method, Guided)
+        assert isinstance(Deformation(V, F, ends_of(V)[0], method=method, rest=rest)._solver, Restarts)
 
 
 def test_a_mesh_of_loose_triangles_is_followed_too():

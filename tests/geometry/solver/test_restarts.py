@@ -6,7 +6,7 @@ from meshes import rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.restarts import Cycled
+from apd_viewer.geometry.solver.restarts import Restarts
 
 V, F = tube(80, 120, height=4.0)
 REST = RestMesh(V, F)
@@ -26,7 +26,7 @@ def to_the_end(solver, most=3000):
     frames, hidden = [], []
     while not solver.settled:
         frames.append(solver.step())
-        hidden.append(solver._method.hides)
+        hidden.append(solver._solver.hides)
         assert len(frames) < most
     return frames, np.array(hidden)
 
@@ -35,7 +35,7 @@ def shown_while_it_tries(angle):
     """A solver in the midst of a try, and the shape that is shown."""
     solver = Deformation(V, F, FIXED, rest=REST)
     solver.aim(turned(angle))
-    while not solver._method.hides:
+    while not solver._solver.hides:
         solver.iterate()
     shown = solver.frame().U
     for _ in range(5):
@@ -46,7 +46,7 @@ def shown_while_it_tries(angle):
 @pytest.mark.parametrize("method", ["arap", "exact"])
 def test_a_try_is_shown_once_it_is_better_and_never_before(method):
     solver = Deformation(V, F, FIXED, method=method, rest=REST)
-    assert isinstance(solver._method, Cycled)
+    assert isinstance(solver._solver, Restarts)
     targets = turned(2.0)
     solver.aim(targets)
     frames, hidden = to_the_end(solver)
@@ -68,7 +68,7 @@ def test_what_moves_on_ends_a_try():
     solver, shown = shown_while_it_tries(1.0)
     assert solver.frame().U.tobytes() == shown.tobytes()
     solver.aim(turned(1.1))
-    assert not solver._method.hides
+    assert not solver._solver.hides
     frame = solver.step()
     assert np.array_equal(frame.U[FIXED], turned(1.1))
     assert abs(frame.area_error) <= 1e-9

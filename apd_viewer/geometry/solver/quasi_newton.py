@@ -21,7 +21,7 @@ _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
 
 
-class Descent:
+class QuasiNewton:
     """Quasi-Newton steps of an elastic surface whose goals are met.
 
     Parameters
