@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.vertex_callout import PlaceMark
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
@@ -43,7 +44,7 @@ class _Slow(NamedTuple):
     values: np.ndarray | None
 
 
-class HeatMap(QObject):
+class HeatMap(MouseTool, QObject):
     """Measures the shape that is shown, colours it, and tells the legend. A tool that only looks and marks.
 
     Parameters

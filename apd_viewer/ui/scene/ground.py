@@ -13,6 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import place, short
 from apd_viewer.presentation.scales import nice
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.rest_actor import RestActor
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ _COLORS = ((204, 36, 82), (107, 155, 0), (66, 66, 210))
 _LIGHTER = ((255, 107, 139), (190, 230, 70), (150, 150, 255))
 
 
-class Ground(RestActor):
+class Ground(MouseTool, RestActor):
     """Grid below the mesh with figures at two sides, and axes.
 
     To the viewport it is a tool that only paints.

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Protocol
 
 from PySide6.QtCore import QPointF, Qt
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QWheelEvent
 
@@ -36,7 +38,7 @@ class Stage(Protocol):
         """Say that the left button went down and up at a position, and moved nothing."""
 
 
-class Navigation:
+class Navigation(MouseTool):
     """Orbit, pan and zoom; consumes every press.
 
     Parameters
@@ -74,12 +76,11 @@ class Navigation:
             self._viewport.eye = self._viewport.eye.orbited(d.x(), d.y())
         return True
 
-    def release(self, event: QMouseEvent) -> bool:
+    def release(self, event: QMouseEvent) -> None:
         """End the drag."""
         if self._mode and not self._moved:
             self._viewport.click(event.position())
         self._mode = ""
-        return True
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Zoom to the cursor."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QPainter
@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QWidget
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QPaintEvent
+
+    from apd_viewer.ui.scene.mouse_tool import MouseTool
 
 
 class Overlay(QWidget):
@@ -25,7 +27,7 @@ class Overlay(QWidget):
         Of the viewport; looked at in every paint.
     """
 
-    def __init__(self, viewport: QWidget, tools: list[Any]) -> None:
+    def __init__(self, viewport: QWidget, tools: list[MouseTool]) -> None:
         super().__init__(viewport)
         self._tools = tools
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -36,5 +38,4 @@ class Overlay(QWidget):
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             for tool in reversed(self._tools):
-                if hasattr(tool, "paint"):
-                    tool.paint(painter)
+                tool.paint(painter)

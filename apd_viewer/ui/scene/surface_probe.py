@@ -8,6 +8,8 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPen
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent
 
@@ -24,7 +26,7 @@ class Place(NamedTuple):
     shares: np.ndarray
 
 
-class Pointer(QObject):
+class Pointer(MouseTool, QObject):
     """Reports the material point under the cursor and marks one with a ring.
 
     Parameters

@@ -9,9 +9,10 @@ import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from apd_viewer.ui.scene.camera import DEGREES_PER_PIXEL
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QMouseEvent, QWheelEvent
+    from PySide6.QtGui import QMouseEvent
 
     from apd_viewer.ui.scene.viewport import Viewport
 
@@ -20,7 +21,7 @@ _TICK = 16  # ms
 _LONGEST = 0.1  # s: after a pause it goes on, and does not leap
 
 
-class Turntable(QObject):
+class Turntable(MouseTool, QObject):
     """Turntable animation, stopped by any other tool.
 
     Parameters
@@ -58,10 +59,6 @@ class Turntable(QObject):
     def press(self, _: QMouseEvent) -> bool:
         """Stop for whoever takes the mouse."""
         self._stop()
-        return False
-
-    def wheel(self, _: QWheelEvent) -> bool:
-        """Go on: to come nearer is no reason to stop."""
         return False
 
     def cancel(self) -> bool:

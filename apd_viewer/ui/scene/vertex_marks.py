@@ -9,6 +9,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
 from apd_viewer.presentation.palette import MARK_COLOR
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QPainter
@@ -21,7 +22,7 @@ _NONE = np.empty(0, dtype=np.int64)
 _DOT, _HALO = 6.0, 9.5
 
 
-class Marks:
+class Marks(MouseTool):
     """Marked vertices, visible from anywhere.
 
     A vertex of a large mesh is less than a pixel, one without a face is not drawn at all, and one at the

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
     from PySide6.QtWidgets import QWidget
 
+    from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
 OPENING = np.deg2rad(30.0)
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
@@ -71,7 +73,7 @@ class Viewport(QtInteractor):
     _in_paint: bool  # of the base class: while it is set a draw is not brought to the screen
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        self.tools: list[Any] = []
+        self.tools: list[MouseTool] = []
         self.pre_draw: list[Callable[[], None]] = []
         self.draws = 0
         self.pick: Callable[[QPointF], np.ndarray | None] | None = None

@@ -125,13 +125,12 @@ class Painter(Selector):
         self._viewport.overlay.update()
         return True
 
-    def release(self, _event: QMouseEvent) -> bool:
+    def release(self, _event: QMouseEvent) -> None:
         """End the stroke."""
         if self._covered is None:
-            return False
+            return
         self._covered = None
         self.stroke_ended.emit()
-        return True
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Change the radius."""

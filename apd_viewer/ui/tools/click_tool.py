@@ -72,10 +72,10 @@ class ClickSelector(Selector):
             self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         return self._hit is not None
 
-    def release(self, event: QMouseEvent) -> bool:
+    def release(self, event: QMouseEvent) -> None:
         """Take it, if the cursor is still on the mesh."""
         if not self._pressed:
-            return False  # given up meanwhile
+            return  # given up meanwhile
         self._pressed = False
         self._look(event)
         vertices = self._under()
@@ -83,7 +83,6 @@ class ClickSelector(Selector):
             self._apply(self.act, vertices)
         elif self._hit is not None:
             self.missed.emit()
-        return True
 
     def cancel(self) -> bool:
         """Give a press up; True if there was one."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QObject, Qt, Signal
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drag import Drag, begin
 from apd_viewer.ui.tools.gizmo_drawing import Look, draw, draw_hint
@@ -30,7 +31,7 @@ class Along(Enum):
     VIEW = "view"
 
 
-class Gizmo(QObject):
+class Gizmo(MouseTool, QObject):
     """Tool that edits a rigid pose.
 
     Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
@@ -152,14 +153,13 @@ class Gizmo(QObject):
         self._emit(self._drag.pose, self._drag.text)
         return True
 
-    def release(self, _event: QMouseEvent) -> bool:
+    def release(self, _event: QMouseEvent) -> None:
         """Let go."""
         if self._drag is None:
-            return False
+            return
         self._finish()
         if self._moving:
             self.ended.emit()
-        return True
 
     def leave(self) -> None:
         """The cursor is somewhere else."""

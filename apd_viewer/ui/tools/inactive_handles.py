@@ -9,6 +9,8 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent
 
@@ -37,7 +39,7 @@ class Pivot(NamedTuple):
         return moved
 
 
-class Pivots(QObject):
+class Pivots(MouseTool, QObject):
     """Tool that lets another handle be taken: by its dot, or by a click on what is painted with it.
 
     Parameters
@@ -85,10 +87,6 @@ class Pivots(QObject):
         if number is not None:
             self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
         return number is not None
-
-    def release(self, _event: QMouseEvent) -> bool:
-        """Nothing was held."""
-        return True
 
     def leave(self) -> None:
         """The cursor is somewhere else."""

@@ -91,11 +91,10 @@ class OutlineSelector(Selector):
         self._show()
         return True
 
-    def release(self, _event: QMouseEvent) -> bool:
+    def release(self, _event: QMouseEvent) -> None:
         """End a box or a lasso."""
         if self._corners and self._kind is not Kind.POLYGON:
             self._finish()
-        return True
 
     def finish(self) -> bool:
         """Close a polygon; True if there was one."""

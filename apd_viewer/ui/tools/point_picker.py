@@ -8,6 +8,8 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QColor, QPen
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 _ARM = 9.0
 
 
-class PointPicker(QObject):
+class PointPicker(MouseTool, QObject):
     """Tool that takes clicks on the mesh, once it is asked to; Esc calls it off.
 
     Attributes
@@ -74,7 +76,7 @@ class PointPicker(QObject):
         self._viewport.overlay.update()
         return self._hit is not None
 
-    def release(self, event: QMouseEvent) -> bool:
+    def release(self, event: QMouseEvent) -> None:
         """Take the point, and tell all once there are as many as were asked for."""
         hit = self._surface.hit(event.position())
         if hit is not None:
@@ -83,7 +85,6 @@ class PointPicker(QObject):
                 points = np.array(self._points)
                 self.cancel()
                 self._then(points)
-        return True
 
     def leave(self) -> None:
         """The cursor is somewhere else."""

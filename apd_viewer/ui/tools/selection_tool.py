@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QColor
 
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+
 if TYPE_CHECKING:
     import numpy as np
     from PySide6.QtGui import QInputEvent, QMouseEvent
@@ -38,7 +40,7 @@ def begins(event: QMouseEvent) -> bool:
     return left and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
 
 
-class Selector(QObject):
+class Selector(MouseTool, QObject):
     """A tool of the viewport that chooses vertices by strokes; what for is up to who listens.
 
     Parameters
@@ -93,13 +95,6 @@ class Selector(QObject):
     def color(self, color: QColor | str) -> None:
         self._color = QColor(color)
         self._viewport.overlay.update()
-
-    def leave(self) -> None:
-        """The cursor is somewhere else."""
-
-    def cancel(self) -> bool:
-        """Give the stroke up; True if there was one."""
-        return False
 
     @property
     def _halo(self) -> QColor:

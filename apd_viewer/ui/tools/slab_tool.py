@@ -81,14 +81,13 @@ class SlabSelector(Selector):
         self._show()
         return True
 
-    def release(self, _event: QMouseEvent) -> bool:
+    def release(self, _event: QMouseEvent) -> None:
         """Choose what lies between the planes."""
         if self._start is not None:
             act, vertices = self.act, self._between()
             self._finish()
             if self._dragged:
                 self._apply(act, vertices)
-        return True
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Take another axis."""
