@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from apd_viewer.files.tables import Cell
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.studies.sweep import Step, Sweep
+    from apd_viewer.session.studies.sweep import Sweep, SweepStep
 
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 _SWEPT_SHARE = 0.9  # of the work; the rest draws
@@ -162,7 +162,7 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
     return document, None
 
 
-def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[Step]:
+def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[SweepStep]:
     """Run the sweep; write shapes to files on request, and keep none."""
     from apd_viewer.figures.shapes import keep_shape
 
@@ -182,17 +182,17 @@ def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | Non
     return steps
 
 
-def _mesh_path(folder: Path, mesh: Mesh, step: Step) -> Path:
+def _mesh_path(folder: Path, mesh: Mesh, step: SweepStep) -> Path:
     own = mesh.origin.suffix if mesh.origin else ""
     (folder / "meshes").mkdir(exist_ok=True)
     return folder / "meshes" / f"{step.method}-{step.number:03d}{own if own in WRITTEN else '.obj'}"
 
 
-def _kept(folder: Path, step: Step) -> Path:
+def _kept(folder: Path, step: SweepStep) -> Path:
     return folder / f"{step.method}-{step.number}.npy"
 
 
-def _readings(step: Step) -> dict[str, Cell]:
+def _readings(step: SweepStep) -> dict[str, Cell]:
     """Row of the table by column name."""
     frame = step.frame
     return {
@@ -214,7 +214,12 @@ def _readings(step: Step) -> dict[str, Cell]:
 
 
 def _film(
-    sweep: Sweep, steps: Sequence[Step], kept: Path, camera: Standpoint | None, path: Path, progress: Progress
+    sweep: Sweep,
+    steps: Sequence[SweepStep],
+    kept: Path,
+    camera: Standpoint | None,
+    path: Path,
+    progress: Progress,
 ) -> bool:
     """Draw the shapes of all methods side by side as a film; False without OpenGL."""
     from apd_viewer.figures.films import write_film
@@ -242,7 +247,7 @@ def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
     return {"look": (x, y, z), "up": camera.up}
 
 
-def _words(step: Step, abscissa: str) -> list[str]:
+def _words(step: SweepStep, abscissa: str) -> list[str]:
     where = {
         "degrees": f"{step.degrees:.0f}°",
         "way": f"{step.way:.3g}",
@@ -259,7 +264,7 @@ def _signed(value: float) -> str:
     return "0.00" if float(text) == 0 else text
 
 
-def _summary(steps: Sequence[Step], sweep: Sweep, folder: Path) -> str:
+def _summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
     lines = [
         tr("{folder}: {steps} steps by {methods}").format(
             folder=folder,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from apd_viewer.session.studies.sweep import Step
+    from apd_viewer.session.studies.sweep import SweepStep
 
 _SIZE = (11.0, 3.9)
 _DENSE = 40  # steps; with more, markers would hide the curve
@@ -26,12 +26,12 @@ _TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
 _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
 
 
-def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "sweep") -> None:
+def draw_sweep(steps: Sequence[SweepStep], abscissa: str, folder: Path, name: str = "sweep") -> None:
     """Draw the curves of a sweep; without volume where the surface is open.
 
     Parameters
     ----------
-    steps : sequence of Step
+    steps : sequence of SweepStep
     abscissa : str
         What tells the steps apart: see :attr:`apd_viewer.session.studies.sweep.Sweep.abscissa`.
     folder : Path
@@ -59,7 +59,7 @@ def draw_sweep(steps: Sequence[Step], abscissa: str, folder: Path, name: str = "
     draw(fill, _SIZE, folder, name)
 
 
-def _curves(axes: Axes, steps: Sequence[Step], abscissa: str, values: np.ndarray) -> None:
+def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:
     methods = np.array([step.method for step in steps])
     x = _places(steps, abscissa)
     axes.set_xlabel(_axis(abscissa))
@@ -77,7 +77,7 @@ def _curves(axes: Axes, steps: Sequence[Step], abscissa: str, values: np.ndarray
         axes.xaxis.set_major_locator(MultipleLocator(next((d for d in _TICKS if span <= 7 * d), span / 4)))
 
 
-def _places(steps: Sequence[Step], abscissa: str) -> np.ndarray:
+def _places(steps: Sequence[SweepStep], abscissa: str) -> np.ndarray:
     if abscissa == "degrees":
         return np.array([step.degrees for step in steps])
     if abscissa == "way":

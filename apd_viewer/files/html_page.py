@@ -41,7 +41,7 @@ class Command:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class PagePicture:
     """PNG picture with a caption."""
 
     png: bytes
@@ -49,10 +49,10 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Pictures:
+class PictureRow:
     """Pictures side by side, with an SVG legend below."""
 
-    pictures: tuple[Picture, ...]
+    pictures: tuple[PagePicture, ...]
     legend: str = ""
 
 
@@ -74,11 +74,11 @@ class Attached:
     text: str
 
 
-Block: TypeAlias = Table | Note | Command | Pictures | Drawing | Attached
+Block: TypeAlias = Table | Note | Command | PictureRow | Drawing | Attached
 
 
 @dataclass(frozen=True)
-class Part:
+class PageSection:
     """Some blocks under a heading; a ``wide`` one stands in no column."""
 
     heading: str
@@ -93,7 +93,7 @@ class Page:
     title: str
     subtitle: str
     hero: tuple[str, str]
-    parts: tuple[Part, ...]
+    parts: tuple[PageSection, ...]
     foot: str = ""
 
 
@@ -119,7 +119,7 @@ def html_of(page: Page) -> str:
     )
 
 
-def _part(part: Part) -> str:
+def _part(part: PageSection) -> str:
     blocks = "\n".join(_block(block) for block in part.blocks)
     kind = ' class="wide"' if part.wide else ""
     return f"<section{kind}>\n<h2>{escape(part.heading)}</h2>\n{blocks}\n</section>"
@@ -132,7 +132,7 @@ def _block(block: Block) -> str:
         return f'<p class="{"warns" if block.warns else "note"}">{escape(block.text)}</p>'
     if isinstance(block, Command):
         return f"<pre><code>{escape(block.text)}</code></pre>"
-    if isinstance(block, Pictures):
+    if isinstance(block, PictureRow):
         legend = f'\n<div class="legend">{block.legend}</div>' if block.legend else ""
         return '<div class="pictures">\n' + "\n".join(map(_picture, block.pictures)) + "\n</div>" + legend
     if isinstance(block, Drawing):
@@ -148,7 +148,7 @@ def _row(name: str, value: str, more: str) -> str:
     return f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}{small}</td></tr>'
 
 
-def _picture(picture: Picture) -> str:
+def _picture(picture: PagePicture) -> str:
     caption, held = escape(picture.caption), _held(picture.png, "image/png")
     image = f'<img alt="{caption}" src="{held}">'
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.studies.comparison import Outcome
+    from apd_viewer.session.studies.comparison import MethodOutcome
 
 _FINEST = 1e-6  # relative; smaller errors are written with a power of ten
 _ROUNDING = 1e-15
@@ -23,7 +23,7 @@ _ROUNDING = 1e-15
 Readings = dict[str, float]
 
 
-def readings(state: State, outcome: Outcome) -> Readings:
+def readings(state: State, outcome: MethodOutcome) -> Readings:
     """Measurements of one method; NaN if unknown.
 
     ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
@@ -127,7 +127,7 @@ def _error(value: float) -> str:
     return f"{'+' if value > 0.0 else '−'}{mantissa}·10{raised(int(exponent))}\u00a0%"
 
 
-def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, Outcome]]) -> None:
+def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, MethodOutcome]]) -> None:
     """Write the measurements by method as CSV; raises InputError."""
     from apd_viewer.files.tables import write_table
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, Part, Pictures, Table
+from apd_viewer.files.html_page import Attached, Block, Command, Note, Page, PageSection, PictureRow, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
@@ -88,23 +88,23 @@ class Evidence:
     session: bytes
 
 
-def page_of(subject: Subject, evidence: Evidence, pictures: Pictures, histogram: Drawing | None) -> Page:
+def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogram: Drawing | None) -> Page:
     """Build the whole report."""
     state, unit = subject.state, subject.unit
     date = subject.moment.strftime("%Y-%m-%d %H:%M")
     parts = [
-        Part(tr("Shape"), (*_warnings(state), pictures), wide=True),
-        Part(tr("Area"), (Table(tuple(_area(state, unit))),)),
-        Part(tr("Volume"), (Table(tuple(_volume(subject))),)),
-        Part(tr("Size and mass"), tuple(_size(subject))),
-        Part(tr("Settings and targets"), tuple(_asked(state))),
-        Part(tr("Handles"), (Table(tuple(_handles(state, unit))),)),
-        Part(tr("Regions"), tuple(_regions(state, unit))),
-        Part(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
-        Part(tr("Mesh check"), tuple(_findings(subject)), wide=True),
-        Part(tr("Mesh and file"), tuple(_mesh(state, unit, evidence.file))),
-        Part(tr("Versions"), (Table(tuple(_versions())),)),
-        Part(tr("How to reproduce it"), tuple(_again(state, evidence)), wide=True),
+        PageSection(tr("Shape"), (*_warnings(state), pictures), wide=True),
+        PageSection(tr("Area"), (Table(tuple(_area(state, unit))),)),
+        PageSection(tr("Volume"), (Table(tuple(_volume(subject))),)),
+        PageSection(tr("Size and mass"), tuple(_size(subject))),
+        PageSection(tr("Settings and targets"), tuple(_asked(state))),
+        PageSection(tr("Handles"), (Table(tuple(_handles(state, unit))),)),
+        PageSection(tr("Regions"), tuple(_regions(state, unit))),
+        PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
+        PageSection(tr("Mesh check"), tuple(_findings(subject)), wide=True),
+        PageSection(tr("Mesh and file"), tuple(_mesh(state, unit, evidence.file))),
+        PageSection(tr("Versions"), (Table(tuple(_versions())),)),
+        PageSection(tr("How to reproduce it"), tuple(_again(state, evidence)), wide=True),
     ]
     name = state.document.mesh.name
     return Page(

@@ -19,7 +19,7 @@ _ROUNDING = 1e-9  # of the usual scale, what no scale is made for
 _MOST_GAINED = 10.0  # a ratio has no largest: of what has lost all, one over it is infinite
 
 
-class Kind(Enum):
+class ScaleKind(Enum):
     """Quantity of a value: logarithm of a ratio, length, or inverse length."""
 
     RATIO = "ratio"
@@ -28,12 +28,12 @@ class Kind(Enum):
 
 
 class Words(NamedTuple):
-    """Title and tip of a measure; ``method`` is its name in :class:`Change`."""
+    """Title and tip of a measure; ``method`` is its name in :class:`Deviation`."""
 
     title: str
     tip: str
     key: str
-    kind: Kind
+    kind: ScaleKind
     method: str
 
 
@@ -54,7 +54,7 @@ class Measure(Enum):
     @property
     def is_signed(self) -> bool:
         """True if values have a sign."""
-        return self.words.kind is not Kind.LENGTH
+        return self.words.kind is not ScaleKind.LENGTH
 
     @property
     def colors(self) -> ColorMap:
@@ -73,35 +73,35 @@ def _words() -> dict[Measure, Words]:
             tr("Local area change"),
             tr("Colour by local area change: the triangles around each vertex compared with rest"),
             "Alt+1",
-            Kind.RATIO,
+            ScaleKind.RATIO,
             "area",
         ),
         Measure.STRAIN: Words(
             tr("Edge strain"),
             tr("Colour by edge strain: the largest stretch or shortening of the edges at each vertex"),
             "Alt+2",
-            Kind.RATIO,
+            ScaleKind.RATIO,
             "strain",
         ),
         Measure.BENDING: Words(
             tr("Bending"),
             tr("Colour by change of mean curvature from rest: more convex or more concave"),
             "Alt+3",
-            Kind.CURVATURE,
+            ScaleKind.CURVATURE,
             "bending",
         ),
         Measure.DISPLACEMENT: Words(
             tr("Displacement"),
             tr("Colour by the distance of each vertex from its rest position"),
             "Alt+4",
-            Kind.LENGTH,
+            ScaleKind.LENGTH,
             "displacement",
         ),
         Measure.DISTANCE: Words(
             tr("Distance to rest"),
             tr("Colour by the distance from the rest surface, measured when the shape has converged"),
             "Alt+5",
-            Kind.LENGTH,
+            ScaleKind.LENGTH,
             "distance",
         ),
     }
@@ -142,7 +142,7 @@ class Scale:
     @property
     def travels(self) -> bool:
         """True if the scale also suits a mesh of another size."""
-        return self.measure.words.kind is Kind.RATIO
+        return self.measure.words.kind is ScaleKind.RATIO
 
     def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
         """Scale fitted to the largest value of a span, up or down.
@@ -150,7 +150,7 @@ class Scale:
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
         reach = max(map(abs, span))
-        if self.measure.words.kind is Kind.RATIO:
+        if self.measure.words.kind is ScaleKind.RATIO:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
         if reach <= _ROUNDING * usual(self.measure, size).reach:
             return self
@@ -178,21 +178,21 @@ class Scale:
         if abs(value) < _NOTHING * self.end:
             value = 0.0
         kind = self.measure.words.kind
-        if kind is Kind.RATIO:
+        if kind is ScaleKind.RATIO:
             return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
-        if kind is Kind.CURVATURE:
+        if kind is ScaleKind.CURVATURE:
             return unit.curvature(_number(value, True))
         return unit.length(_number(value, False))
 
     def _inner(self, said: float) -> float:
-        return math.log1p(said) if self.measure.words.kind is Kind.RATIO else said
+        return math.log1p(said) if self.measure.words.kind is ScaleKind.RATIO else said
 
 
 def usual(measure: Measure, size: float) -> Scale:
     """Default scale for a mesh of this size."""
-    if measure.words.kind is Kind.RATIO:
+    if measure.words.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
-    if measure.words.kind is Kind.CURVATURE:
+    if measure.words.kind is ScaleKind.CURVATURE:
         return Scale(measure, nice(8.0 / size), nice(0.08 / size))
     return Scale(measure, nice((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
 

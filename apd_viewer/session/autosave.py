@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.file_jobs import Files
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.history import Entry
+    from apd_viewer.session.model.history import HistoryEntry
     from apd_viewer.session.store import Store
 
 
@@ -46,7 +46,7 @@ class Autosave:
         self._backup: Backup | None = None
         self._restored: list[Leftover] = []
         self._document: Document | None = None
-        self._step: Entry | None = None
+        self._step: HistoryEntry | None = None
         self._frame: Frame | None = None
 
     def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:

@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import MOTIONS, Motion, amount_of, moved
+from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, moved
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -50,11 +50,11 @@ class Handles:
             self._store.solve(state.document.moved(which, pose))
 
     def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
-        """Move a handle by a typed amount; ``motion`` names a :class:`Motion`. Raises InputError.
+        """Move a handle by a typed amount; ``motion`` names a :class:`TypedMotion`. Raises InputError.
 
         ``line`` (2, 3) is the axis of a bend about a line.
         """
-        state, kind = self._gestures.alone(), Motion[motion]
+        state, kind = self._gestures.alone(), TypedMotion[motion]
         amount = amount_of(kind, text, state, self._store.unit)
         self.pose(moved(state.document, which, kind, amount, line), which, MOTIONS[kind])
 

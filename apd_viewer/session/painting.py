@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.session.part_operations import Change, reshaped
+from apd_viewer.session.part_operations import PartOperation, reshaped
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -66,6 +66,6 @@ class Painting:
         self.end_stroke(gesture)
 
     def reshape(self, part: Part, change: str) -> None:
-        """Change a part as a whole, as a :class:`Change` by its name."""
-        wanted = reshaped(self._gestures.alone(), part, Change[change])
-        self.set_part(part, wanted, Change[change].value.title)
+        """Change a part as a whole, as a :class:`PartOperation` by its name."""
+        wanted = reshaped(self._gestures.alone(), part, PartOperation[change])
+        self.set_part(part, wanted, PartOperation[change].value.title)

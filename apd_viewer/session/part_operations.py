@@ -37,7 +37,7 @@ def _smoothed(state: State, member: np.ndarray) -> np.ndarray:
     return smoothed(state.skin.start, state.skin.neighbour, state.document.mesh.V, member)
 
 
-class Change(Enum):
+class PartOperation(Enum):
     """A way to change a part; its value holds the name of the step of undo, and what it does."""
 
     GROW = _Way(tr("Grow"), lambda state, member: grown(state.skin.start, state.skin.neighbour, member))
@@ -49,7 +49,7 @@ class Change(Enum):
     MIRROR_Z = _Way(tr("Mirror along z"), _mirrored_along(2))
 
 
-def reshaped(state: State, part: Part, change: Change) -> np.ndarray:
+def reshaped(state: State, part: Part, change: PartOperation) -> np.ndarray:
     """The vertices that should be in the part after a change, (n,) bool; it takes none from other parts."""
     document, skin = state.document, state.skin
     member = part.of(document)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 
-class Motion(Enum):
+class TypedMotion(Enum):
     """A way to move a handle by one number."""
 
     MOVE_X = auto()
@@ -38,18 +38,18 @@ class Motion(Enum):
 
 # The names of steps of undo.
 MOTIONS = {
-    Motion.MOVE_X: tr("Move along x"),
-    Motion.MOVE_Y: tr("Move along y"),
-    Motion.MOVE_Z: tr("Move along z"),
-    Motion.TURN_X: tr("Rotate about x"),
-    Motion.TURN_Y: tr("Rotate about y"),
-    Motion.TURN_Z: tr("Rotate about z"),
-    Motion.TWIST: tr("Twist"),
-    Motion.BEND_X: tr("Bend about x"),
-    Motion.BEND_Y: tr("Bend about y"),
-    Motion.BEND_Z: tr("Bend about z"),
-    Motion.BEND_LINE: tr("Bend about a line"),
-    Motion.SCALE: tr("Scale"),
+    TypedMotion.MOVE_X: tr("Move along x"),
+    TypedMotion.MOVE_Y: tr("Move along y"),
+    TypedMotion.MOVE_Z: tr("Move along z"),
+    TypedMotion.TURN_X: tr("Rotate about x"),
+    TypedMotion.TURN_Y: tr("Rotate about y"),
+    TypedMotion.TURN_Z: tr("Rotate about z"),
+    TypedMotion.TWIST: tr("Twist"),
+    TypedMotion.BEND_X: tr("Bend about x"),
+    TypedMotion.BEND_Y: tr("Bend about y"),
+    TypedMotion.BEND_Z: tr("Bend about z"),
+    TypedMotion.BEND_LINE: tr("Bend about a line"),
+    TypedMotion.SCALE: tr("Scale"),
 }
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
@@ -61,16 +61,16 @@ def names_of(state: State) -> dict[str, float]:
     return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
 
 
-def amount_of(motion: Motion, text: str, state: State, unit: Unit) -> float:
+def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float:
     """The length, the angle in radians or the factor that was typed; raises InputError with a sentence."""
     names = names_of(state)
     if motion.name.startswith("MOVE"):
         return length(text, unit, names)
-    return number(text, names) if motion is Motion.SCALE else angle(text, names)
+    return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
 
 
 def moved(
-    document: Document, k: int, motion: Motion, amount: float, line: np.ndarray | None = None
+    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> np.ndarray:
     """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be.
 
@@ -88,7 +88,7 @@ def moved(
         by = turned_about(centre, _AXES[letter], amount)
     elif kind == "SCALE":
         by = scaled_about(centre, amount)
-    elif motion is Motion.BEND_LINE:
+    elif motion is TypedMotion.BEND_LINE:
         by = _about_line(line, amount)
     else:
         base = _base_centre(document)

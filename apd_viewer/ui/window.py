@@ -31,7 +31,7 @@ from apd_viewer.ui.panel.measurements_controller import Measuring
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar
 from apd_viewer.ui.plots.plots import Plots
-from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.sharing.report_controller import Reporting
 from apd_viewer.ui.studies.studies import Studies
@@ -78,7 +78,7 @@ class Window(QMainWindow):
 
     def __init__(self, settings: QSettings, recovery: Path | None = None) -> None:
         super().__init__()
-        self._memory = Memory(settings)
+        self._memory = Preferences(settings)
         self._units = Units(self._memory)
         self.filing = Filing(
             self, self._memory, lambda unit: self.measuring.in_view(self.canvas.view(unit)), recovery

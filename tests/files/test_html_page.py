@@ -17,9 +17,9 @@ from apd_viewer.files.html_page import (
     Drawing,
     Note,
     Page,
-    Part,
-    Picture,
-    Pictures,
+    PagePicture,
+    PageSection,
+    PictureRow,
     Table,
     html_of,
     write_page,
@@ -35,11 +35,13 @@ def page(name="bunny"):
         Note(name),
         Note(name, warns=True),
         Command(name),
-        Pictures((Picture(b"\x89PNG", name),), "<svg></svg>"),
+        PictureRow((PagePicture(b"\x89PNG", name),), "<svg></svg>"),
         Drawing("<svg></svg>", "<svg></svg>", name),
         Attached(name, b"content", name),
     )
-    return Page(name, name, (name, name), (Part(name, blocks), Part("empty", (), wide=True)), name)
+    return Page(
+        name, name, (name, name), (PageSection(name, blocks), PageSection("empty", (), wide=True)), name
+    )
 
 
 @pytest.mark.parametrize("name", ["bunny", HOSTILE, "a\nb", ""])

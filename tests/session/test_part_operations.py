@@ -17,10 +17,10 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import NamedRegion
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.part_operations import Change, reshaped
+from apd_viewer.session.part_operations import PartOperation, reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
-MIRRORS = Change.MIRROR_X, Change.MIRROR_Y, Change.MIRROR_Z
+MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 MESHES = {"whole": meshes.rabbit(2), "seams": meshes.soup(*meshes.rabbit(1))}
 STATES = {name: opened(Mesh(*mesh)) for name, mesh in MESHES.items()}
 
@@ -59,11 +59,11 @@ def wanted(state, part, change):
     """Oracle: the vertices that a change wants, as a set of places."""
     V, place = state.document.mesh.V, place_of(state.document.mesh.V)
     ring, member = ring_of(state.document.mesh), set(place[part.of(state.document)].tolist())
-    if change is Change.GROW:
+    if change is PartOperation.GROW:
         return member | {w for v in member for w in ring[v]}
-    if change is Change.SHRINK:
+    if change is PartOperation.SHRINK:
         return {v for v in member if ring[v] <= member}
-    if change is Change.INVERT:
+    if change is PartOperation.INVERT:
         return set(place.tolist()) - member
     axis, found = MIRRORS.index(change), set(member)
     U = np.zeros((place.max() + 1, 3))
@@ -79,7 +79,7 @@ def wanted(state, part, change):
 
 
 SEEDS = st.integers(0, 10_000)
-CHANGES = st.sampled_from([Change.GROW, Change.SHRINK, Change.INVERT, *MIRRORS])
+CHANGES = st.sampled_from([PartOperation.GROW, PartOperation.SHRINK, PartOperation.INVERT, *MIRRORS])
 
 
 @given(st.sampled_from(list(MESHES)), SEEDS, st.sampled_from(PARTS), CHANGES)
@@ -107,7 +107,7 @@ def test_a_part_becomes_what_plain_search_says_and_takes_from_no_other(name, see
 def test_smoothing_stays_near_the_border_and_takes_from_no_other(name, seed, part):
     state = painted(name, seed)
     document, ring = state.document, ring_of(state.document.mesh)
-    after = reshaped(state, part, Change.SMOOTH)
+    after = reshaped(state, part, PartOperation.SMOOTH)
     before, place = part.of(document), place_of(document.mesh.V)
     other = (part.codes(document) != part.nothing) & ~before
     assert not (after & other).any()
@@ -129,7 +129,7 @@ def test_a_lone_vertex_and_a_lone_hole_are_smoothed_away():
     jagged[spot], jagged[hole] = True, False
     part = Part(BASE)
     state = state.at(part.become(state.document, jagged))
-    np.testing.assert_array_equal(reshaped(state, part, Change.SMOOTH), half)
+    np.testing.assert_array_equal(reshaped(state, part, PartOperation.SMOOTH), half)
 
 
 @pytest.mark.parametrize("change", MIRRORS)
@@ -216,7 +216,7 @@ def both_ways(session: Driven, before: Document, steps: int) -> None:
     session.gestures.undo()
 
 
-@pytest.mark.parametrize("change", [Change.GROW, Change.SMOOTH, Change.INVERT, *MIRRORS])
+@pytest.mark.parametrize("change", [PartOperation.GROW, PartOperation.SMOOTH, PartOperation.INVERT, *MIRRORS])
 @pytest.mark.parametrize("part", PARTS[:2])
 def test_a_change_is_one_step_and_has_its_name(session, part, change):
     before, steps, shape = (
@@ -228,7 +228,7 @@ def test_a_change_is_one_step_and_has_its_name(session, part, change):
     assert session.store.state.frame.U is shape
     if session.store.state.document is before:
         assert len(session.gestures.history.past) == steps
-        assert change is not Change.GROW
+        assert change is not PartOperation.GROW
         return
     assert session.gestures.history.next_undo == change.value.title
     both_ways(session, before, steps)

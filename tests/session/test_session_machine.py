@@ -15,9 +15,9 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.part_operations import Change
+from apd_viewer.session.part_operations import PartOperation
 from apd_viewer.session.store import Activity
-from apd_viewer.session.typed_motion import Motion
+from apd_viewer.session.typed_motion import TypedMotion
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
 
@@ -218,7 +218,11 @@ class Use(RuleBasedStateMachine):
             assert self.session.gestures.history.next_undo == gesture == "Nudge handle"
             assert self.redos == []
 
-    @rule(k=NUMBERS, of=st.sampled_from(["base", "handle", "region"]), change=st.sampled_from(list(Change)))
+    @rule(
+        k=NUMBERS,
+        of=st.sampled_from(["base", "handle", "region"]),
+        change=st.sampled_from(list(PartOperation)),
+    )
     def reshape(self, k, of, change) -> None:
         document = (self.before if self.gesture else self.session.store.state).document
         if of == "region" and not document.regions:
@@ -236,7 +240,11 @@ class Use(RuleBasedStateMachine):
         if now is not document:
             self._recorded(before)
 
-    @rule(k=NUMBERS, motion=st.sampled_from(list(Motion)), text=st.sampled_from(["10", "0.05L", "1.1", "mm"]))
+    @rule(
+        k=NUMBERS,
+        motion=st.sampled_from(list(TypedMotion)),
+        text=st.sampled_from(["10", "0.05L", "1.1", "mm"]),
+    )
     def type_motion(self, k, motion, text) -> None:
         before = self._before_act()
         with contextlib.suppress(InputError):

@@ -23,7 +23,7 @@ _SLIVER = 1e-12
 _PORTION = 8192
 
 
-class Change:
+class Deviation:
     """A rest shape, for comparison with other shapes of the same mesh.
 
     Parameters
@@ -268,7 +268,7 @@ def worst(values: np.ndarray, U: np.ndarray, apart: float, most: int) -> np.ndar
 def warm_up() -> None:
     """Compile all of it, or load it from the cache."""
     V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    change = Change(V, np.array([[0, 1, 2]], dtype=np.int32), np.empty(0, dtype=np.int32))
+    change = Deviation(V, np.array([[0, 1, 2]], dtype=np.int32), np.empty(0, dtype=np.int32))
     V.flags.writeable = False
     shades = np.zeros((3, 4), dtype=np.uint8)[:, 3]
     for measured in (change.area, change.strain, change.displacement, change.bending, change.distance):

@@ -21,7 +21,7 @@ from scipy.sparse import coo_array, diags_array, hstack
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.rotations import turn_rotations
@@ -46,7 +46,7 @@ class Elastic:
 
     Parameters
     ----------
-    rest : RestShape
+    rest : SolveMesh
     fixed : (k,) int array
         Held vertices, each once.
     material : Material
@@ -68,7 +68,7 @@ class Elastic:
 
     def __init__(
         self,
-        rest: RestShape,
+        rest: SolveMesh,
         fixed: np.ndarray,
         material: Material | None = None,
         factored: Factored | None = None,

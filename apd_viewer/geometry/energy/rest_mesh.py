@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
@@ -69,7 +69,7 @@ class RestMesh:
             raise InputError(
                 tr("The coordinates are too large to compute with; choose a larger unit of length.")
             )
-        self.shape = RestShape(V[self.weld.first], self.weld.inverse[F], thinnings)
+        self.shape = SolveMesh(V[self.weld.first], self.weld.inverse[F], thinnings)
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
         self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))

@@ -27,7 +27,7 @@ FEWEST = 500
 _SMALLEST_AREA = 1e-2
 
 
-class RestShape:
+class SolveMesh:
     """Rest mesh of the solve.
 
     Parameters
@@ -97,9 +97,9 @@ class RestShape:
         return Thinning(vertices, F, *neighbourhoods(self.V, normals, self.piece, vertices, edge), edge)
 
     @cached_property
-    def thinner(self) -> RestShape:
+    def thinner(self) -> SolveMesh:
         """The mesh of :attr:`thinning`."""
-        return RestShape(self.V[self.thinning.vertices], self.thinning.F, self._thinnings[1:])
+        return SolveMesh(self.V[self.thinning.vertices], self.thinning.F, self._thinnings[1:])
 
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -140,7 +140,7 @@ class Bending:
         A quarter of the energy's Hessian while the rotations are held.
     """
 
-    def __init__(self, rest: RestShape) -> None:
+    def __init__(self, rest: SolveMesh) -> None:
         self.C = cotangent_laplacian(rest.V, rest.F)
         self.CV = self.C @ rest.V
         m = rest.vertex_areas

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.geometry.linalg import parallel_ops
 
 
-class Memory:
+class QuasiNewtonMemory:
     """Limited-memory quasi-Newton directions [Nocedal 1980], preconditioned.
 
     With the factor of the global step as preconditioner a first step is the plain one, and the following

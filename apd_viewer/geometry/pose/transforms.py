@@ -17,7 +17,7 @@ from apd_viewer.language import tr
 _APART = 1e-12
 
 
-class Motion(NamedTuple):
+class RigidMotion(NamedTuple):
     """Rigid transform as displayed: a rotation about a centre, a displacement.
 
     Attributes
@@ -73,7 +73,7 @@ def bend(base: npt.ArrayLike, axis: npt.ArrayLike, angle: float) -> np.ndarray:
     return turned_about(base, axis, angle)
 
 
-def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
+def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> RigidMotion:
     """Rigid ``pose`` (4, 4) as rotation about ``centre`` (3,) and translation.
 
     The axis of half a turn may be either of two.
@@ -84,7 +84,7 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> Motion:
     axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
     # (R - I) c is small where little turns; R c is not, and its rounding would be shown as a displacement.
     displacement = (R - np.eye(3)) @ start + pose[:3, 3]
-    return Motion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
+    return RigidMotion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
 
 
 def linear_about(point: npt.ArrayLike, A: np.ndarray) -> np.ndarray:

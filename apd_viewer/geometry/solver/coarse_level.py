@@ -15,7 +15,7 @@ from numba import njit, prange
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.rotations import turned
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
@@ -57,7 +57,7 @@ class CoarseLevel:
         self.vertices = _with_held(rest, thinning, fixed)
         self.F = thinning.F
         unchanged = np.array_equal(self.vertices, thinning.vertices)
-        self._shape = rest.thinner if unchanged else RestShape(rest.V[self.vertices], self.F)
+        self._shape = rest.thinner if unchanged else SolveMesh(rest.V[self.vertices], self.F)
         held = np.flatnonzero(np.isin(self.vertices, fixed))
         soft, own = elastic.soft, np.full(len(rest.V), -1)
         own[self.vertices] = np.arange(len(self.vertices))
@@ -151,7 +151,7 @@ class CoarseLevel:
         return tuple(own)
 
 
-def _with_held(rest: RestShape, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
+def _with_held(rest: SolveMesh, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
     """The vertices of a thinned mesh, some replaced by held ones, so that no held part is unheard of."""
     V, vertices = rest.V, thinning.vertices.copy()
     while True:

@@ -6,7 +6,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.solve_mesh import FEWEST, RestShape
+from apd_viewer.geometry.energy.solve_mesh import FEWEST, SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
@@ -63,7 +63,7 @@ def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
     return tuple(found)
 
 
-def _shrinks(rest: RestShape) -> bool:
+def _shrinks(rest: SolveMesh) -> bool:
     """Whether decimation removes at least half of the vertices."""
     return len(rest.thinning.vertices) < len(rest.V) / 2
 

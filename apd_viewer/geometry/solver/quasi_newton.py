@@ -12,7 +12,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.linalg import parallel_ops
-from apd_viewer.geometry.linalg.lbfgs import Memory
+from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 from apd_viewer.geometry.solver.goal_projection import Projection
 
 _REMEMBERED = 5
@@ -32,7 +32,7 @@ class QuasiNewton:
 
     def __init__(self, elastic: Elastic, projection: Projection) -> None:
         self._elastic, self._projection = elastic, projection
-        self._memory = Memory(len(elastic.free), _REMEMBERED)
+        self._memory = QuasiNewtonMemory(len(elastic.free), _REMEMBERED)
         # The last step, and G and g where it began.
         self._last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))

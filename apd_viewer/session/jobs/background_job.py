@@ -17,7 +17,7 @@ _LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class JobOutcome:
     """How an job ended: ``value`` is what it returned, or ``failure`` says why it did not."""
 
     job: Job
@@ -45,7 +45,7 @@ class Job:
         title: str,
         work: Callable[[], Any],
         done: Callable[[Any], object],
-        deliver: Callable[[Outcome], None],
+        deliver: Callable[[JobOutcome], None],
         can_be_cancelled: bool = True,
     ) -> None:
         self.title = title
@@ -62,13 +62,13 @@ class Job:
 
     def _run(self) -> None:
         try:
-            outcome = Outcome(self, value=self._work())
+            outcome = JobOutcome(self, value=self._work())
         except InputError as error:
-            outcome = Outcome(self, failure=str(error))
+            outcome = JobOutcome(self, failure=str(error))
         except Exception as error:
             traceback.print_exc()
             _LOGGER.exception("%s failed", self.title)
-            outcome = Outcome(
+            outcome = JobOutcome(
                 self,
                 failure=tr("{title} failed ({reason}).").format(
                     title=self.title, reason=str(error) or type(error).__name__
@@ -104,7 +104,7 @@ class Jobs:
         self._failed = failed
         self._told = told
         self._changed = changed
-        self._outcomes: queue.SimpleQueue[Outcome] = queue.SimpleQueue()
+        self._outcomes: queue.SimpleQueue[JobOutcome] = queue.SimpleQueue()
         self._closed = False
 
     def run(
@@ -149,7 +149,7 @@ class Jobs:
         if self.current is not None and not self.current.can_be_cancelled:
             self.current.join(timeout=10.0)
 
-    def _deliver(self, outcome: Outcome) -> None:
+    def _deliver(self, outcome: JobOutcome) -> None:
         self._outcomes.put(outcome)
         if not self._closed:
             self._wake()

@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import State
 
 
-class Entry(NamedTuple):
+class HistoryEntry(NamedTuple):
     """A gesture and the state on the other side of it."""
 
     gesture: str
@@ -29,11 +29,11 @@ class History:
 
     def __init__(self, most_bytes: int = 512 * 2**20) -> None:
         self._most_bytes = most_bytes
-        self._undo: list[Entry] = []
-        self._redo: list[Entry] = []
+        self._undo: list[HistoryEntry] = []
+        self._redo: list[HistoryEntry] = []
 
     @property
-    def latest(self) -> Entry | None:
+    def latest(self) -> HistoryEntry | None:
         """The gesture that undo would take back; the same one while presses of a key are joined to it."""
         return self._undo[-1] if self._undo else None
 
@@ -75,7 +75,7 @@ class History:
     def record(self, gesture: str, before: State) -> None:
         """Remember the state before a gesture that has just been finished."""
         self._redo.clear()
-        self._undo.append(Entry(gesture, before))
+        self._undo.append(HistoryEntry(gesture, before))
         while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
             del self._undo[0]
 
@@ -88,14 +88,14 @@ class History:
         return self._swap(self._redo, self._undo, now)
 
     @staticmethod
-    def _swap(source: list[Entry], target: list[Entry], now: State) -> State | None:
+    def _swap(source: list[HistoryEntry], target: list[HistoryEntry], now: State) -> State | None:
         if not source:
             return None
         gesture, state = source.pop()
-        target.append(Entry(gesture, now))
+        target.append(HistoryEntry(gesture, now))
         return state
 
 
-def _bytes(entries: list[Entry]) -> int:
+def _bytes(entries: list[HistoryEntry]) -> int:
     """Bytes of all the arrays that the entries keep, each counted once."""
     return sum({id(array): array.nbytes for entry in entries for array in entry.state.arrays}.values())

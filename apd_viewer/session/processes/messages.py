@@ -35,7 +35,7 @@ class Order:
     thinnings: tuple[Thinning, ...] = ()
 
 
-class Step(Enum):
+class OrderStage(Enum):
     """Progress of an order."""
 
     RECEIVED = "received"
@@ -49,13 +49,13 @@ class Message(NamedTuple):
     ----------
     number : int
         Of the order.
-    content : Step, tuple of Thinning or Reply
+    content : OrderStage, tuple of Thinning or Reply
     put : int or None
         Number of the reply's shape in the tray, where it lies there instead of in the frame.
     """
 
     number: int
-    content: Step | tuple[Thinning, ...] | Reply
+    content: OrderStage | tuple[Thinning, ...] | Reply
     put: int | None = None
 
 

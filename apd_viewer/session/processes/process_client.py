@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_process import START, ChildProcess
-from apd_viewer.session.processes.messages import Message, Order, Step, unpacked
+from apd_viewer.session.processes.messages import Message, Order, OrderStage, unpacked
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 
@@ -148,10 +148,10 @@ class Child:
             logging.getLogger(message.name).handle(message)
         elif isinstance(message.content, Reply):
             self._hear_reply(message.content, self._trays[message.number], message.put)
-        elif message.content is Step.RECEIVED:
+        elif message.content is OrderStage.RECEIVED:
             self._discard_envelope()
             self._received.set()
-        elif message.content is Step.TURNED_TO:
+        elif message.content is OrderStage.TURNED_TO:
             for number in [n for n in list(self._requests) if n < message.number]:
                 del self._requests[number], self._trays[number]
         elif isinstance(message.content, tuple):

@@ -27,7 +27,7 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes.deforming import deformation_of
-from apd_viewer.session.processes.messages import Message, Order, Step
+from apd_viewer.session.processes.messages import Message, Order, OrderStage
 from apd_viewer.session.processes.remote_factor import FarFactor
 from apd_viewer.session.processes.requests import Account, Reply, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
@@ -77,7 +77,7 @@ class Solver:
         """
         done = not self._orders.comes_within(_SOON) and self._rested(at_leisure)
         while (order := self._orders.wait()) is not None:
-            self._tell(Message(order.number, Step.TURNED_TO))
+            self._tell(Message(order.number, OrderStage.TURNED_TO))
             try:
                 self._answer(order)
             except InputError as error:

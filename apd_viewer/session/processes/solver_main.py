@@ -18,7 +18,7 @@ from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
-from apd_viewer.session.processes.messages import Message, Order, Step, packed
+from apd_viewer.session.processes.messages import Message, Order, OrderStage, packed
 from apd_viewer.session.processes.shared_memory import leave_blocks_to_their_owner
 from apd_viewer.session.processes.solver import Solver
 
@@ -85,7 +85,7 @@ def serve(
         try:
             while (message := array_pipe.read(source)) is not None:
                 order: Order = unpacker.unpacked(message)
-                tell(Message(order.number, Step.RECEIVED))
+                tell(Message(order.number, OrderStage.RECEIVED))
                 orders.put(order)
         finally:  # who cannot hear any more is of no use either
             orders.close()

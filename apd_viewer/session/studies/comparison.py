@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class MethodOutcome:
     """How far a method has come.
 
     Attributes
@@ -55,7 +55,7 @@ class Comparison:
 
     Attributes
     ----------
-    outcomes : dict of str to Outcome
+    outcomes : dict of str to MethodOutcome
         By the names of the methods; those that have not begun yet are not in it.
     under_way : str or None
         The method that is being solved.
@@ -65,7 +65,7 @@ class Comparison:
 
     def __init__(self, document: Document, wake: Callable[[], object]) -> None:
         self.document = document
-        self.outcomes: dict[str, Outcome] = {}
+        self.outcomes: dict[str, MethodOutcome] = {}
         self.under_way: str | None = None
         self.news = ""
         self._wake = wake
@@ -99,7 +99,7 @@ class Comparison:
 
     def _hear(self, method: str, reply: Reply) -> None:
         frame = reply.frame or self.outcomes[method].frame
-        self.outcomes[method] = Outcome(frame, reply.finished, reply.account, reply.failure)
+        self.outcomes[method] = MethodOutcome(frame, reply.finished, reply.account, reply.failure)
         if reply.finished:
             self.under_way = None
             self._go_on()
@@ -112,7 +112,7 @@ class Comparison:
             self._end()
             return
         self.under_way = self.waiting[0]
-        self.outcomes[self.under_way] = Outcome()
+        self.outcomes[self.under_way] = MethodOutcome()
         self._asked = replace(self.document, method=self.under_way)
         self._generation += 1
         if self._worker is None:

@@ -31,7 +31,7 @@ DEFAULT_ITERATIONS = 500
 _NO_WAY = 1e-9
 
 
-class Step(NamedTuple):
+class SweepStep(NamedTuple):
     """A shape on the way, and its readings.
 
     Attributes
@@ -119,7 +119,7 @@ class Sweep:
             document = document.moved(k, path.at(part))
         return document
 
-    def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[Step]:
+    def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[SweepStep]:
         """The shapes, one method after another.
 
         Parameters
@@ -149,12 +149,12 @@ class Sweep:
                         break
                 yield self._step(solver, method, number, part)
 
-    def _step(self, solver: Deformation, method: str, number: int, part: float) -> Step:
+    def _step(self, solver: Deformation, method: str, number: int, part: float) -> SweepStep:
         k, frame = self.leading, solver.frame()
         path, pivot = self.paths[k], self.document.pivot(k)
         assert pivot is not None
         away = transform(path.at(part), pivot[None])[0] - pivot
-        return Step(
+        return SweepStep(
             method,
             number,
             part,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
-from apd_viewer.ui.preferences.shortcuts import Entry
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
@@ -23,13 +23,13 @@ class ActionMaker:
 
     Attributes
     ----------
-    entries : list of Entry
+    entries : list of ShortcutEntry
         All that was made.
     """
 
     def __init__(self, window: QMainWindow) -> None:
         self._window = window
-        self.entries: list[Entry] = []
+        self.entries: list[ShortcutEntry] = []
 
     def make(
         self, name: str, title: str, image: str, tip: str, key: object, command: Callable[[], object]
@@ -63,7 +63,7 @@ class ActionMaker:
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
-        self.entries.append(Entry.of(action, name, plain(action.text()), image, tip))
+        self.entries.append(ShortcutEntry.of(action, name, plain(action.text()), image, tip))
         return action
 
     def one_of(self, actions: Iterable[QAction]) -> None:

@@ -17,7 +17,7 @@ from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.actions.view_actions import ViewActions
-from apd_viewer.ui.preferences.shortcuts import Entry
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.icons import SIZE
 from apd_viewer.ui.widgets.theme import Theme
@@ -159,7 +159,7 @@ class Actions:
         self.view.add_panels(actions)
 
     @property
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[ShortcutEntry]:
         """All actions, with what is said of them."""
         return self._maker.entries
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.filing.file_commands import Filing
 
 _LARGER, _SMALLER = 1.25, 0.8
-# Title, icon, tip, keys, and the name in apd_viewer.session.part_operations.Change, which is loaded later.
+# Title, icon, tip, keys, and the name of the PartOperation, a class that is loaded later.
 _CHANGES = (
     (tr("&Grow"), "grow", tr("Add the neighbouring vertices to the active part"), "Ctrl++", "GROW"),
     (tr("S&hrink"), "shrink", tr("Remove the outermost vertices from the active part"), "Ctrl+-", "SHRINK"),

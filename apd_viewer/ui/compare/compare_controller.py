@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.compare.comparison_window import ComparisonWindow
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas
 
 _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then compare.")
@@ -33,7 +33,7 @@ class Comparing:
         From where it is looked at.
     looks : Looks
         Whose scale is used.
-    memory : Memory
+    memory : Preferences
     notice : Notice
         Where to say why there is nothing to compare.
 
@@ -42,7 +42,7 @@ class Comparing:
     window : ComparisonWindow or None
     """
 
-    def __init__(self, canvas: Canvas, looks: Looks, memory: Memory, notice: Notice) -> None:
+    def __init__(self, canvas: Canvas, looks: Looks, memory: Preferences, notice: Notice) -> None:
         self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
         self._session: Session | None = None
         self._views: Mapping[str, QAction] = {}

@@ -15,7 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
-from apd_viewer.session.studies.comparison import Comparison, Outcome
+from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
 from apd_viewer.ui.compare.comparison_picture import SHARPNESS, Shown, write_comparison
 from apd_viewer.ui.compare.linked_views import LinkedViews
 from apd_viewer.ui.compare.method_table import OutcomeTable
@@ -29,12 +29,12 @@ from apd_viewer.ui.widgets.icons import application_icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.scene.camera import Camera
 
 _FEWEST = 2
@@ -42,10 +42,10 @@ _SIZE = QSize(1280, 800)
 _NO_ROOM = tr("Not enough memory to compare methods on this mesh; close other programs.")
 
 
-class _Ready(NamedTuple):
+class _ComparisonInputs(NamedTuple):
     """What measures the shapes of a mesh."""
 
-    change: Change
+    change: Deviation
     write: Callable[..., None]
 
 
@@ -54,7 +54,7 @@ class ComparisonWindow(QWidget):
 
     Parameters
     ----------
-    memory : Memory
+    memory : Preferences
     scale : Scale
         Of the local area change, to begin with.
     eye : Camera
@@ -75,7 +75,7 @@ class ComparisonWindow(QWidget):
     closed = Signal()
     _woken = Signal()
 
-    def __init__(self, memory: Memory, scale: Scale, eye: Camera) -> None:
+    def __init__(self, memory: Preferences, scale: Scale, eye: Camera) -> None:
         super().__init__(None, Qt.WindowType.Window, objectName="comparison")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setWindowIcon(application_icon())
@@ -190,15 +190,15 @@ class ComparisonWindow(QWidget):
         mesh, skin = state.document.mesh, state.skin
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
+            from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, write_shades
 
             warm_up()
-            return _Ready(Change(mesh.V, skin.joined, skin.source), write_shades)
+            return _ComparisonInputs(Deviation(mesh.V, skin.joined, skin.source), write_shades)
 
         self._task.begin(work)
 
     def _take(self, result: object) -> None:
-        if not isinstance(result, _Ready):
+        if not isinstance(result, _ComparisonInputs):
             self._say(_NO_ROOM, warn=True)
             return
         self.linked.measure_by(result.change, result.write, self.legend.scale)
@@ -236,7 +236,7 @@ class ComparisonWindow(QWidget):
         if comparison is None or state is None:
             return
         for row, method in enumerate(self.chosen):
-            outcome = comparison.outcomes.get(method, Outcome())
+            outcome = comparison.outcomes.get(method, MethodOutcome())
             if outcome.frame is not None:
                 self.views[method].show_shape(outcome.frame.U)
             self.views[method].say(*_how_far(method, comparison))
@@ -279,9 +279,9 @@ class ComparisonWindow(QWidget):
         else:
             self._say(tr("Saved {name}.").format(name=path.name))
 
-    def _outcomes(self) -> list[tuple[str, Outcome]]:
+    def _outcomes(self) -> list[tuple[str, MethodOutcome]]:
         assert self.comparison is not None
-        return [(method, self.comparison.outcomes.get(method, Outcome())) for method in self.chosen]
+        return [(method, self.comparison.outcomes.get(method, MethodOutcome())) for method in self.chosen]
 
     def write_table(self, path: Path) -> None:
         """Write the readings as CSV; raises InputError."""

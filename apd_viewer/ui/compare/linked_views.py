@@ -16,7 +16,7 @@ from apd_viewer.ui.compare.method_view import HEAD, MethodView
 from apd_viewer.ui.scene.viewport import link
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.document import State
     from apd_viewer.ui.scene.camera import Camera
@@ -97,7 +97,7 @@ class LinkedViews(QWidget):
 
     # Colours
 
-    def measure_by(self, change: Change, write: Callable[..., None], scale: Scale) -> None:
+    def measure_by(self, change: Deviation, write: Callable[..., None], scale: Scale) -> None:
         """Show how the shapes differ from rest, from now on."""
         for view in self.views.values():
             view.show_scale(scale)

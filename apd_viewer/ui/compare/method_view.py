@@ -18,7 +18,7 @@ from apd_viewer.ui.scene.surface_probe import Place, Pointer
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
 
@@ -67,7 +67,7 @@ class MethodView(QWidget):
         column.addWidget(head)
         column.addWidget(self.viewport, 1)
         self.values: np.ndarray | None = None
-        self._measure: tuple[Change, Callable[..., None]] | None = None
+        self._measure: tuple[Deviation, Callable[..., None]] | None = None
         self._measured = -1
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self.pointer = Pointer(self.viewport, self.surface)
@@ -88,7 +88,7 @@ class MethodView(QWidget):
         if U is not self.surface.shape:
             self.surface.set_points(U)
 
-    def measure_by(self, change: Change, write: Callable[..., None]) -> None:
+    def measure_by(self, change: Deviation, write: Callable[..., None]) -> None:
         """Show how the shape differs from rest, from now on."""
         self._measure, self._measured = (change, write), -1
         self.viewport.update()

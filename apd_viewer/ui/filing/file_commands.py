@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.preferences.preferences import Memory, own_file
+from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -27,7 +27,7 @@ class Filing:
     ----------
     window : QWidget
         Over which to ask.
-    memory : Memory
+    memory : Preferences
     view : callable
         How the mesh is looked at, with the symbol of its unit.
     recovery : Path or None
@@ -35,7 +35,7 @@ class Filing:
     """
 
     def __init__(
-        self, window: QWidget, memory: Memory, view: Callable[[str], View], recovery: Path | None = None
+        self, window: QWidget, memory: Preferences, view: Callable[[str], View], recovery: Path | None = None
     ) -> None:
         self._window = window
         self._memory = memory

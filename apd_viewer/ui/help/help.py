@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.actions.actions import Actions
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme
 
@@ -38,7 +38,7 @@ class Help(QObject):
     window : QMainWindow
     parts : tuple
         The window's canvas, actions and panel.
-    memory : Memory
+    memory : Preferences
     open_bottle : callable
         Opens the sample that the tour speaks of.
 
@@ -53,7 +53,7 @@ class Help(QObject):
         self,
         window: QMainWindow,
         parts: tuple[Canvas, Actions, Panel],
-        memory: Memory,
+        memory: Preferences,
         open_bottle: Callable[[], object],
     ) -> None:
         super().__init__(window)

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QWidget
 from apd_viewer.language import tr, trc
 from apd_viewer.ui.help.mouse_help import Gesture
 from apd_viewer.ui.preferences.shortcut_editor import KeyField
-from apd_viewer.ui.preferences.shortcuts import Entry, native
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
@@ -21,7 +21,7 @@ class ActionRow(QFrame):
 
     Parameters
     ----------
-    entry : Entry
+    entry : ShortcutEntry
     title : str
         With the submenu that it is in.
 
@@ -32,7 +32,7 @@ class ActionRow(QFrame):
         Gives it its standard keys; there while it has others.
     """
 
-    def __init__(self, entry: Entry, title: str) -> None:
+    def __init__(self, entry: ShortcutEntry, title: str) -> None:
         super().__init__(objectName="shortcut")
         self._theme = LIGHT
         self.entry = entry

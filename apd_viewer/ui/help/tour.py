@@ -26,7 +26,7 @@ _NOT_HELD = tr(
 )
 
 
-class Step(NamedTuple):
+class TourStep(NamedTuple):
     """A step of the tour.
 
     Parameters
@@ -43,34 +43,34 @@ class Step(NamedTuple):
     otherwise: str = ""
 
 
-def steps(places: Places) -> tuple[Step, ...]:
+def steps(places: Places) -> tuple[TourStep, ...]:
     """What is said, and where."""
     return (
-        Step(
+        TourStep(
             tr(
                 "The blue base of this bottle stays in place; the orange top is the handle to move. "
                 "Drag beside the bottle to look around."
             ),
             places.mesh,
         ),
-        Step(
+        TourStep(
             tr("Drag the green ring around the handle to twist the bottle."),
             places.rings,
             tr("The ring is out of view: choose “Move handle”, then “Frame mesh”."),
         ),
-        Step(
+        TourStep(
             tr("This is the total area. Drag the ring again: the shape changes, the area does not."),
             places.area,
             tr("The area is out of view: open Measurements in the View menu and scroll up."),
         ),
-        Step(
+        TourStep(
             tr(
                 "Paint your own base, handle and region with these tools; Erase makes painted vertices "
                 "free again."
             ),
             places.brushes,
         ),
-        Step(
+        TourStep(
             tr("Export saves the shape to a file. Now open your own mesh, or drop it on the window."),
             places.export,
         ),

@@ -16,7 +16,7 @@ from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.tools.gizmo_layout import Frame
+    from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 
 _MOST_POINTS = 500  # of a mesh that are looked at
 
@@ -64,7 +64,7 @@ class Places:
         """The button that exports."""
         return self._buttons([self._actions.file.export])
 
-    def _gizmo(self, points: Callable[[Frame, int], np.ndarray]) -> QRect | None:
+    def _gizmo(self, points: Callable[[GizmoFrame, int], np.ndarray]) -> QRect | None:
         gizmo = self._canvas.gizmo
         if not gizmo.visible or not gizmo.frame.visible:
             return None

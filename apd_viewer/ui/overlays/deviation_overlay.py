@@ -18,7 +18,7 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.geometry.analysis.deviation import Change
+    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.overlays.legend import Legend
     from apd_viewer.ui.tools.canvas import Canvas
@@ -29,11 +29,11 @@ _PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so m
 _APART, _AROUND = 0.08, 0.04
 
 
-class _Ready(NamedTuple):
+class _OverlayInputs(NamedTuple):
     """All that it takes to measure the shapes of a mesh."""
 
     mesh: Mesh
-    change: Change
+    change: Deviation
     write: Callable[..., None]
 
 
@@ -79,7 +79,7 @@ class HeatMap(MouseTool, QObject):
         self.values: np.ndarray | None = None
         self.unit = Unit.NONE
         self._mesh: Mesh | None = None
-        self._change: Change | None = None
+        self._change: Deviation | None = None
         self._write: Callable[..., None] | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
@@ -180,10 +180,10 @@ class HeatMap(MouseTool, QObject):
         self._legend.say(tr("Preparing to measure…"))
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.deviation import Change, warm_up, write_shades
+            from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, write_shades
 
             warm_up()
-            return _Ready(mesh, Change(mesh.V, skin.joined, skin.source), write_shades)
+            return _OverlayInputs(mesh, Deviation(mesh.V, skin.joined, skin.source), write_shades)
 
         self._task.begin(work)
 
@@ -220,7 +220,7 @@ class HeatMap(MouseTool, QObject):
         """Take what the thread has found."""
         if result is None:
             self._legend.say(tr("Not enough memory to measure this mesh."))
-        elif isinstance(result, _Ready) and result.mesh is self._mesh:
+        elif isinstance(result, _OverlayInputs) and result.mesh is self._mesh:
             self._change, self._write = result.change, result.write
             self._legend.say("")
             self._canvas.viewport.update()

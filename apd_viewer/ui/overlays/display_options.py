@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas
     from apd_viewer.ui.widgets.theme import Theme
 
@@ -31,7 +31,7 @@ class Looks:
     Parameters
     ----------
     canvas : Canvas
-    memory : Memory
+    memory : Preferences
     below : sequence of QWidget
         At the bottom of the canvas, which must not be covered.
 
@@ -47,7 +47,7 @@ class Looks:
     turntable : Turntable
     """
 
-    def __init__(self, canvas: Canvas, memory: Memory, below: Sequence[QWidget]) -> None:
+    def __init__(self, canvas: Canvas, memory: Preferences, below: Sequence[QWidget]) -> None:
         self._canvas, self._memory = canvas, memory
         self.cards = Cards(canvas.viewport, below)
         self.before_after, self.cut, self.legend = BeforeAfter(canvas), CuttingPlane(canvas), Legend()

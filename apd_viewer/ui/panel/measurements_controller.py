@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.overlays.deviation_overlay import HeatMap
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 class Measuring(QObject):
@@ -32,12 +32,12 @@ class Measuring(QObject):
     ----------
     panel : Panel
     health : Health
-    memory : Memory
+    memory : Preferences
     heat : HeatMap
         What a session says of its overlay is done there.
     """
 
-    def __init__(self, panel: Panel, health: Health, memory: Memory, heat: HeatMap) -> None:
+    def __init__(self, panel: Panel, health: Health, memory: Preferences, heat: HeatMap) -> None:
         super().__init__(panel)
         self._panel = panel
         self._health = health

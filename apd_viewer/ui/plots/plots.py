@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.plots.chart import Chart
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
 _LOWEST = 140  # pixels, of a chart below another one
@@ -45,7 +45,7 @@ _HISTOGRAM = "ratio_from", "ratio_to", "share_of_rest_area"
 _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a file tells the shares
 
 
-class _Words(NamedTuple):
+class _ChartWords(NamedTuple):
     """What is said of a chart that can be chosen."""
 
     title: str
@@ -53,10 +53,10 @@ class _Words(NamedTuple):
 
 
 _CHARTS = {
-    "error": _Words(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
-    "energy": _Words(tr("Energy"), tr("Energy of the deformation along the gesture")),
-    "area": _Words(tr("Area and volume"), tr("Their changes from rest along the gesture")),
-    "local": _Words(
+    "error": _ChartWords(tr("Area error"), tr("Deviation of the area from its target, by iteration")),
+    "energy": _ChartWords(tr("Energy"), tr("Energy of the deformation along the gesture")),
+    "area": _ChartWords(tr("Area and volume"), tr("Their changes from rest along the gesture")),
+    "local": _ChartWords(
         tr("Local change"),
         tr("Share of the surface by local area change, with the mean, the 99th percentile and the maximum"),
     ),
@@ -72,7 +72,7 @@ class Plots(QWidget):
 
     Parameters
     ----------
-    memory : Memory
+    memory : Preferences
     notice : Notice
         Where to say what was written.
 
@@ -82,7 +82,7 @@ class Plots(QWidget):
     choices : dict of str to QToolButton
     """
 
-    def __init__(self, memory: Memory, notice: Notice) -> None:
+    def __init__(self, memory: Preferences, notice: Notice) -> None:
         super().__init__(objectName="plots")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._memory, self._notice = memory, notice
@@ -333,12 +333,12 @@ class ChartView(QWidget):
 
     Parameters
     ----------
-    words : _Words
+    words : _ChartWords
     chart : callable
         What to draw, asked for at every drawing.
     """
 
-    def __init__(self, words: _Words, chart: Callable[[], Chart]) -> None:
+    def __init__(self, words: _ChartWords, chart: Callable[[], Chart]) -> None:
         super().__init__(accessibleName=words.title, toolTip=words.tip)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)  # or all that is below is drawn each time
         self.chart = chart

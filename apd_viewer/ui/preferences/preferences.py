@@ -29,7 +29,7 @@ def own_file(mesh: Mesh) -> Path | None:
     return None if mesh.path is None or resource("") in mesh.path.parents else mesh.path
 
 
-class Memory:
+class Preferences:
     """Recent files, folders, units, window layout and colour scheme.
 
     Parameters

@@ -7,7 +7,7 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QKeySequence, QPainter, QPaint
 from PySide6.QtWidgets import QAbstractButton, QSizePolicy
 
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.preferences.shortcuts import Entry, native, split
+from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native, split
 
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
 _PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
@@ -28,7 +28,7 @@ class KeyField(QAbstractButton):
 
     Parameters
     ----------
-    entry : Entry
+    entry : ShortcutEntry
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class KeyField(QAbstractButton):
     chosen = Signal(str)
     stepped = Signal(int)
 
-    def __init__(self, entry: Entry) -> None:
+    def __init__(self, entry: ShortcutEntry) -> None:
         super().__init__(focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_Hover)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)

@@ -12,7 +12,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from apd_viewer.language import tr, trc
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 _PORTABLE, _NATIVE = QKeySequence.SequenceFormat.PortableText, QKeySequence.SequenceFormat.NativeText
 _SEVERAL = "; "  # between the keys of an action that has several
@@ -32,7 +32,7 @@ def native(keys: str) -> str:
 
 
 @dataclass(eq=False)
-class Entry:
+class ShortcutEntry:
     """Action with its texts and default keys.
 
     Parameters
@@ -54,7 +54,7 @@ class Entry:
     standard: str
 
     @classmethod
-    def of(cls, action: QAction, name: str, title: str, image: str, tip: str) -> Entry:
+    def of(cls, action: QAction, name: str, title: str, image: str, tip: str) -> ShortcutEntry:
         """Entry with the action's current keys as its defaults."""
         entry = cls(name, action, title, image, tip, keys_of(action))
         entry.keys = entry.standard
@@ -87,13 +87,15 @@ class Shortcuts:
 
     Parameters
     ----------
-    entries : iterable of Entry
+    entries : iterable of ShortcutEntry
     mnemonics : dict of str to str
         Keys that open a menu, and its title.
-    memory : Memory
+    memory : Preferences
     """
 
-    def __init__(self, entries: Iterable[Entry], mnemonics: dict[str, str], memory: Memory) -> None:
+    def __init__(
+        self, entries: Iterable[ShortcutEntry], mnemonics: dict[str, str], memory: Preferences
+    ) -> None:
         self.entries = list(entries)
         self._mnemonics = mnemonics
         self._memory = memory
@@ -104,7 +106,7 @@ class Shortcuts:
         """True if any action has changed keys."""
         return any(entry.is_changed for entry in self.entries)
 
-    def refusal(self, entry: Entry, keys: str) -> str:
+    def refusal(self, entry: ShortcutEntry, keys: str) -> str:
         """Reason against these keys for an action; empty if allowed."""
         # What the keys do on the canvas alone takes nothing from the rest of the window.
         everywhere = entry.action.shortcutContext() != Qt.ShortcutContext.WidgetShortcut
@@ -120,13 +122,13 @@ class Shortcuts:
                 )
         return ""
 
-    def holder(self, keys: str, besides: Entry) -> Entry | None:
+    def holder(self, keys: str, besides: ShortcutEntry) -> ShortcutEntry | None:
         """Other action with one of the keys."""
         wanted = set(split(keys))
         others = (entry for entry in self.entries if entry is not besides)
         return next((entry for entry in others if wanted & set(split(entry.keys))), None)
 
-    def give(self, entry: Entry, keys: str) -> None:
+    def give(self, entry: ShortcutEntry, keys: str) -> None:
         """Assign keys to an action; a dispossessed action gets the freed keys."""
         free = _SEVERAL.join(key for key in split(entry.keys) if key not in split(keys))
         entry.keys = ""

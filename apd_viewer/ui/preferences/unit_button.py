@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 _NAMES = {
     Unit.NONE: tr("No unit"),
@@ -101,10 +101,10 @@ class Units:
 
     Parameters
     ----------
-    memory : Memory
+    memory : Preferences
     """
 
-    def __init__(self, memory: Memory) -> None:
+    def __init__(self, memory: Preferences) -> None:
         self._memory = memory
         self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.panel.measurements_controller import Measuring
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px
@@ -57,7 +57,7 @@ class Reporting:
     canvas : Canvas
     looks : Looks
     measuring : Measuring
-    memory : Memory
+    memory : Preferences
     notice : Notice
 
     Attributes
@@ -71,7 +71,7 @@ class Reporting:
         canvas: Canvas,
         looks: Looks,
         measuring: Measuring,
-        memory: Memory,
+        memory: Preferences,
         notice: Notice,
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, looks
@@ -215,12 +215,12 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
     """Find out what takes a while."""
     from apd_viewer.files.fingerprint import fingerprint
     from apd_viewer.geometry.analysis.area_change import local_change
-    from apd_viewer.geometry.analysis.deviation import Change, write_shades
+    from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
     from apd_viewer.presentation.report_page import Evidence
     from apd_viewer.session.model.memo import triangle_areas
 
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U
-    values = Change(mesh.V, skin.joined, skin.source).area(U)
+    values = Deviation(mesh.V, skin.joined, skin.source).area(U)
     shades = np.full(len(U), 255, dtype=np.uint8)
     write_shades(values, scale.measure.is_signed, scale.end, shades)
     evidence = Evidence(
@@ -243,14 +243,14 @@ def _session_of(state: State, view: View) -> bytes:
         return path.read_bytes() if path.stat().st_size <= _LONGEST else b""
 
 
-def _encoded(images: list[QImage], legend: str) -> html_page.Pictures:
+def _encoded(images: list[QImage], legend: str) -> html_page.PictureRow:
     from apd_viewer.files import html_page
 
     captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
     pictures = [
-        html_page.Picture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
+        html_page.PagePicture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)
     ]
-    return html_page.Pictures(tuple(pictures), legend)
+    return html_page.PictureRow(tuple(pictures), legend)
 
 
 def png_of(image: QImage) -> bytes:

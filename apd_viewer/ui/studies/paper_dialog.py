@@ -23,7 +23,7 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 def _about() -> str:
@@ -56,7 +56,7 @@ class PaperDialog(QDialog):
     Parameters
     ----------
     window : QWidget
-    memory : Memory
+    memory : Preferences
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class PaperDialog(QDialog):
     figures : list of FigureView
     """
 
-    def __init__(self, window: QWidget, memory: Memory) -> None:
+    def __init__(self, window: QWidget, memory: Preferences) -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("The paper's tables"))

@@ -21,11 +21,11 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.session.jobs.background_job import Job, Outcome
+from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 _SCALE = 1000
 
@@ -39,7 +39,7 @@ class RunBar(QWidget):
         On the button that starts.
     name : str
         Of the folder that the results are saved as.
-    memory : Memory
+    memory : Preferences
         Where files were opened and written last.
 
     Attributes
@@ -57,7 +57,7 @@ class RunBar(QWidget):
     busy = Signal(bool)
     _delivered = Signal(object)
 
-    def __init__(self, start: str, name: str, memory: Memory) -> None:
+    def __init__(self, start: str, name: str, memory: Preferences) -> None:
         super().__init__()
         self._name = name
         self._memory = memory
@@ -145,7 +145,7 @@ class RunBar(QWidget):
         self.words.setText(sentence)
         self._show_busy(False)
 
-    def _receive(self, outcome: Outcome) -> None:
+    def _receive(self, outcome: JobOutcome) -> None:
         if outcome.job is not self._job:  # given up meanwhile
             return
         self._job = None

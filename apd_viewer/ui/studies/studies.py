@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QDialog, QWidget
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 
 class Studies(QObject):
@@ -20,7 +20,7 @@ class Studies(QObject):
     Parameters
     ----------
     window : QWidget
-    memory : Memory
+    memory : Preferences
     opened : callable
         What is open, which handle is in the hand, and how the mesh is looked at; None before there is a mesh.
     failed : callable
@@ -30,7 +30,7 @@ class Studies(QObject):
     def __init__(
         self,
         window: QWidget,
-        memory: Memory,
+        memory: Preferences,
         opened: Callable[[], tuple[State, int, View] | None],
         failed: Callable[[str], object],
     ) -> None:

@@ -30,7 +30,7 @@ from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
-    from apd_viewer.ui.preferences.preferences import Memory
+    from apd_viewer.ui.preferences.preferences import Preferences
 
 _POSED, _TWIST = "posed", "twist"
 
@@ -46,7 +46,7 @@ class SweepDialog(QDialog):
         Which a twist turns.
     view : View
         How an animation looks at the mesh.
-    memory : Memory
+    memory : Preferences
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class SweepDialog(QDialog):
     figure : FigureView or None
     """
 
-    def __init__(self, window: QWidget, state: State, handle: int, view: View, memory: Memory) -> None:
+    def __init__(self, window: QWidget, state: State, handle: int, view: View, memory: Preferences) -> None:
         super().__init__(window, objectName="study")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Sweep – {name}").format(name=state.document.mesh.name))

@@ -27,7 +27,7 @@ from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import nice_step, translated
 from apd_viewer.ui.tools.gizmo_layout import SIZE
 from apd_viewer.ui.tools.inactive_handles import Pivot, Pivots
-from apd_viewer.ui.tools.outline_tool import Kind, OutlineSelector
+from apd_viewer.ui.tools.outline_tool import OutlineKind, OutlineSelector
 from apd_viewer.ui.tools.point_picker import PointPicker
 from apd_viewer.ui.tools.selection_tool import Act, Selector
 from apd_viewer.ui.tools.slab_tool import SlabSelector
@@ -102,9 +102,9 @@ class Canvas(QObject):
         stage = self.viewport, self.surface
         return {
             Way.BRUSH: self.painter,
-            Way.BOX: OutlineSelector(*stage, Kind.BOX),
-            Way.LASSO: OutlineSelector(*stage, Kind.LASSO),
-            Way.POLYGON: OutlineSelector(*stage, Kind.POLYGON),
+            Way.BOX: OutlineSelector(*stage, OutlineKind.BOX),
+            Way.LASSO: OutlineSelector(*stage, OutlineKind.LASSO),
+            Way.POLYGON: OutlineSelector(*stage, OutlineKind.POLYGON),
             Way.FILL: ClickSelector(*stage, Reach.CREASE),
             Way.PIECE: ClickSelector(*stage, Reach.PIECE),
             Way.LOOP: ClickSelector(*stage, Reach.LOOP),

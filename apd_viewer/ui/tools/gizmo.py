@@ -12,7 +12,7 @@ from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drag import Drag, begin
 from apd_viewer.ui.tools.gizmo_drawing import Look, draw, draw_hint
-from apd_viewer.ui.tools.gizmo_layout import Frame
+from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -116,7 +116,7 @@ class Gizmo(MouseTool, QObject):
             self._viewport.overlay.update()
 
     @property
-    def frame(self) -> Frame:
+    def frame(self) -> GizmoFrame:
         """The gizmo as the camera sees it now."""
         eye, A = self._viewport.eye, self._pose[:3, :3]
         centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
@@ -124,7 +124,7 @@ class Gizmo(MouseTool, QObject):
             axes = (A / np.linalg.norm(A, axis=0)).T.copy()
         elif self._along is Along.VIEW:
             axes = eye.axes * [[1.0], [1.0], [-1.0]]
-        return Frame(eye, centre, axes)
+        return GizmoFrame(eye, centre, axes)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.ui.scene.camera import unit
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, Frame, axis_index
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, GizmoFrame, axis_index
 
 if TYPE_CHECKING:
     from apd_viewer.ui.scene.camera import Camera
@@ -26,7 +26,7 @@ class Drag:
     Parameters
     ----------
     handle : str
-    frame : Frame
+    frame : GizmoFrame
         The gizmo when the drag began.
     pose0 : (4, 4) float array
         The pose when the drag began.
@@ -43,7 +43,7 @@ class Drag:
     """
 
     handle: str
-    frame: Frame
+    frame: GizmoFrame
     pose0: np.ndarray
     start: tuple[float, float]
     last: tuple[float, float]
@@ -68,7 +68,7 @@ class Drag:
             return self._scaled(frame, x, y, snap)
         return self._shifted(frame, x, y, snap)
 
-    def _turned(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+    def _turned(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
         i = axis_index(self.handle)
         angle = self.angle + turn(frame, i, self.last, (x, y))
         shown = snapped(angle, SNAP_ANGLE) if snap else angle
@@ -76,14 +76,14 @@ class Drag:
         text = f"{signed(np.rad2deg(shown), 1)}°"
         return replace(self, last=(x, y), pose=pose, angle=angle, shown=shown, text=text)
 
-    def _scaled(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+    def _scaled(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
         far, before = (float(np.linalg.norm(np.array(p) - frame.middle)) for p in ((x, y), self.start))
         factor = far / before
         factor = max(SNAP_SCALE, snapped(factor, SNAP_SCALE) if snap else factor)
         pose = scaled_about(frame.centre, factor) @ self.pose0
         return replace(self, last=(x, y), pose=pose, text=f"× {factor:.2f}")
 
-    def _shifted(self, frame: Frame, x: float, y: float, snap: bool) -> Drag:
+    def _shifted(self, frame: GizmoFrame, x: float, y: float, snap: bool) -> Drag:
         directions, names = self._directions(frame)
         here, there = (self._offset(frame, *p) for p in ((x, y), self.start))
         if here is None or there is None:
@@ -98,7 +98,7 @@ class Drag:
         text = "  ".join(f"Δ{n} {signed(v, digits)}" for n, v in zip(names, values, strict=True))
         return replace(self, last=(x, y), pose=translated(self.pose0, offset), text=text)
 
-    def _directions(self, frame: Frame) -> tuple[np.ndarray, str]:
+    def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:
         """Unit directions of free motion, as rows, and the names of the amounts to show."""
         if self.handle in ARROWS:
             return frame.axes[[axis_index(self.handle)]], self.handle
@@ -107,7 +107,7 @@ class Drag:
             return frame.axes[free], "".join("xyz"[i] for i in free)
         return frame.camera.axes[:2], "xyz"
 
-    def _offset(self, frame: Frame, x: float, y: float) -> np.ndarray | None:
+    def _offset(self, frame: GizmoFrame, x: float, y: float) -> np.ndarray | None:
         if self.handle in ARROWS:
             i = axis_index(self.handle)
             s = along_axis(frame, i, x, y)
@@ -116,12 +116,12 @@ class Drag:
         return in_plane(frame, normal, x, y)
 
 
-def begin(handle: str, frame: Frame, pose: np.ndarray, x: float, y: float) -> Drag:
+def begin(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: float) -> Drag:
     """Take a handle at a pixel position."""
     return Drag(handle, frame, pose.copy(), (x, y), (x, y), pose.copy())
 
 
-def along_axis(frame: Frame, i: int, x: float, y: float) -> float | None:
+def along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
     """Position along axis ``i``, in mesh units from the centre, that the cursor points at.
 
     The cursor's ray is cut with the plane through the axis that faces the camera most. None when
@@ -133,13 +133,13 @@ def along_axis(frame: Frame, i: int, x: float, y: float) -> float | None:
     return None if point is None else float((point - frame.centre) @ axis)
 
 
-def in_plane(frame: Frame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+def in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     """Offset (3,) from the centre to where the cursor's ray cuts the plane through the centre."""
     point = _on_plane(frame, normal, x, y)
     return None if point is None else point - frame.centre
 
 
-def _on_plane(frame: Frame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
+def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
     origin, direction = frame.camera.ray(x, y)
     slope = float(direction @ normal)
     if abs(slope) < 1e-3 * float(np.linalg.norm(normal)):
@@ -149,7 +149,7 @@ def _on_plane(frame: Frame, normal: np.ndarray, x: float, y: float) -> np.ndarra
     return origin + t * direction if 0 < t < 50 * frame.camera.distance else None
 
 
-def turn(frame: Frame, i: int, before: tuple[float, float], after: tuple[float, float]) -> float:
+def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[float, float]) -> float:
     """Angle, radians, by which a cursor that moved turned the ring about axis ``i``.
 
     Seen from the side a ring is a line: there the way along the line counts.
@@ -164,7 +164,7 @@ def turn(frame: Frame, i: int, before: tuple[float, float], after: tuple[float, 
     return float(np.arctan2(np.cross(p, q) @ axis, p @ q))
 
 
-def _tangent(frame: Frame, axis: np.ndarray) -> np.ndarray:
+def _tangent(frame: GizmoFrame, axis: np.ndarray) -> np.ndarray:
     """Way in pixels, (2,), of the point of a ring nearest to the viewer for a turn by one radian."""
     towards = frame.camera.position - frame.centre
     radial = RING * frame.pixel * unit(towards - (towards @ axis) * axis)

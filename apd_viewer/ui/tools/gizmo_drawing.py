@@ -19,7 +19,7 @@ from apd_viewer.ui.tools.gizmo_layout import (
     RING,
     RINGS,
     SQUARES,
-    Frame,
+    GizmoFrame,
     axis_index,
 )
 
@@ -71,7 +71,7 @@ class Look:
         return colour.lighter(112) if handle == self.hot else colour
 
 
-def draw(painter: QPainter, frame: Frame, look: Look) -> None:
+def draw(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     """Draw the gizmo, far things first."""
     if not frame.visible:
         return
@@ -104,7 +104,7 @@ def draw_hint(painter: QPainter, drag: Drag, size: tuple[float, float]) -> None:
     painter.drawText(QRectF(x, y, width, 26), Qt.AlignmentFlag.AlignCenter, drag.text)
 
 
-def _draw_ring(painter: QPainter, frame: Frame, look: Look, i: int, name: str) -> None:
+def _draw_ring(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
     for part in _runs(points, ~near):
@@ -114,7 +114,7 @@ def _draw_ring(painter: QPainter, frame: Frame, look: Look, i: int, name: str) -
         _stroke(painter, part, look.colour(name), look.width(name), INK[look.dark])
 
 
-def _draw_square(painter: QPainter, frame: Frame, look: Look, i: int, name: str) -> None:
+def _draw_square(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
     if not frame.usable(name):
         return
     visible = min(1.0, (abs(frame.facing[i]) - EDGE_ON) / 0.1)
@@ -127,7 +127,7 @@ def _draw_square(painter: QPainter, frame: Frame, look: Look, i: int, name: str)
     painter.drawPolygon(_polygon(frame.square(i)))
 
 
-def _draw_arrow(painter: QPainter, frame: Frame, look: Look, i: int, name: str) -> None:
+def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
     if not frame.usable(name):
         return
     start, end, _, letter = frame.arrow(i)
@@ -152,7 +152,7 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
     painter.fillPath(path, colour)
 
 
-def _draw_scale(painter: QPainter, frame: Frame, look: Look) -> None:
+def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     hot = "scale" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("scale"))
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
@@ -165,7 +165,7 @@ def _draw_scale(painter: QPainter, frame: Frame, look: Look) -> None:
     painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
 
-def _draw_centre(painter: QPainter, frame: Frame, look: Look) -> None:
+def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     hot = "centre" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
@@ -174,7 +174,7 @@ def _draw_centre(painter: QPainter, frame: Frame, look: Look) -> None:
     painter.drawEllipse(QPointF(*frame.on_screen(np.zeros((1, 3)))[0]), radius, radius)
 
 
-def _draw_motion(painter: QPainter, frame: Frame, look: Look) -> None:
+def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     """Show where the drag came from: a slice of the ring, or a line from the old centre."""
     drag = look.drag
     if drag is None:
@@ -196,7 +196,7 @@ def _draw_motion(painter: QPainter, frame: Frame, look: Look) -> None:
     painter.drawEllipse(QPointF(*ends[0]), 4, 4)
 
 
-def _draw_slice(painter: QPainter, frame: Frame, drag: Drag, colour: QColor) -> None:
+def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: Drag, colour: QColor) -> None:
     spoke = in_plane(drag.frame, drag.axis, *drag.start)
     if spoke is None or abs(drag.frame.facing[axis_index(drag.handle)]) < EDGE_ON:
         towards = frame.camera.position - frame.centre

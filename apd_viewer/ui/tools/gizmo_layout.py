@@ -37,7 +37,7 @@ def axis_index(handle: str) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class GizmoFrame:
     """The gizmo as a camera sees it.
 
     Parameters

@@ -25,7 +25,7 @@ _NEXT = 2.0  # pixels between the points of a lasso
 _PAUSE = 30  # ms between previews
 
 
-class Kind(Enum):
+class OutlineKind(Enum):
     """What an outline is drawn as."""
 
     BOX = "box"
@@ -40,7 +40,7 @@ class OutlineSelector(Selector):
     click on its first corner or by Return. Esc gives either up.
     """
 
-    def __init__(self, viewport: Viewport, surface: Surface, kind: Kind) -> None:
+    def __init__(self, viewport: Viewport, surface: Surface, kind: OutlineKind) -> None:
         super().__init__(viewport, surface)
         self._kind = kind
         self._through = False
@@ -66,7 +66,7 @@ class OutlineSelector(Selector):
         if not self._enabled or self._surface.touchable is None or not begins(event):
             return False
         self._cursor = event.position()
-        if self._kind is Kind.POLYGON and self._corners:
+        if self._kind is OutlineKind.POLYGON and self._corners:
             again = event.type() == QEvent.Type.MouseButtonDblClick
             if again or _far(self._cursor, self._corners[0]) <= _CLOSES:
                 self._cursor = self._corners[0]  # the click that ends it is no corner
@@ -86,19 +86,19 @@ class OutlineSelector(Selector):
         self._viewport.setCursor(Qt.CursorShape.CrossCursor)
         if not self._corners:
             return True
-        if self._kind is Kind.LASSO and _far(self._cursor, self._corners[-1]) >= _NEXT:
+        if self._kind is OutlineKind.LASSO and _far(self._cursor, self._corners[-1]) >= _NEXT:
             self._corners.append(self._cursor)
         self._show()
         return True
 
     def release(self, _event: QMouseEvent) -> None:
         """End a box or a lasso."""
-        if self._corners and self._kind is not Kind.POLYGON:
+        if self._corners and self._kind is not OutlineKind.POLYGON:
             self._finish()
 
     def finish(self) -> bool:
         """Close a polygon; True if there was one."""
-        if self._kind is not Kind.POLYGON or not self._corners:
+        if self._kind is not OutlineKind.POLYGON or not self._corners:
             return False
         self._finish()
         return True
@@ -125,7 +125,7 @@ class OutlineSelector(Selector):
             painter.setPen(QPen(color, width, self._pen_style))
             painter.drawPolygon(shape)
             painter.setBrush(Qt.BrushStyle.NoBrush)
-        if self._kind is Kind.POLYGON:
+        if self._kind is OutlineKind.POLYGON:
             painter.setBrush(self._color)
             painter.setPen(QPen(self._halo, 1.2))
             for corner in self._corners:
@@ -145,9 +145,9 @@ class OutlineSelector(Selector):
 
     def _shape(self) -> list[QPointF]:
         a, b = self._corners[0], self._cursor
-        if self._kind is Kind.BOX:
+        if self._kind is OutlineKind.BOX:
             return [a, QPointF(b.x(), a.y()), b, QPointF(a.x(), b.y())]
-        closes = self._kind is Kind.POLYGON and len(self._corners) > 1 and _far(a, b) <= _CLOSES
+        closes = self._kind is OutlineKind.POLYGON and len(self._corners) > 1 and _far(a, b) <= _CLOSES
         return self._corners.copy() if closes or b == self._corners[-1] else [*self._corners, b]
 
     def _finish(self) -> None:

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPen, QPolygonF
 
 from apd_viewer.ui.tools.gizmo_drag import along_axis
-from apd_viewer.ui.tools.gizmo_layout import Frame
+from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class SlabSelector(Selector):
             self._look(event)
             self._viewport.overlay.update()
             return self._here is not None
-        frame = Frame(self._viewport.eye, self._start, np.eye(3))
+        frame = GizmoFrame(self._viewport.eye, self._start, np.eye(3))
         way = along_axis(frame, self.axis, event.position().x(), event.position().y())
         if way is not None:
             self._end = float(self._start[self.axis]) + way

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from apd_viewer.language import tr
 
 
-class _Words(NamedTuple):
+class _ToolWords(NamedTuple):
     title: str
     key: str
     icon: str
@@ -24,26 +24,26 @@ _CAMERA = tr("drag orbits, middle button or Shift+drag pans, wheel zooms to the 
 class Tool(Enum):
     """A tool; its value holds the words."""
 
-    ORBIT = _Words(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
-    BASE = _Words(
+    ORBIT = _ToolWords(tr("Orbit"), "O", "orbit", tr("Look around"), _CAMERA)
+    BASE = _ToolWords(
         tr("Paint base"), "B", "paint-base", tr("Paint the part that stays in place"), is_brush=True
     )
-    HANDLE = _Words(tr("Paint handle"), "H", "paint-handle", tr("Paint a part to move"), is_brush=True)
-    REGION = _Words(
+    HANDLE = _ToolWords(tr("Paint handle"), "H", "paint-handle", tr("Paint a part to move"), is_brush=True)
+    REGION = _ToolWords(
         tr("Paint region"),
         "R",
         "paint-region",
         tr("Paint a part to measure its area or keep it"),
         is_brush=True,
     )
-    ERASE = _Words(
+    ERASE = _ToolWords(
         tr("Erase"),
         "E",
         "erase",
         tr("Erase base and handle so that the part can deform; where there is neither, erase the region"),
         is_brush=True,
     )
-    MOVE = _Words(
+    MOVE = _ToolWords(
         tr("Move handle"),
         "M",
         "move",
@@ -52,9 +52,9 @@ class Tool(Enum):
     )
 
     @property
-    def words(self) -> _Words:
+    def words(self) -> _ToolWords:
         """Title, key, icon, tip and hint, and whether it paints."""
-        words: _Words = self.value
+        words: _ToolWords = self.value
         return words
 
     def hint(self, way: Way) -> str:
@@ -74,50 +74,50 @@ class Tool(Enum):
 class Way(Enum):
     """How vertices are chosen by the tools that paint; its value holds the words."""
 
-    BRUSH = _Words(
+    BRUSH = _ToolWords(
         tr("Brush"),
         "D",
         "way-brush",
         tr("Paint the surface under a round brush"),
         tr("drag on the mesh, wheel changes the size, Ctrl+wheel zooms"),
     )
-    BOX = _Words(tr("Box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box"))
-    LASSO = _Words(
+    BOX = _ToolWords(tr("Box"), "X", "way-box", tr("Select inside a box on the screen"), tr("drag a box"))
+    LASSO = _ToolWords(
         tr("Lasso"),
         "Z",
         "way-lasso",
         tr("Select inside a freehand outline"),
         tr("draw an outline"),
     )
-    POLYGON = _Words(
+    POLYGON = _ToolWords(
         tr("Polygon"),
         "P",
         "way-polygon",
         tr("Select inside a polygon on the screen"),
         tr("click its corners; click the first again or press Enter to close it"),
     )
-    FILL = _Words(
+    FILL = _ToolWords(
         tr("Fill to sharp edges"),
         "G",
         "way-fill",
         tr("Select the surface around a point, up to sharp edges"),
         tr("click a point, wheel sets the edge angle, Ctrl+wheel zooms"),
     )
-    PIECE = _Words(
+    PIECE = _ToolWords(
         tr("Connected part"),
         "J",
         "way-piece",
         tr("Select everything connected to a point"),
         tr("click a part"),
     )
-    LOOP = _Words(
+    LOOP = _ToolWords(
         tr("Boundary loop"),
         "U",
         "way-loop",
         tr("Select the open boundary nearest to a point"),
         tr("click near an open boundary"),
     )
-    SLAB = _Words(
+    SLAB = _ToolWords(
         tr("Between planes"),
         "Y",
         "way-slab",
@@ -126,7 +126,7 @@ class Way(Enum):
     )
 
     @property
-    def words(self) -> _Words:
+    def words(self) -> _ToolWords:
         """Title, key, icon, tip and hint."""
-        words: _Words = self.value
+        words: _ToolWords = self.value
         return words

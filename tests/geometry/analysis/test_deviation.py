@@ -6,14 +6,14 @@ import pytest
 import trimesh
 from meshes import box, rotation, sphere
 
-from apd_viewer.geometry.analysis.deviation import Change, worst, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, worst, write_shades
 from apd_viewer.geometry.picking.surface_index import Skin
 
 NO_SEAM = np.empty(0, dtype=np.int32)
 
 
 def change(V, F):
-    return Change(V, F.astype(np.int32), NO_SEAM)
+    return Deviation(V, F.astype(np.int32), NO_SEAM)
 
 
 def sheet(n=12, wide=3.0, tall=2.0):
@@ -162,7 +162,7 @@ def test_a_seam_is_no_border():
     U = V * [1.0, 1.3, 0.9]
     for measure in MEASURES:
         whole = getattr(change(V, F), measure)(U)
-        cut = getattr(Change(W, skin.joined, skin.source), measure)(U[F].reshape(-1, 3))
+        cut = getattr(Deviation(W, skin.joined, skin.source), measure)(U[F].reshape(-1, 3))
         np.testing.assert_allclose(cut, whole[F.ravel()], atol=1e-12)
 
 

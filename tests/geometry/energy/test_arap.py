@@ -8,7 +8,7 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
 
@@ -94,13 +94,13 @@ def test_iterations_equal_libigls(mesh, move, iterations):
 def test_energy_is_that_of_the_formula():
     V, F = OBTUSE
     U = V + 0.3 * np.random.default_rng(0).normal(size=V.shape)
-    assert RestShape(V, F).energy(U) == pytest.approx(oracle.energy(V, U, oracle.edges_of(V, F)), rel=1e-12)
+    assert SolveMesh(V, F).energy(U) == pytest.approx(oracle.energy(V, U, oracle.edges_of(V, F)), rel=1e-12)
 
 
 def test_energy_of_a_stretched_triangle():
     """Equilateral, side 1, weights cot(60 deg) / 2; 1.5 times as large, every edge misses by 1/2, twice."""
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 3**0.5 / 2, 0]])
-    assert RestShape(V, np.array([[0, 1, 2]])).energy(1.5 * V) == pytest.approx(6 * (3**-0.5 / 2) / 4)
+    assert SolveMesh(V, np.array([[0, 1, 2]])).energy(1.5 * V) == pytest.approx(6 * (3**-0.5 / 2) / 4)
 
 
 @pytest.mark.parametrize("mesh", [OBTUSE, box(2, 2, 5)], ids=["tube", "box"])
@@ -108,7 +108,7 @@ def test_energy_of_a_stretched_triangle():
 def test_energy_never_rises_and_rotations_stay_rotations(mesh, move):
     V, F = mesh
     fixed, _, targets = held_ends(V, move)
-    rest = RestShape(V, F)
+    rest = SolveMesh(V, F)
     arap = Elastic(rest, fixed)
     energies = []
     for _ in range(40):
@@ -122,7 +122,7 @@ def test_energy_never_rises_and_rotations_stay_rotations(mesh, move):
 def test_energy_at_the_end_is_a_minimum_in_every_direction():
     V, F = OBTUSE
     fixed, _, targets = held_ends(V, "bend")
-    rest = RestShape(V, F)
+    rest = SolveMesh(V, F)
     arap = Elastic(rest, fixed)
     for _ in range(1500):
         arap.iterate(targets)

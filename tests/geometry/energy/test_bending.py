@@ -7,7 +7,7 @@ from meshes import box, ends, grid, moved, rotation, sphere, tube
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.solver.deform import deform
 
 MESHES = {"tube": tube(9, 8, height=3.0, shear=0.6), "box": box(2, 2, 4), "sphere": sphere(2)}
@@ -26,22 +26,22 @@ def test_a_sheet_rolled_to_a_cylinder_costs_the_square_of_its_curvature():
     V, F = grid(n, n)
     U = np.column_stack([radius * np.sin(V[:, 0] / radius), V[:, 1], radius * np.cos(V[:, 0] / radius)])
     inner = (n - 1) * (n - 1)
-    assert bent(RestShape(V, F), U) == pytest.approx(n * n * inner / radius**2, rel=5e-3)
+    assert bent(SolveMesh(V, F), U) == pytest.approx(n * n * inner / radius**2, rel=5e-3)
 
 
 def test_a_flat_sheet_stretched_in_its_plane_is_not_bent():
     V, F = grid(9, 7)
     V = V + np.random.default_rng(0).uniform(-0.3, 0.3, V.shape) * [1, 1, 0]
-    assert bent(RestShape(V, F), V @ np.diag([1.7, 0.6, 1.0])) <= 1e-20
+    assert bent(SolveMesh(V, F), V @ np.diag([1.7, 0.6, 1.0])) <= 1e-20
 
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_it_costs_nothing_to_turn_and_grows_with_the_square_of_the_unit(mesh):
     V, F = MESHES[mesh]
-    rest = RestShape(V, F)
+    rest = SolveMesh(V, F)
     U = V + 0.1 * np.random.default_rng(1).normal(size=V.shape)
     assert bent(rest, V @ rotation([1, 2, 3], 2.5).T - 3.0) <= 1e-18
-    assert bent(RestShape(1e3 * V, F), 1e3 * U) == pytest.approx(1e6 * bent(rest, U), rel=1e-9)
+    assert bent(SolveMesh(1e3 * V, F), 1e3 * U) == pytest.approx(1e6 * bent(rest, U), rel=1e-9)
 
 
 @pytest.mark.parametrize("method", ["exact", "local"])
@@ -80,7 +80,7 @@ def test_energy_never_rises_and_its_slope_is_the_force(mesh, stiffness):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5), [0.3, 0, 0.2])])
-    elastic = Elastic(RestShape(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
+    elastic = Elastic(SolveMesh(V, F), np.concatenate([base, handle]), Material(bending=stiffness))
     energies = []
     for _ in range(50):
         elastic.iterate(targets)
@@ -103,7 +103,7 @@ def test_more_stiffness_bends_less():
     base, handle = ends(V)
     fixed = np.concatenate([base, handle])
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 1.5))])
-    rest = RestShape(V, F)
+    rest = SolveMesh(V, F)
     bends = [
         bent(rest, deform(V, F, fixed, targets, "arap", 300, stiffness=stiffness).U)
         for stiffness in (0.0, 1e-4, 1e-3, 1e-2, 1e-1)
@@ -115,7 +115,7 @@ def test_isolated_vertices_and_needles_leave_it_finite():
     V, F = grid(4, 4)
     V = np.vstack([V, [[9.0, 9, 9]]])
     V[12] = V[7] + [1e-9, 1e-12, 0]
-    bending = RestShape(V, F).bending
+    bending = SolveMesh(V, F).bending
     assert np.isfinite(bending.weight).all()
     assert np.isfinite(bending.K.toarray()).all()
     assert bending.weight[-1] == 0.0

@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane, _project
-from apd_viewer.geometry.energy.solve_mesh import RestShape
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.deform import deform
@@ -109,7 +109,7 @@ def test_energy_never_rises(mesh, material):
     V, F = MESHES[mesh]
     base, handle = ends(V)
     targets = np.vstack([V[base], moved(V[handle], rotation([0, 0, 1], 2.0), [0.3, 0, 0.2])])
-    elastic = Elastic(RestShape(V, F), np.concatenate([base, handle]), material)
+    elastic = Elastic(SolveMesh(V, F), np.concatenate([base, handle]), material)
     energies = []
     for _ in range(60):
         elastic.iterate(targets)

@@ -7,7 +7,7 @@ from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.linalg.lbfgs import Memory
+from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
@@ -145,7 +145,7 @@ def test_directions_are_those_of_the_matrix():
     root = rng.normal(size=(3 * n, 3 * n))
     A = root @ root.T + np.eye(3 * n)
     H0 = np.kron(np.diag(rng.uniform(0.5, 2.0, n)), np.eye(3))
-    memory, pairs = Memory(n, 4), []
+    memory, pairs = QuasiNewtonMemory(n, 4), []
     for _ in range(9):
         gradient = rng.normal(size=(n, 3))
         got = memory.direction(gradient, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
@@ -157,7 +157,7 @@ def test_directions_are_those_of_the_matrix():
 
 
 def test_a_step_over_which_the_slope_fell_is_left_out():
-    memory = Memory(2, 3)
+    memory = QuasiNewtonMemory(2, 3)
     memory.learn(np.ones((2, 3)), -np.ones((2, 3)))
     memory.learn(np.ones((2, 3)), np.zeros((2, 3)))
     assert len(memory) == 0

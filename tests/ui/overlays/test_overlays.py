@@ -8,7 +8,7 @@ from driving import LEFT, Mouse, centre, document, idle, settle, show
 from meshes import box, sphere
 from PySide6.QtCore import Qt
 
-from apd_viewer.geometry.analysis.deviation import Change
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
@@ -78,8 +78,8 @@ def test_at_rest_everything_is_neutral(area):
 
 
 def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch):
-    asked, measured = [], Change.area
-    monkeypatch.setattr(Change, "area", lambda self, U: asked.append(len(U)) or measured(self, U))
+    asked, measured = [], Deviation.area
+    monkeypatch.setattr(Deviation, "area", lambda self, U: asked.append(len(U)) or measured(self, U))
     V = document(area).mesh.V
     answer(qtbot, area, 1.02 * V)
     assert len(asked) == 1
@@ -92,7 +92,7 @@ def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch)
 def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, area, monkeypatch):
     area.actions_.looks.off.trigger()
     assert not area.looks.legend.isVisible()
-    monkeypatch.setattr(Change, "area", lambda *_: pytest.fail("nobody asked"))
+    monkeypatch.setattr(Deviation, "area", lambda *_: pytest.fail("nobody asked"))
     answer(qtbot, area, 1.3 * document(area).mesh.V)
     assert set(shades(area)) == {255}
     assert area.canvas.surface.worn is None

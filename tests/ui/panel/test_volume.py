@@ -17,7 +17,7 @@ from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
-from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.preferences import Preferences
 
 CM = Unit.CENTIMETRE
 
@@ -190,7 +190,7 @@ def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window
     assert room.wall == NO_WALL
     open_(paths[0])
     assert room.wall == wall
-    assert Memory(settings).walls == {paths[0].resolve(): wall}
+    assert Preferences(settings).walls == {paths[0].resolve(): wall}
     saved = tmp_path / "s.apd"
     window.session.files.save(saved, window.filing._view(CM.value))
     idle(qtbot, window)
@@ -203,7 +203,7 @@ def test_the_wall_is_remembered_with_the_file_and_kept_in_sessions(qtbot, window
 
 def test_settings_that_somebody_has_broken_say_nothing_of_walls(settings):
     settings.setValue("walls", ["nonsense", "[1]", '["/a.obj", "1mm", "2"]'])
-    assert list(Memory(settings).walls.values()) == [Wall("1mm", "2")]
+    assert list(Preferences(settings).walls.values()) == [Wall("1mm", "2")]
 
 
 def test_measuring_are_folded_away_at_first(bottle):

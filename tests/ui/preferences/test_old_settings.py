@@ -8,7 +8,7 @@ from PySide6.QtCore import QSettings, Qt
 
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
-from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.preferences import Preferences
 
 OLD = Path(__file__).with_name("version-1.ini")
 PARTS = Path("/home/ada/parts")
@@ -18,7 +18,7 @@ PARTS = Path("/home/ada/parts")
 def memory(tmp_path):
     """The old settings, in a file that may be written to."""
     path = shutil.copy(OLD, tmp_path / "settings.ini")
-    return Memory(QSettings(str(path), QSettings.Format.IniFormat))
+    return Preferences(QSettings(str(path), QSettings.Format.IniFormat))
 
 
 def test_all_that_was_kept_is_read(memory):

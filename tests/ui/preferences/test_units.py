@@ -13,7 +13,7 @@ from apd_viewer.files.samples import resource
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences import preferences
-from apd_viewer.ui.preferences.preferences import Memory
+from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.unit_button import Units
 
 MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
@@ -140,32 +140,32 @@ def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files,
     assert window.panel.unit is window.session.store.unit is CM
     window.session.gestures.undo()
     assert window.panel.unit is window.session.store.unit is NONE, "undo brings back the mesh and its unit"
-    assert Memory(settings).units == {files[0].resolve(): CM}
-    assert Units(Memory(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
+    assert Preferences(settings).units == {files[0].resolve(): CM}
+    assert Units(Preferences(settings)).of(Mesh(*meshes.sphere(1), path=files[0])) is CM
 
 
 def test_the_same_unit_twice_running_is_what_the_next_file_begins_with(settings, files):
     V, F = meshes.sphere(1)
     a, b, c = (Mesh(V, F, path=path) for path in files)
-    units = Units(Memory(settings))
+    units = Units(Preferences(settings))
     units.choose(a, MM)
     assert units.of(b) is NONE
     units.choose(b, MM)
     assert units.of(c) is MM
     units.choose(a, CM)
-    assert Units(Memory(settings)).of(c) is MM, "what a file began with it keeps"
+    assert Units(Preferences(settings)).of(c) is MM, "what a file began with it keeps"
     assert units.of(Mesh(V, F, path=files[0].with_name("d.obj"))) is NONE
 
 
 def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, settings, files):
-    units = Units(Memory(settings))
+    units = Units(Preferences(settings))
     V, F = meshes.sphere(1)
     for path in files[:2]:
         units.choose(Mesh(V, F, path=path), MM)
     assert units.of(Mesh(V, F)) is NONE
     assert units.of(Mesh(V, F, path=resource("duck.obj"))) is NONE
     choose(bottle, M)
-    assert set(Memory(settings).units.values()) == {MM}
+    assert set(Preferences(settings).units.values()) == {MM}
     bottle.filing.open_sample("bottle")
     idle(qtbot, bottle)
     assert bottle.panel.unit is NONE
@@ -174,7 +174,7 @@ def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, s
 
 
 def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_path):
-    remembered = Memory(settings)
+    remembered = Preferences(settings)
     for k in range(preferences._MOST_UNITS + 5):
         remembered.remember_unit(tmp_path / f"part, {k} mm.obj", (NONE, MM, CM, M)[k % 4])
     units = remembered.units

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from apd_viewer.ui.scene.camera import UP, Camera, rotation
 from apd_viewer.ui.tools.gizmo import Along, Gizmo
 from apd_viewer.ui.tools.gizmo_drag import begin, nice_step, rotated, signed, snapped
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, Frame
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, GizmoFrame
 
 CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)
@@ -22,7 +22,7 @@ def frame_from(direction, axes=None):
     direction = np.array(direction, dtype=float)
     position = CENTRE + 6 * direction / np.linalg.norm(direction) + np.array([0.02, 0.01, 0.03])
     camera = Camera(position, CENTRE + np.array([0.1, 0.05, 0.0]), UP, np.deg2rad(30), 800, 600)
-    return Frame(camera, CENTRE, np.eye(3) if axes is None else axes)
+    return GizmoFrame(camera, CENTRE, np.eye(3) if axes is None else axes)
 
 
 def dragged(frame, handle, start, end, snap=False):
@@ -166,7 +166,7 @@ def test_arrows_along_the_view_and_squares_from_the_side_are_not_taken():
 
 def test_nothing_is_found_behind_the_camera():
     frame = frame_from((0, 0, 1))
-    behind = Frame(frame.camera, 2 * frame.camera.position - CENTRE, np.eye(3))
+    behind = GizmoFrame(frame.camera, 2 * frame.camera.position - CENTRE, np.eye(3))
     assert behind.handle_at(400, 300) is None
 
 

@@ -8,7 +8,7 @@ from driving import idle
 from meshes import sphere
 from PySide6.QtCore import QObject
 
-from apd_viewer.geometry.analysis.deviation import Change
+from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.widgets.background_task import BackgroundTask
@@ -90,7 +90,7 @@ def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeyp
     def slow(_change, U, enough=None):
         return np.zeros(len(U)) if enough is None else patient(started, None)(enough)
 
-    monkeypatch.setattr(Change, "distance", slow)
+    monkeypatch.setattr(Deviation, "distance", slow)
     window.actions_.looks.measures[Measure.DISTANCE].trigger()
     qtbot.waitUntil(started.is_set, timeout=60_000)
     window.close()
@@ -101,7 +101,7 @@ def test_too_little_memory_to_measure_is_said(qtbot, window, monkeypatch):
     def no_memory(*_):
         raise MemoryError
 
-    monkeypatch.setattr(Change, "__init__", no_memory)
+    monkeypatch.setattr(Deviation, "__init__", no_memory)
     window.filing.show_mesh(Mesh(*sphere(2)))
     idle(qtbot, window)
     window.actions_.looks.measures[Measure.AREA].trigger()
