@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import faulthandler
 import os
 import signal
 import sys
 from collections.abc import Callable
 from typing import BinaryIO
+
+_DEATH_OF_THE_PARENT = 1  # of prctl(2)
+
+
+def set_up() -> None:
+    """Prepare this process to serve its owner; called before anything large is imported."""
+    faulthandler.enable()
+    # Ctrl+C ends the owner, and this process only with it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.stdout = sys.stderr
+    # A killed owner closes our input, which native code that runs for seconds does not notice. Linux tells;
+    # there this process ends with the thread that started it, so that thread has to live as long.
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
 
 
 def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0) -> None:
@@ -23,10 +38,6 @@ def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: i
     niceness : int
         Above 0 where other processes come first.
     """
-    faulthandler.enable()
-    # Ctrl+C ends the owner, and this process only with it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    sys.stdout = sys.stderr
     if hasattr(os, "nice"):
         os.nice(niceness)
     # An owner that has gone reads no more: what it has not read is lost as the sink is closed.

@@ -26,6 +26,8 @@ import os, sys
 replies = os.dup(1)
 os.dup2(2, 1)
 sys.path[:] = sys.argv[1:]
+from apd_viewer.session.processes.child_boot import set_up
+set_up()
 from apd_viewer.session.{module} import main
 main(replies)
 """

@@ -5,9 +5,6 @@ Factoring holds the interpreter for seconds and cannot be stopped, except with t
 
 from __future__ import annotations
 
-import ctypes
-import signal
-import sys
 from typing import BinaryIO
 
 import numpy as np
@@ -17,12 +14,10 @@ from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
 
 _NICENESS = 10  # what is shown meanwhile comes first
-_DEATH_OF_THE_PARENT = 1  # of prctl(2)
 
 
 def main(replies: int) -> None:
     """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
-    _end_with_the_owner()
     run(replies, serve, _NICENESS)
 
 
@@ -48,9 +43,3 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     array_pipe.write(sink, b"")
     while (message := array_pipe.read(source)) is not None:
         array_pipe.write(sink, factor.solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
-
-
-def _end_with_the_owner() -> None:
-    """Where the system offers it: that a killed owner closes our input is not noticed while factoring."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)

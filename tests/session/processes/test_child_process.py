@@ -22,6 +22,7 @@ def serve(source, sink):
             time.sleep(60)
         print("printed")
         array_pipe.write(sink, message)
+child_boot.set_up()
 child_boot.run(replies, serve)
 """
 LINES = START.split("from apd_viewer")[0] + ECHO
