@@ -1,4 +1,4 @@
-"""Work on a thread of its own, one piece at a time: opening or writing a file."""
+"""Background jobs such as opening or writing a file, one at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LOGGER = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class JobOutcome:
-    """How an job ended: ``value`` is what it returned, or ``failure`` says why it did not."""
+    """Result of a job: its ``value``, or the reason of its ``failure``."""
 
     job: Job
     value: Any = None
@@ -26,7 +26,7 @@ class JobOutcome:
 
 
 class Job:
-    """Runs ``work()`` on a thread and hands its Outcome to ``deliver``, called on that thread.
+    """Runs ``work()`` on a thread and calls ``deliver`` there with its Outcome.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Job:
 
 
 class Jobs:
-    """The job under way, if there is one, and how those that have ended did.
+    """The job in progress, if any, and the outcomes of finished ones.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Jobs:
         done: Callable[..., object],
         can_be_cancelled: bool = True,
     ) -> None:
-        """Begin to ``work()``, and call ``done`` with its value when that is received; one at a time."""
+        """Start ``work()``; on receipt of its value, call ``done`` with it."""
         if self.current is not None:
             self._failed(
                 tr("{title} is not finished; wait for it or cancel it.").format(title=self.current.title)
@@ -124,7 +124,7 @@ class Jobs:
         self._changed()
 
     def cancel(self) -> None:
-        """Forget the job under way, and say so; one that writes is left to finish, whole."""
+        """Forget the job in progress and report so; one that writes is finished."""
         cancelled = self.current
         if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
@@ -132,7 +132,7 @@ class Jobs:
             self._changed()
 
     def receive(self) -> None:
-        """Pass on the results that have come."""
+        """Deliver the results received."""
         while not self._outcomes.empty():
             outcome = self._outcomes.get()
             if outcome.job is self.current:  # otherwise it was cancelled
@@ -144,7 +144,7 @@ class Jobs:
             self._changed()
 
     def close(self) -> None:
-        """Wake nobody any more, and wait for what must not be left half done."""
+        """Stop waking the owner; wait for a job that writes."""
         self._closed = True
         if self.current is not None and not self.current.can_be_cancelled:
             self.current.join(timeout=10.0)

@@ -1,4 +1,4 @@
-"""A place for one value between two threads, where the newest wins."""
+"""Mailbox of one value between two threads; the newest wins."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Holds at most one value. Values must be complete, so that overwriting one loses nothing."""
+    """At most one value. Each must be complete, so that overwriting one loses nothing."""
 
     def __init__(self) -> None:
         self._filled = threading.Condition()
@@ -17,7 +17,7 @@ class Mailbox(Generic[T]):
         self._closed = False
 
     def put(self, value: T) -> bool:
-        """Leave ``value``; True if the mailbox was empty, so that the taker must be woken."""
+        """Leave ``value``; True if the mailbox was empty and the taker must be woken."""
         with self._filled:
             was_empty = self._value is None
             self._value = value
@@ -34,26 +34,26 @@ class Mailbox(Generic[T]):
         return True
 
     def take(self) -> T | None:
-        """Take the value away; None if there is none."""
+        """Take the value; None if there is none."""
         with self._filled:
             value, self._value = self._value, None
         return value
 
     def wait(self) -> T | None:
-        """Take the value away as soon as there is one; None once the mailbox is closed."""
+        """Take the value as soon as there is one; None once the mailbox is closed."""
         with self._filled:
             self._filled.wait_for(lambda: self.waiting)
             value, self._value = self._value, None
         return None if self._closed else value
 
     def comes_within(self, seconds: float) -> bool:
-        """Whether within so many seconds the taker has something to turn to."""
+        """Wait at most so many seconds for a value or the end; True if one came."""
         with self._filled:
             return self._filled.wait_for(lambda: self.waiting, seconds)
 
     @property
     def waiting(self) -> bool:
-        """Whether the taker has something to turn to: a value, or the end."""
+        """Whether there is a value, or the mailbox is closed."""
         return self._value is not None or self._closed
 
     def close(self) -> None:

@@ -1,1 +1,14 @@
-"""Child processes, their messages and shared memory."""
+"""Child processes, their messages and shared memory.
+
+::
+
+    window process                                 solver process            factor process (>= 100,000 rows)
+    thread "solver": Worker  -- Order, envelope -> thread "orders": Mailbox
+    thread "answers": Child  <- Message, tray ---- Solver, Deformation  -- matrix, B -> LinearSolver
+                                                                        <- solution --- (cholespy)
+    thread "examiner"        -- F, U ------------> shape-check process (ipctk)
+                             <- Examination ------
+
+Every process is a :class:`ChildProcess`: messages by two pipes, large arrays beside them in shared memory.
+It ends with its owner and ignores Ctrl+C; the log gets the last lines of its standard error if it fails.
+"""

@@ -1,4 +1,4 @@
-"""Messages between two processes in which what was the same object here is the same object there.
+"""Messages between two processes that preserve the identity of arrays and meshes.
 
 The solver knows by the identity of meshes and arrays what it need not do again. So every mesh and every array
 travels once, under a number, and is only named from then on, until a message comes that does not mention it.
@@ -26,7 +26,7 @@ _LENGTH = struct.Struct("<Q")
 
 
 def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
-    """Write a message; raises OSError or ValueError where nobody reads any more."""
+    """Write a message; raises OSError or ValueError if the other end is closed."""
     content = message.data.cast("B") if isinstance(message, np.ndarray) else message
     sink.write(_LENGTH.pack(len(content)))
     sink.write(content)
@@ -34,7 +34,7 @@ def write(sink: BinaryIO, message: bytes | np.ndarray) -> None:
 
 
 def read(source: BinaryIO) -> bytes | None:
-    """Read a message; None at the end, also where it comes in the middle of one."""
+    """Read a message; None at the end of the stream, also within a message."""
     head = source.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
         return None
@@ -44,7 +44,7 @@ def read(source: BinaryIO) -> bytes | None:
 
 
 class _Array(NamedTuple):
-    """An array that has not been mentioned before; ``place`` is its content, or where in the envelope."""
+    """A new array; ``place`` is its content, or its offset in the envelope."""
 
     number: int
     dtype: str
@@ -53,7 +53,7 @@ class _Array(NamedTuple):
 
 
 class _Mesh(NamedTuple):
-    """A mesh that has not been mentioned before, in numbers of arrays."""
+    """A new mesh, by the numbers of its arrays."""
 
     number: int
     V: int
@@ -63,7 +63,7 @@ class _Mesh(NamedTuple):
 
 
 class Packer:
-    """Makes values into messages for one :class:`Unpacker`.
+    """Serialise values for one :class:`Unpacker`.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Packer:
         self._meshes: list[_Mesh] = []
 
     def packed(self, value: object) -> bytes:
-        """The message for ``value``; raises MemoryError if there is no room for its arrays."""
+        """Return the message for ``value``; raises MemoryError."""
         self._mentioned, self._arrays, self._meshes = {}, [], []
         content = _pickled(value, self)
         forgotten = [number for key, (number, _) in self._known.items() if key not in self._mentioned]
@@ -91,7 +91,7 @@ class Packer:
         return pickle.dumps((arrays, self._meshes, forgotten, name, content))
 
     def number(self, thing: object) -> int | None:
-        """The number under which the other side knows ``thing``; None if it travels as it is."""
+        """Return the number of an array or a mesh; None for anything else."""
         if isinstance(thing, np.ndarray):
             return self._array(thing)
         return self._mesh(thing) if isinstance(thing, Mesh) else None
@@ -137,13 +137,13 @@ class Packer:
 
 
 class Unpacker:
-    """Makes the messages of one :class:`Packer` into values again."""
+    """Restore values from the messages of one :class:`Packer`."""
 
     def __init__(self) -> None:
         self._known: dict[int, Any] = {}
 
     def unpacked(self, message: bytes) -> Any:
-        """The value, with arrays of its own that are read-only."""
+        """Return the value, with read-only arrays of its own."""
         arrays, meshes, forgotten, name, content = pickle.loads(message)
         for number in forgotten:
             del self._known[number]

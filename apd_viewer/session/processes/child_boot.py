@@ -1,4 +1,4 @@
-"""Set-up that every child process needs, and its end with its owner."""
+"""Set-up of every child process, and its end with its owner."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def set_up() -> None:
 
 
 def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0) -> None:
-    """Call ``serve(source, sink)``, which returns once ``source`` ends.
+    """Call ``serve(source, sink)`` until the owner closes ``source``.
 
     Parameters
     ----------

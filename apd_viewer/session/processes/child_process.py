@@ -41,7 +41,7 @@ _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there onl
 
 
 class Process(Protocol):
-    """What a ChildProcess needs of a process; ``stderr`` is None where nothing is to be read from it."""
+    """The part of Popen used here; ``stderr`` may be None."""
 
     pid: int
     stdin: BinaryIO
@@ -56,7 +56,9 @@ class Process(Protocol):
 
 
 class ChildProcess:
-    """A process that exchanges messages with its owner; one that fails leaves its last words in the log.
+    """A process that exchanges messages with its owner.
+
+    The exit code and the last lines of the standard error of one that fails are logged.
 
     One thread at a time may call each method; :meth:`kill` may be called by any thread at any time.
 
@@ -78,7 +80,7 @@ class ChildProcess:
 
     @property
     def pid(self) -> int | None:
-        """The number of the process; None if it has not been started, or :meth:`end` has been called."""
+        """Process number; None before :meth:`start` and after :meth:`end`."""
         return self._process.pid if self._process else None
 
     def start(self) -> None:
@@ -123,7 +125,7 @@ class ChildProcess:
             process.kill()
 
     def end(self) -> None:
-        """End the process, wait until it has gone, and log why if that was not on purpose."""
+        """End the process and wait for it; log a failure."""
         if (process := self._process) is None:
             return
         code = _exit_code(process) if self._failed else None
@@ -158,7 +160,7 @@ class ChildProcess:
         return cast("Process", process)
 
     def _read_errors(self, errors: BinaryIO) -> None:
-        """Keep the last lines, and pass all on to where our own errors go."""
+        """Keep the last lines, and copy all to our own standard error."""
         with errors:
             for line in errors:
                 self._last_words.append(line.decode(errors="replace").rstrip()[:_LINE_LENGTH])
@@ -168,14 +170,14 @@ class ChildProcess:
 
 
 def _exit_code(process: Process) -> int | None:
-    """The code of a process that is about to end by itself; None if it does not."""
+    """Return the code of a process about to end by itself; None if it does not."""
     with contextlib.suppress(subprocess.TimeoutExpired):
         return process.wait(_GRACE)
     return None
 
 
 def keep_freed_memory() -> None:
-    """Have this process keep what it frees for the next frame, where the C library is glibc.
+    """Keep freed memory for the next frame, where the C library is glibc.
 
     By default it depends on the order of what came before whether all that a frame needs is given back and
     fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.

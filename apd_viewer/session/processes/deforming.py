@@ -1,4 +1,4 @@
-"""From a document to the deformation that answers it."""
+"""Construction of a deformation from a document."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def deformation_of(
     document: Document, held: Constraints, rest: RestMesh | None = None, factored: Factored | None = None
 ) -> Deformation:
-    """What deforms the mesh of a document as it says, with what is ``held``; it is not aimed yet."""
+    """Return the deformation of a document, not aimed yet."""
     return Deformation(
         document.mesh.V,
         document.mesh.F,

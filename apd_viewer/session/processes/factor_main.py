@@ -1,4 +1,4 @@
-"""A process that factors one matrix and solves with it, seen from inside.
+"""Main function of the factor process.
 
 Factoring holds the interpreter for seconds and cannot be stopped, except with the process that does it.
 """
@@ -17,12 +17,12 @@ _NICENESS = 10  # what is shown meanwhile comes first
 
 
 def main(replies: int) -> None:
-    """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
+    """Serve the owner; ``replies`` is the file descriptor for answers."""
     run(replies, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Factor the matrix that comes from ``source``, say how that went, and solve until ``source`` ends.
+    """Factor one matrix from ``source``, then solve until ``source`` ends.
 
     A matrix are three messages: where its rows start, columns, entries. The word on it is empty, or says what
     is wrong with it. After that every message is a right-hand side (n, 3), and its answer the solution.

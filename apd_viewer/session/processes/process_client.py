@@ -1,4 +1,4 @@
-"""The process that the solver has to itself, seen from outside."""
+"""Client of the solver process."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def start_process() -> ChildProcess:
 
 
 class Child:
-    """A solver process: takes requests, one after another, and publishes what comes of them.
+    """A solver process; sends requests one after another and publishes the replies.
 
     Parameters
     ----------
@@ -76,11 +76,11 @@ class Child:
         self._thread.start()
 
     def wait_until_received(self) -> None:
-        """Wait until the process has received what was sent, or has ended."""
+        """Wait until the process has received the last request, or has ended."""
         self._received.wait()
 
     def send(self, request: Request, thinnings: tuple[Thinning, ...]) -> bool:
-        """Send a request, the last one having been received; False if the process has ended.
+        """Send a request once the last one is received; False if the process has ended.
 
         The ``thinnings`` of its mesh, where they are known, save the process finding them.
         """
@@ -116,7 +116,7 @@ class Child:
         return self._tray[1]
 
     def _from_its_start(self, request: Request) -> Request:
-        """The request with the shape that the first of its kind started from.
+        """Return the request with the start shape of the first of its kind.
 
         The process goes on from where it is, and needs it only if it has seen none of them. So it travels
         once, and not with every pose.

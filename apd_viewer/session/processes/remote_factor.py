@@ -1,4 +1,4 @@
-"""Factors that are made in processes of their own, so that nobody need wait for one that nobody needs."""
+"""Factorization in a process of its own, which ends once the factor is useless."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FarFactor:
 
     @property
     def ready(self) -> bool:
-        """Whether :meth:`solve` need not wait until it is factored."""
+        """Whether :meth:`solve` returns without waiting for the factorization."""
         self.begin()
         return not self._factors
 
@@ -112,7 +112,7 @@ class FarFactor:
             self._error = ValueError(word.decode())
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
-        """The answer of the process; None if it has died."""
+        """Return the answer of the process; None if it has died."""
         answer = self._process.receive() if self._process.send(*messages) else None
         self._missing = answer is None
         return answer

@@ -1,4 +1,4 @@
-"""What the solver is asked, and what it answers: whole values, so that skipping one loses nothing."""
+"""Requests to the solver and its replies; whole values, so one may be skipped."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from apd_viewer.session.model.named_parts import Handle
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What to work on.
+    """A document to be solved, and the shape to start from.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Account:
-    """What an answer cost, by the same measure for every method.
+    """Cost of an answer, by the same measure for every method.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Account:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """What came of a request: a frame, or a sentence that says why there is none.
+    """The result of a request: a frame, or a sentence with the reason for none.
 
     Attributes
     ----------

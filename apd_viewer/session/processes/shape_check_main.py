@@ -1,4 +1,4 @@
-"""A process that examines shapes, seen from inside.
+"""Main function of the shape-check process.
 
 The library that looks for crossings holds the interpreter, and cannot be stopped.
 """
@@ -18,12 +18,12 @@ NOBODY_LOOKED = b"-"
 
 
 def main(replies: int) -> None:
-    """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
+    """Serve the owner; ``replies`` is the file descriptor for answers."""
     run(replies, serve, _NICENESS)
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Examine the shapes that come from ``source`` until it ends.
+    """Check the shapes from ``source`` until it ends.
 
     A shape are two messages: its triangles (m, 3) int32, and its positions (n, 3) float64. The answer are two
     as well: the triangles that pass through others, int64, and the three sizes of its box along the axes with

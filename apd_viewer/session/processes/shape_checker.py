@@ -1,4 +1,4 @@
-"""Examines the newest shape in a process of its own, which is ended when nobody asks any more."""
+"""Checks of the newest shape in a process, ended as soon as the shape moves."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UNKNOWN = Examination(None, (math.nan, math.nan, math.nan), math.nan)
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What is to be examined: positions ``U`` (n, 3), and triangles ``F`` (m, 3) that hang together."""
+    """A shape to check: positions ``U`` (n, 3), welded triangles ``F`` (m, 3)."""
 
     U: np.ndarray
     F: np.ndarray
@@ -51,13 +51,13 @@ class Examiner:
         self._thread.start()
 
     def ask(self, shape: Shape) -> None:
-        """Examine ``shape`` soon, and no other one any more. Never blocks."""
+        """Examine ``shape`` soon instead of any other. Never blocks."""
         self.forget()
         self._wanted = shape
         self._shapes.put(shape)
 
     def forget(self) -> None:
-        """Examine nothing: whatever is under way is ended."""
+        """Examine nothing; end an examination in progress."""
         self._wanted = None
         self._shapes.take()
         with self._lock:
@@ -65,7 +65,7 @@ class Examiner:
                 self._process.kill()
 
     def take(self) -> tuple[Shape, Examination] | None:
-        """What was found of the shape that was asked for last, once; None if nothing is known yet."""
+        """Take the result for the shape asked for last; None if there is none yet."""
         found = self._found.take()
         return found if found is not None and found[0] is self._wanted else None
 
@@ -110,7 +110,7 @@ class Examiner:
         return UNKNOWN if found is None else found
 
     def _answer(self, shape: Shape) -> Examination | None:
-        """What the process says of a shape; None if it has died."""
+        """Return the examination of a shape; None if the process has died."""
         process = self._process
         if not process.send(np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U)):
             return None

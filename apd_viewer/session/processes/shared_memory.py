@@ -1,4 +1,4 @@
-"""Memory that two processes see: arrays on their way to the solver, and its shapes on their way back.
+"""Shared memory: arrays on their way to the solver, its shapes on their way back.
 
 Whoever asks for work makes the blocks and removes them; the solver only looks into them.
 """
@@ -24,7 +24,7 @@ _PUT, _COPIED, _SEEN = range(3)  # the counters of a tray
 
 
 class Envelope:
-    """Copies of arrays in one block, for the time until they have been read.
+    """Copies of arrays in one block, discarded once they have been read.
 
     Its name travels by a pipe, whose two ends take the same lock in the kernel: the reader of the message
     sees what was written before it.
@@ -55,17 +55,17 @@ class Envelope:
 
 
 class OpenedEnvelope:
-    """An envelope as its reader has it."""
+    """The reader's side of an envelope."""
 
     def __init__(self, name: str) -> None:
         self._block = _attached(name)
 
     def array(self, dtype: str, shape: tuple[int, ...], offset: int) -> np.ndarray:
-        """A copy of the array that begins at ``offset``."""
+        """Return a copy of the array at ``offset``."""
         return _view(self._block, np.dtype(dtype), shape, offset).copy()
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close the reader's side."""
         self._block.close()
 
 
@@ -159,7 +159,7 @@ class Tray:
 
 
 def leave_blocks_to_their_owner() -> None:
-    """Have this process remove no block that it has only looked into; Python before 3.13 does at its end."""
+    """Remove no block at the end that was only opened, as Python before 3.13 does."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None
 

@@ -1,4 +1,4 @@
-"""What answers requests, in a process of its own: prepares, iterates, and turns to the newest one.
+"""Solver of the newest request: preparation, iterations and readings.
 
 An iteration is cheap against its readings. So while nobody has looked at the last frame, the iterations go on
 and none of them is measured; the one with which a request is finished always is.
@@ -45,7 +45,7 @@ _LARGE = 100_000
 
 
 class Solver:
-    """Answers orders one after another, and keeps what the next one may need again.
+    """Answers orders one after another, and caches preparations for the next one.
 
     Parameters
     ----------
@@ -93,12 +93,12 @@ class Solver:
         self._drop()
 
     def _rested(self, at_leisure: Callable[[Callable[[], bool]], object]) -> bool:
-        """Whether there was time for all of it."""
+        """Call ``at_leisure``; False if an order came first."""
         at_leisure(lambda: self._orders.waiting)
         return not self._orders.waiting
 
     def _drop(self) -> None:
-        """Forget the deformation, and end what is being factored for it."""
+        """Forget the deformation, and end its factorizations."""
         self._solver = None
         for factor in self._factors:
             factor.close()
@@ -177,7 +177,7 @@ class Solver:
         return self._tray
 
     def _prepared(self, order: Order) -> Deformation:
-        """The solver of the request, told what is asked and aimed; factored only where it must be."""
+        """Return the solver with the goals and poses of the request; factor if needed."""
         request = order.request
         document = request.document
         held = document.constraints()
@@ -209,7 +209,7 @@ class Solver:
         return self._factors[-1]
 
     def _have_factored(self) -> None:
-        """See to it that factors are made: after the first shape, which is more urgent."""
+        """Begin the factorizations: after the first shape, which is more urgent."""
         for factor in self._factors:
             factor.begin()
 

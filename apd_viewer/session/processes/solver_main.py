@@ -1,4 +1,4 @@
-"""The solver's process, seen from inside: orders come by one pipe, answers go by another.
+"""Main function of the solver process.
 
 A thread reads, so that the solver finds the newest order between two iterations. Nothing here is worth
 saving: the process ends at once when its owner has gone, whatever it is doing.
@@ -24,7 +24,7 @@ from apd_viewer.session.processes.solver import Solver
 
 
 def main(replies: int) -> None:
-    """Serve until the standard input ends; answers go to the file descriptor ``replies``."""
+    """Serve the owner; ``replies`` is the file descriptor for messages."""
     leave_blocks_to_their_owner()
     run(replies, _serve_at_leisure)
 
@@ -36,7 +36,7 @@ def _serve_at_leisure(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 class Teller:
-    """Sends messages to the owner; any thread may call it."""
+    """Thread-safe sending of messages to the owner."""
 
     def __init__(self, sink: BinaryIO) -> None:
         self._sink = sink
@@ -50,14 +50,14 @@ class Teller:
 
 
 class _Forwarder(QueueHandler):
-    """Hands what is logged here to the owner, who has the log."""
+    """Log handler that forwards records to the owner."""
 
     def __init__(self, tell: Teller) -> None:
         super().__init__(queue=None)  # type: ignore[arg-type]
         self._tell = tell
 
     def enqueue(self, record: logging.LogRecord) -> None:
-        """Send a record that has been made fit for pickling."""
+        """Send a record, prepared for pickling."""
         self._tell(record)
 
 
@@ -67,7 +67,7 @@ def serve(
     abandoned: Callable[[], object] = lambda: None,
     at_leisure: Callable[[Callable[[], bool]], object] = lambda _: None,
 ) -> None:
-    """Answer the orders that come from ``source`` until it ends, on this thread.
+    """Answer the orders from ``source`` on this thread until it ends.
 
     Parameters
     ----------
@@ -98,6 +98,6 @@ def serve(
 
 
 def _compile(called: Callable[[], bool]) -> None:
-    """Have the kernels ready before the first drag; if they are not, the request that needs them says so."""
+    """Compile the kernels before the first drag; errors are left to the requests."""
     with contextlib.suppress(Exception):
         warm_up(called)

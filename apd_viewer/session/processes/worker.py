@@ -1,4 +1,4 @@
-"""Drives the solver, which has a process of its own: complete requests in, coalesced replies out.
+"""Access to the solver process: complete requests in, coalesced replies out.
 
 The process holds whatever would keep the window from answering, and takes nothing with it when it dies:
 
@@ -48,13 +48,13 @@ _NOT_STARTED = tr("The solver cannot be started ({why}); close other programs an
 
 
 class _Call(Enum):
-    """What lies in the mailbox when it is no request."""
+    """Entries of the mailbox other than requests."""
 
     CHILD_ENDED = 1
 
 
 class Worker:
-    """Answers requests, by a process that it starts with the first one.
+    """Answers requests by a process, started with the first one.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Worker:
         self._thread.start()
 
     def ask(self, request: Request) -> None:
-        """Turn to ``request`` next, and forget any other that still waits. Never blocks."""
+        """Turn to ``request`` next instead of any other that is queued. Never blocks."""
         self._requests.put(request)
 
     def take(self) -> Reply | None:
@@ -120,13 +120,13 @@ class Worker:
                 self._give_up(error)
 
     def _newest(self) -> Request | _Call | None:
-        """What there is to do, once the process can take it; None in the end."""
+        """Wait for something to do, and for the process to be able to; None in the end."""
         if self._child is not None:
             self._child.wait_until_received()
         return self._requests.wait()
 
     def _give_up(self, error: Exception) -> None:
-        """Forget a request that cannot be sent, and the process that may have half of it."""
+        """Drop a request that cannot be sent, and end the process."""
         _log.exception("A request cannot be sent to the solver")
         request, self._turned_to = self._turned_to, None
         if self._child is not None:
@@ -135,7 +135,7 @@ class Worker:
             self._fail(request, _NOT_SENT.format(why=str(error) or type(error).__name__))
 
     def _sent(self, request: Request) -> bool:
-        """Whether a process has the request now, or it has been given up; otherwise its process has died."""
+        """Send a request to a process or give it up; False if the process has died."""
         child = self._child
         if child is not None and not child.alive:
             self._child = None
@@ -161,7 +161,7 @@ class Worker:
             return self._child
 
     def _resumed(self, request: Request) -> Request:
-        """What to ask of a process that knows nothing yet: the request, from the last shape that came."""
+        """Return the request for a new process, starting from the last shape."""
         shape, finished = self._shape, self._finished == (request.document, request.generation)
         U = shape[1] if shape is not None and shape[0] == request.generation else request.U
         return replace(request, U=U, iterate=request.iterate and not finished)

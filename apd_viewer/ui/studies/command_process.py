@@ -1,4 +1,7 @@
-"""A command of the command line, in a process of its own: nothing it does keeps the window waiting."""
+"""A command of the command line in a process of its own.
+
+A QProcess and no ChildProcess: it reports by signals on the GUI thread, which here would need a thread.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +55,7 @@ class CommandProcess(QObject):
         return self._process is not None
 
     def start(self, words: list[str]) -> None:
-        """Run the command of these words, and no other before it has ended."""
+        """Run the command of these words; one at a time."""
         assert self._process is None
         self._said = []
         self._process = process = QProcess(self)

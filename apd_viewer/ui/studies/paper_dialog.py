@@ -1,4 +1,4 @@
-"""The dialog with the paper's tables, re-run: beside each other what it says and what comes out here."""
+"""Dialog that re-runs the paper's tables and compares the results."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _about() -> str:
 
 
 def _figures() -> dict[str, str]:
-    """The figures by their files, with what is to be seen on them."""
+    """Return the figures by file, with their captions."""
     return {
         "bottle.png": tr("Table 1: the bottle at rest, and twisted by 60° and 120°."),
         "duck.png": tr("Table 2: the duck at rest, and its tail moved by 0.15 L and 0.3 L."),
@@ -51,7 +51,7 @@ def _figures() -> dict[str, str]:
 
 
 class PaperDialog(QDialog):
-    """Runs the tables when asked to, and shows them with their figures.
+    """Runs the tables on request, and shows them with their figures.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class PaperDialog(QDialog):
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
     def _make_room(self) -> None:
-        """Be higher where the bar above the button would take the room of the words."""
+        """Grow where the progress bar would cover text."""
         self._column.activate()
         needed = self._column.totalHeightForWidth(self.width())
         if needed > self.height():
@@ -116,13 +116,13 @@ class PaperDialog(QDialog):
         resize_on_screen(self, self.size().expandedTo(QSize(940, 660)))
 
     def done(self, result: int) -> None:
-        """Close, and end what is under way."""
+        """Close the dialog, and end a run in progress."""
         self.run.close_all()
         super().done(result)
 
 
 def _table(lines: list[dict[str, str]]) -> QGridLayout:
-    """The moves a row each: change of the area by ARAP and by APD, here and as the paper says it."""
+    """Return a row a move: area changes by ARAP and APD, here and in the paper."""
     grid = QGridLayout(horizontalSpacing=24, verticalSpacing=6)
     grid.setColumnStretch(0, 1)
     over = (

@@ -1,4 +1,4 @@
-"""The foot of a dialog that has something computed: start, progress, cancel, and the results to save."""
+"""Foot of a dialog that runs a command: start, progress, cancel, save."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _SCALE = 1000
 
 
 class RunBar(QWidget):
-    """Runs a command into a folder of its own, from which the results can be saved.
+    """Runs a command into a temporary folder, and saves the results from there.
 
     Parameters
     ----------
@@ -92,12 +92,12 @@ class RunBar(QWidget):
 
     @property
     def running(self) -> bool:
-        """Whether something is under way."""
+        """Whether a command is in progress."""
         return self._job is not None or self._command.running
 
     @property
     def _results(self) -> Path:
-        """Where the command writes to; there must have been one."""
+        """Folder of the last command's results."""
         assert self._scratch is not None
         return self._scratch / "results"
 
@@ -125,13 +125,13 @@ class RunBar(QWidget):
         self._show_busy(True)
 
     def stop(self) -> None:
-        """End what is under way; nothing of it is left."""
+        """End the command in progress and delete its results."""
         self.close_all()
         self.words.setText(tr("Cancelled; nothing was written."))
         self._show_busy(False)
 
     def close_all(self) -> None:
-        """End what is under way, and forget what has not been saved."""
+        """End the command in progress, and delete unsaved results."""
         if self._job is not None:
             errand, self._job = self._job, None
             errand.join()
@@ -141,7 +141,7 @@ class RunBar(QWidget):
             self._scratch = None
 
     def fail(self, sentence: str) -> None:
-        """Say why there is no result."""
+        """Show the reason for having no result."""
         self.words.setText(sentence)
         self._show_busy(False)
 
@@ -208,7 +208,7 @@ class RunBar(QWidget):
 
 
 def _free(folder: Path, name: str) -> Path:
-    """A folder of that name, or with a number behind it, that is not there yet."""
+    """Return an unused folder name, with a number appended if needed."""
     number, path = 1, folder / name
     while path.exists():
         number += 1

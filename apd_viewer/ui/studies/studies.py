@@ -1,4 +1,4 @@
-"""Work over many shapes that has a dialog of its own: sweeps, and the paper's tables."""
+"""Dialogs for work on many shapes: sweeps, and the paper's tables."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Studies(QObject):
-    """Opens the dialogs; each is there once at most.
+    """Opens the dialogs, each once at most.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Studies(QObject):
         self._show("paper", lambda: PaperDialog(self._window, self._memory))
 
     def close_all(self) -> None:
-        """Close the dialogs, and end what they have under way."""
+        """Close the dialogs, and end their runs."""
         for dialog in list(self.dialogs.values()):
             dialog.close()
 

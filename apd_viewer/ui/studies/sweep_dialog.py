@@ -1,4 +1,4 @@
-"""The dialog that sweeps the motion of the handles: what, how finely, by which methods; then the curves."""
+"""Dialog that sweeps the motion of the handles, and shows the curves."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _POSED, _TWIST = "posed", "twist"
 
 
 class SweepDialog(QDialog):
-    """Sweeps what was open when the dialog was; the window can be worked in meanwhile.
+    """Sweeps the session as it was when the dialog opened.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class SweepDialog(QDialog):
         return _row(self.meshes, self.animation)
 
     def begin(self) -> None:
-        """Sweep as is asked for."""
+        """Start the sweep with the options chosen."""
         document = self._state.document
         methods = [name for name, check in self.methods.items() if check.isChecked()]
         twists, words = [], []
@@ -183,12 +183,12 @@ class SweepDialog(QDialog):
         self._fit(max(self.width(), 900))
 
     def _fit(self, width: int) -> None:
-        """Be so wide, and as high as that needs."""
+        """Set the width, and the height it needs."""
         self._column.activate()
         resize_on_screen(self, QSize(width, self._column.totalHeightForWidth(width)))
 
     def done(self, result: int) -> None:
-        """Close, and end what is under way."""
+        """Close the dialog, and end a run in progress."""
         self.run.close_all()
         super().done(result)
 
