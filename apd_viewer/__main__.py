@@ -77,9 +77,9 @@ def _view_parser() -> Parser:
 
 def _command_parser(command: str) -> Parser:
     # Here, because a window is on the screen before all that has been imported.
-    from apd_viewer.commands import headless
+    from apd_viewer.commands.parsers import PARSERS
 
-    return headless.PARSERS[command]()
+    return PARSERS[command]()
 
 
 if __name__ == "__main__":

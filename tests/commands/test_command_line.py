@@ -15,7 +15,7 @@ from meshes import box, ends, grid, rotation, sphere
 
 import apd_viewer
 from apd_viewer.__main__ import main
-from apd_viewer.commands import headless
+from apd_viewer.commands import deform as deform_command
 from apd_viewer.files.mesh_writing import WRITTEN, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.inspection import inspect
@@ -499,9 +499,9 @@ def test_a_mesh_that_cannot_be_written_leaves_no_report_either(bar, refused):
 
 
 def test_a_report_that_cannot_be_written_leaves_no_picture_either(bar, refused, monkeypatch):
-    from apd_viewer.commands import headless
+    from apd_viewer.commands import deform as deform_command
 
-    monkeypatch.setattr(headless, "_picture", lambda *_: PNG)  # the real one takes its time
+    monkeypatch.setattr(deform_command, "_picture", lambda *_: PNG)  # the real one takes its time
     refused(
         "--iterations", "1", "--picture", bar.folder / "p.png", "--report", bar.folder / "gone" / "r.json"
     )
@@ -519,7 +519,7 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(headless, "deform", interrupted)
+    monkeypatch.setattr(deform_command, "deform", interrupted)
     before = sorted(bar.folder.iterdir())
     assert command(*bar.words()) == (130, "", "interrupted; nothing was written\n")
     assert sorted(bar.folder.iterdir()) == before

@@ -1,0 +1,195 @@
+"""The command deform: deform a mesh without a window or display."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
+from apd_viewer.errors import InputError
+from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
+from apd_viewer.files.mesh_writing import check_target
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.selections.selection_files import read_selection_file
+from apd_viewer.files.selections.survey_formats import read_region, read_transform
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.solver.deform import Result, deform
+from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    METHODS,
+)
+from apd_viewer.language import tr
+from apd_viewer.presentation.palette import label_colors
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
+
+    from apd_viewer.files.selections.selection import Selection
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+_PICTURE = (1600, 1000)  # pixels
+
+
+def deform_parser() -> Parser:
+    """Parser of the command deform."""
+    parser = Parser(prog="apd-viewer deform", description=tr("Deform a mesh without a window."))
+    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument(
+        "--selection",
+        metavar="SEL",
+        required=True,
+        help=tr(
+            "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
+        ),
+    )
+    parser.add_argument(
+        "--transform",
+        metavar="DEF",
+        required=True,
+        action="append",
+        help=tr("4x4 matrix that moves the handle; repeat for each handle"),
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument("--method", choices=METHODS, default=DEFAULT_METHOD, help=tr("default: %(default)s"))
+    parser.add_argument(
+        "--iterations", metavar="N", type=int, help=tr("run exactly N iterations; default: until converged")
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        type=float,
+        default=DEFAULT_TOLERANCE,
+        help=tr("area tolerance of 'paper'; 0.001 is 0.1 %%"),
+    )
+    _add_targets(parser)
+    _add_stiffness(parser)
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
+    parser.set_defaults(run=_deform)
+    return parser
+
+
+def _add_targets(parser: Parser) -> None:
+    parser.add_argument(
+        "--area",
+        metavar="PERCENT",
+        type=float,
+        help=tr(
+            "target of the total area, in percent of the rest area; default: 100 for 'exact' and 'paper'"
+        ),
+    )
+    parser.add_argument(
+        "--volume",
+        metavar="PERCENT",
+        type=float,
+        help=tr("target of the volume, in percent of the rest volume; default: free"),
+    )
+    parser.add_argument(
+        "--region",
+        nargs="+",
+        action="append",
+        default=[],
+        metavar=("NAME FILE", "PERCENT"),
+        help=tr(
+            "region to measure: name, file with one number per vertex (0 outside), optional target "
+            "area in percent"
+        ),
+    )
+
+
+def _add_stiffness(parser: Parser) -> None:
+    for option, default, what in (
+        (
+            "--stiffness",
+            0.0,
+            tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal); CGAL's alpha for 'sr-arap'"),
+        ),
+        (
+            "--area-stiffness",
+            DEFAULT_AREA_STIFFNESS,
+            tr("how strongly 'local' keeps the area of each triangle"),
+        ),
+        (
+            "--shear-stiffness",
+            DEFAULT_SHEAR_STIFFNESS,
+            tr("how strongly 'local' keeps the shape of each triangle"),
+        ),
+    ):
+        parser.add_argument(
+            option,
+            metavar="A",
+            type=float,
+            default=default,
+            help=tr("{what}; default: %(default)s").format(what=what),
+        )
+
+
+def _region(words: Sequence[str], vertices: int) -> Region:
+    """A region from the words after ``--region``."""
+    if len(words) not in (2, 3):
+        raise InputError(tr("--region takes a name, a file and an optional target area in percent."))
+    name, path, *percent = words
+    try:
+        area = float(percent[0]) if percent else None
+    except ValueError as error:
+        raise InputError(
+            tr("--region {name}: {percent} is not a percentage; enter a number.").format(
+                name=name, percent=percent[0]
+            )
+        ) from error
+    return Region(name, read_region(path, vertices), area)
+
+
+def _deform(options: argparse.Namespace) -> None:
+    output = check_target(options.output)
+    if options.picture:
+        check_picture(options.picture)
+    mesh = open_mesh(options.mesh)
+    selection = read_selection_file(options.selection, mesh)
+    held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
+    result = deform(
+        mesh.V,
+        mesh.F,
+        held.fixed,
+        held.targets,
+        options.method,
+        options.iterations,
+        options.tolerance,
+        options.stiffness,
+        handle=held.handles,
+        area_stiffness=options.area_stiffness,
+        shear_stiffness=options.shear_stiffness,
+        area=options.area,
+        volume=options.volume,
+        regions=[_region(words, len(mesh.V)) for words in options.region],
+        progress=progress_line(options.iterations) if sys.stderr.isatty() else None,
+    )
+    picture = _picture(mesh, selection, result) if options.picture else None
+    with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has
+        if picture:
+            beside.enter_context(replacing(options.picture)).write_bytes(picture)
+        written = write_result(beside, mesh, result, options.report, output)
+    print(summary(mesh, result, output, written))
+    if options.picture and not picture:
+        print(no_pictures())
+
+
+def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:
+    """Picture of the painted rest mesh and the result; None without OpenGL."""
+    with tempfile.TemporaryDirectory(prefix="apd-viewer-") as folder:
+        path = Path(folder) / "picture.png"
+        lines = [" ".join(line.split()) for line in readings(result)]
+        words = [[tr("Rest")], [METHODS[result.method].short_title, *lines]]
+        shapes = Picture(path, [mesh.V, result.U], words, label_colors(selection.labels))
+        return path.read_bytes() if draw_shapes(mesh, [shapes], _PICTURE) else None

@@ -1,0 +1,20 @@
+"""Parsers of the commands, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from apd_viewer.commands.deform import deform_parser
+from apd_viewer.commands.info import info_parser
+from apd_viewer.commands.paper import paper_parser
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.replay import replay_parser
+from apd_viewer.commands.sweep import sweep_parser
+
+PARSERS: dict[str, Callable[[], Parser]] = {
+    "deform": deform_parser,
+    "info": info_parser,
+    "paper": paper_parser,
+    "replay": replay_parser,
+    "sweep": sweep_parser,
+}

@@ -1,0 +1,100 @@
+"""Output of a deformation: files, progress and summary."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.files.mesh_writing import Written, save_mesh
+from apd_viewer.files.report import write_report
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.deform import MOST_ITERATIONS, Result
+from apd_viewer.language import tr
+from apd_viewer.session.model.status_text import about_caps, of_crossings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+_ROUNDED = 1e-6  # relative change of the area by the digits of a file that is worth a word
+
+
+def write_result(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
+    """Write the mesh, and the report beside it if one is asked for."""
+    if report:
+        write_report(beside.enter_context(replacing(report)), mesh, result)
+    return save_mesh(mesh, result.U, output)
+
+
+def progress_line(iterations: int | None) -> Callable[[Frame], None]:
+    """Show the progress of the iterations on one terminal line."""
+
+    def show(frame: Frame) -> None:
+        last = frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and not iterations)
+        if frame.iteration % 20 and not last:
+            return
+        area = 100 * frame.area_error
+        said = tr("iteration {done:,}   area {area:+.3f} %").format(done=frame.iteration, area=area)
+        if iterations:
+            said = tr("iteration {done:,} of {all:,}   area {area:+.3f} %").format(
+                done=frame.iteration, all=iterations, area=area
+            )
+        print(
+            f"\r{said}   ",
+            end="\n" if last else "",
+            file=sys.stderr,
+            flush=True,
+        )
+
+    return show
+
+
+def summary(mesh: Mesh, result: Result, output: Path, written: Written) -> str:
+    """Lines on a finished deformation, for the terminal."""
+    effort = tr("{n:,} iterations in {seconds:.1f} s").format(n=result.iterations, seconds=result.seconds)
+    state = tr("{output}: {method}, converged after {effort}")
+    if not result.converged:
+        state = tr("{output}: {method}, not converged after {effort}")
+    lines = [state.format(output=output, method=result.method, effort=effort), *readings(result)]
+    lines += [found.sentence for found in of_crossings(mesh, crossings(result.U, mesh.joined_F))]
+    lines += [f"“{part.name}”  {_reading(part.area, part.area_rest)}" for part in result.regions]
+    lines.append(tr("largest local area change {change:.3g} %").format(change=100 * result.local_change))
+    lines.append(tr("handle drift {drift:.4g}").format(drift=result.handle_drift))
+    if abs(written.area / result.area - 1.0) > _ROUNDED:
+        lines.append(
+            tr("rounding in the file changes the area to {area:.6g}; OBJ and OFF are more precise").format(
+                area=written.area
+            )
+        )
+    if written.dropped:
+        kept = output.suffix[1:].upper()
+        lines.append(
+            tr("written as {kind}, without the {things} of the mesh").format(
+                kind=kept, things=", ".join(written.dropped)
+            )
+        )
+    return "\n".join([*lines, *result.warnings])
+
+
+def readings(result: Result) -> list[str]:
+    """Area and volume against rest, a line each."""
+    lines = [tr("area    {reading}").format(reading=_reading(result.area, result.area_rest))]
+    if result.volume is not None and result.volume_rest:
+        lines.append(tr("volume  {reading}").format(reading=_reading(result.volume, result.volume_rest)))
+    elif result.volume_capped is not None and result.volume_capped_rest:
+        reading = _reading(result.volume_capped, result.volume_capped_rest)
+        lines.append(
+            tr("volume  {reading}, {caps}").format(reading=reading, caps=about_caps(result.openings))
+        )
+    return lines
+
+
+def _reading(value: float, rest: float) -> str:
+    change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # and no minus before a zero
+    return tr("{value:.6g} of {rest:.6g} ({change:+.3f} %)").format(value=value, rest=rest, change=change)
