@@ -14,7 +14,7 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider_field import Slider, SliderScale
+from apd_viewer.ui.widgets.slider import Slider, SliderScale
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:

@@ -14,7 +14,8 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.preferences.unit_button import UnitButton
 from apd_viewer.ui.widgets.fields import Check, percent_field
 from apd_viewer.ui.widgets.folding_section import quiet
-from apd_viewer.ui.widgets.slider_field import PERCENT, Dial
+from apd_viewer.ui.widgets.slider import PERCENT
+from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, OFFERED,
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import Choice, Number
 from apd_viewer.ui.widgets.folding_section import Section, quiet
-from apd_viewer.ui.widgets.slider_field import DECADES, Dial
+from apd_viewer.ui.widgets.slider import DECADES
+from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLOR
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.panel.area_section import AreaSection
 from apd_viewer.ui.panel.method_section import MethodSection
-from apd_viewer.ui.panel.part_list import Swatch
+from apd_viewer.ui.panel.part_row import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.panel.volume_section import VolumeSection

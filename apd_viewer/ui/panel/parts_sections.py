@@ -13,11 +13,13 @@ from apd_viewer.language import tr, trc
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.panel.motion_field import MotionField
-from apd_viewer.ui.panel.part_list import PartList, PartRow
+from apd_viewer.ui.panel.part_list import PartList
+from apd_viewer.ui.panel.part_row import PartRow
 from apd_viewer.ui.widgets.fields import Check, Number, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.slider_field import SHARE, Dial
+from apd_viewer.ui.widgets.slider import SHARE
+from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from apd_viewer.presentation import readings
 from apd_viewer.ui.panel.crossings_button import CrossingsButton
 from apd_viewer.ui.widgets.fields import Check, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet
-from apd_viewer.ui.widgets.slider_field import PERCENT, Dial
+from apd_viewer.ui.widgets.slider import PERCENT
+from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:

@@ -24,7 +24,8 @@ from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 if TYPE_CHECKING:
     from apd_viewer.files import html_page
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.presentation.report_page import Evidence, Subject
+    from apd_viewer.presentation.report_origin import Evidence
+    from apd_viewer.presentation.report_page import Subject
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
@@ -216,7 +217,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
     from apd_viewer.files.fingerprint import fingerprint
     from apd_viewer.geometry.analysis.area_change import local_change
     from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
-    from apd_viewer.presentation.report_page import Evidence
+    from apd_viewer.presentation.report_origin import Evidence
     from apd_viewer.session.model.memo import triangle_areas
 
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U

@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import verdict
 from apd_viewer.session.store import Activity
-from apd_viewer.ui.widgets.slider_field import DECADES, PERCENT
+from apd_viewer.ui.widgets.slider import DECADES, PERCENT
 
 
 def choose(window, method):

@@ -1,0 +1,108 @@
+"""Report blocks: mesh file, versions and the way to repeat it."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import metadata
+from typing import TYPE_CHECKING
+
+from apd_viewer.files.html_page import Attached, Block, Command, Note, Table
+from apd_viewer.language import tr
+from apd_viewer.presentation import readings
+from apd_viewer.presentation.number_format import short
+from apd_viewer.session.quantities.units import Unit
+
+if TYPE_CHECKING:
+    from apd_viewer.files.fingerprint import Fingerprint
+    from apd_viewer.geometry.analysis.area_change import LocalChange
+    from apd_viewer.session.model.document import State
+
+
+_LIBRARIES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "cholespy",
+    "trimesh",
+    "fast-simplification",
+    "ipctk",
+    "pyvista",
+    "vtk",
+    "PySide6_Essentials",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Measurements that take long.
+
+    Attributes
+    ----------
+    change : LocalChange
+    file : Fingerprint or None
+        None where the mesh came from no file.
+    session : bytes
+        A session with all of it, as a file; empty where it is too long.
+    """
+
+    change: LocalChange
+    file: Fingerprint | None
+    session: bytes
+
+
+def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[Block]:
+    """Blocks on the mesh file and its contents."""
+    mesh, found = state.document.mesh, state.inspection
+    rows = [(tr("File"), tr("none: the mesh was in memory") if file is None else file.place, "")]
+    if file is not None and file.size is None:
+        rows.append(("", tr("It can no longer be read."), ""))
+    elif file is not None:
+        rows.append((tr("Size"), tr("{n:,} bytes").format(n=file.size), ""))
+        rows.append((tr("SHA-256 of the file"), file.sha256, ""))
+    rows += [
+        (tr("Mesh digest"), mesh.digest, tr("SHA-256 of positions and triangles at rest")),
+        (tr("Vertices"), f"{found.vertices:,}", ""),
+        (tr("Faces"), f"{found.faces:,}", ""),
+        (tr("Connected parts"), f"{found.pieces:,}", ""),
+        (tr("Size at rest"), unit.length(" × ".join(short(side) for side in found.size)), ""),
+        (tr("Unit of length"), unit.title, ""),
+    ]
+    yield Table(tuple(rows))
+
+
+def version_rows() -> Iterator[tuple[str, str, str]]:
+    """Rows of the program, Python and libraries with their versions."""
+    yield "APD Viewer", version_of("apd-viewer"), ""
+    yield "Python", platform.python_version(), platform.python_implementation()
+    yield tr("Platform"), platform.platform(), ""
+    libraries = [f"{name} {version_of(name)}" for name in _LIBRARIES]
+    yield tr("Libraries"), ", ".join(libraries), ""
+
+
+def version_of(name: str) -> str:
+    """Version of an installed distribution, or a dash."""
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return readings.NOTHING
+
+
+def repeat_blocks(state: State, evidence: Evidence) -> Iterator[Block]:
+    """Instructions to reproduce the shape from the session in the page."""
+    mesh = state.document.mesh
+    suffix = mesh.origin.suffix if mesh.origin is not None else ".obj"
+    if evidence.session:
+        size = tr("{n:,} bytes").format(n=len(evidence.session))
+        yield Note(tr("This session contains the mesh, the settings and the shape; open it with APD Viewer."))
+        yield Attached("report.apd", evidence.session, size)
+    else:
+        yield Note(tr("The session is too large for this page; save it as report.apd, including the mesh."))
+    yield Note(
+        tr(
+            "This command repeats the deformation from the rest shape without a window; a large "
+            "motion made in steps may end in another shape."
+        )
+    )
+    yield Command(f"apd-viewer replay report.apd --from-rest -o deformed{suffix} --report deformed.json")

@@ -1,0 +1,108 @@
+"""Report blocks: handles, regions and what was asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.files.html_page import Block, Note, Table
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.transforms import decomposed
+from apd_viewer.language import tr, trn
+from apd_viewer.presentation import readings
+from apd_viewer.presentation.number_format import short, significant
+from apd_viewer.session.quantities.units import Unit
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import State
+
+
+_RIGID = 1e-9  # of the matrix of a motion: less of a scale is rounding
+
+
+_DIGITS = 8  # of numbers by which something is done again
+
+
+_ROUNDING = 1e-12  # of the size of a mesh
+
+
+def settings_blocks(state: State) -> Iterator[Block]:
+    """Blocks on the method and all settings."""
+    document = state.document
+    method = document.traits
+    rows = [(tr("Method"), method.title, method.about)]
+    area, volume, *_ = document.kept
+    rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
+    rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
+    if method.has_tolerance:
+        rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
+    if method.has_moduli:
+        rows.append((tr("Area stiffness"), f"{document.area_stiffness:g}", ""))
+        rows.append((tr("Shear stiffness"), f"{document.shear_stiffness:g}", ""))
+    rows.append((tr("Stiffness"), f"{document.stiffness:g}", ""))
+    yield Table(tuple(rows))
+
+
+def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
+    """Rows of the handles with their motions."""
+    document, size = state.document, max(state.inspection.size)
+    for k, handle in enumerate(document.handles):
+        count, centre = int(document.counts[HANDLE + k]), document.centre(k)
+        if centre is None:
+            yield handle.name, tr("not painted"), ""
+            continue
+        said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
+        said += _motion(handle.pose, centre, unit, size)
+        pivot = document.pivot(k)
+        if handle.pivot is not None and pivot is not None:
+            said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
+        if handle.falloff:
+            said.append(tr("falloff {length}").format(length=unit.length(significant(handle.falloff, 4))))
+        yield handle.name, readings.motion(document, k, unit, size), "; ".join(said)
+    yield tr("Drift"), readings.drift(state, unit), ""
+    counts = document.counts
+    painted = {tr("Base"): counts[BASE], tr("Free"): counts[FREE]}
+    for name, n in painted.items():
+        yield name, trn("{n:,} vertex", "{n:,} vertices", int(n)).format(n=int(n)), ""
+
+
+def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit, size: float) -> Iterator[str]:
+    """Reproducible motion: displacement of the centre, axis and angle, and scale."""
+    if np.array_equal(pose, np.eye(4)):
+        return
+    left, scale, right = np.linalg.svd(pose[:3, :3])
+    rigid = np.eye(4)
+    rigid[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    turn = decomposed(rigid, centre)
+    displacement = (pose[:3, :3] - np.eye(3)) @ centre + pose[:3, 3]
+    yield tr("displacement {vector}").format(vector=unit.length(_vector(displacement, size)))
+    if turn.angle > 0.0:
+        angle = f"{math.degrees(turn.angle):.6f}".rstrip("0").rstrip(".")
+        yield tr("axis {vector}, angle {angle}°").format(vector=_vector(turn.axis), angle=angle)
+    if np.abs(scale - 1.0).max() > _RIGID:
+        factors = scale[:1] if np.ptp(scale) <= _RIGID else scale
+        yield tr("scaled by {factors}").format(factors=" × ".join(f"{factor:.6g}" for factor in factors))
+
+
+def _vector(x: np.ndarray, size: float = 1.0) -> str:
+    """Coordinates with enough digits to reproduce them; rounding errors become zero."""
+    least = _ROUNDING * size
+    return "(" + ", ".join(f"{c:.{_DIGITS}g}".replace("-", "−") if abs(c) > least else "0" for c in x) + ")"
+
+
+def region_blocks(state: State, unit: Unit) -> Iterator[Block]:
+    """Blocks on the regions with their areas and targets."""
+    regions = state.document.regions
+    if not regions:
+        yield Note(tr("There are no regions."))
+        return
+    rows = []
+    for region, (area, sizes) in zip(regions, readings.regions(state, unit), strict=False):
+        more = sizes
+        if region.area is not None and not state.document.traits.keeps_only_total_area:
+            more = tr("{sizes}; target {percent} %").format(sizes=sizes, percent=f"{region.area:g}")
+        rows.append((region.name, area, more))
+    yield Table(tuple(rows))
