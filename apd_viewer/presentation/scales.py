@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.presentation.number_format import short
 from apd_viewer.session.quantities.units import Unit
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.deviation import Deviation
 
 _NOTHING = 5e-5  # of the scale, what is written as zero
 _ROUNDING = 1e-9  # of the usual scale, what no scale is made for
@@ -28,13 +32,17 @@ class ScaleKind(Enum):
 
 
 class Words(NamedTuple):
-    """Title and tip of a measure; ``method`` is its name in :class:`Deviation`."""
+    """Title and tip of a measure, and its values.
+
+    ``values(deviation, U, enough)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
+    ``enough()`` has ended a measure that takes long.
+    """
 
     title: str
     tip: str
     key: str
     kind: ScaleKind
-    method: str
+    values: Callable[[Deviation, np.ndarray, Callable[[], bool]], np.ndarray | None]
 
 
 class Measure(Enum):
@@ -74,35 +82,35 @@ def _words() -> dict[Measure, Words]:
             tr("Colour by local area change: the triangles around each vertex compared with rest"),
             "Alt+1",
             ScaleKind.RATIO,
-            "area",
+            lambda deviation, U, _: deviation.area(U),
         ),
         Measure.STRAIN: Words(
             tr("Edge strain"),
             tr("Colour by edge strain: the largest stretch or shortening of the edges at each vertex"),
             "Alt+2",
             ScaleKind.RATIO,
-            "strain",
+            lambda deviation, U, _: deviation.strain(U),
         ),
         Measure.BENDING: Words(
             tr("Bending"),
             tr("Colour by change of mean curvature from rest: more convex or more concave"),
             "Alt+3",
             ScaleKind.CURVATURE,
-            "bending",
+            lambda deviation, U, _: deviation.bending(U),
         ),
         Measure.DISPLACEMENT: Words(
             tr("Displacement"),
             tr("Colour by the distance of each vertex from its rest position"),
             "Alt+4",
             ScaleKind.LENGTH,
-            "displacement",
+            lambda deviation, U, _: deviation.displacement(U),
         ),
         Measure.DISTANCE: Words(
             tr("Distance to rest"),
             tr("Colour by the distance from the rest surface, measured when the shape has converged"),
             "Alt+5",
             ScaleKind.LENGTH,
-            "distance",
+            lambda deviation, U, enough: deviation.distance(U, enough),
         ),
     }
 

@@ -204,7 +204,7 @@ class HeatMap(MouseTool, QObject):
                 surface.wear(None)
             self._resting.start()
         else:
-            self.values = getattr(self._change, measure.words.method)(surface.shape)
+            self.values = measure.words.values(self._change, surface.shape, lambda: False)
             self._color()
         if not self._reading.isActive():
             self._reading.start()
@@ -213,8 +213,8 @@ class HeatMap(MouseTool, QObject):
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
         if change is None or self.measure is None:
             return
-        method = getattr(change, self.measure.words.method)
-        self._task.begin(lambda enough: _Slow(seen, method(U, enough)))
+        values = self.measure.words.values
+        self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 
     def _take(self, result: object) -> None:
         """Take what the thread has found."""

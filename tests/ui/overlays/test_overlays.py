@@ -140,7 +140,7 @@ def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     answer(qtbot, globe, 1.2 * document(globe).mesh.V)
     assert heat.values is None
     assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
-    assert "rest" in globe.looks.legend._note.text()
+    assert "converged" in globe.looks.legend._note.text()
     assert heat._resting.isActive()
     heat._resting.start(0)
     qtbot.waitUntil(lambda: heat.values is not None)
