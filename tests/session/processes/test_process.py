@@ -165,6 +165,23 @@ def test_a_request_that_kills_every_process_is_given_up_in_a_sentence(empty, alt
     assert len(empty.failed) == 1
 
 
+def test_an_error_in_the_process_reaches_the_log_of_its_owner(empty, altered, caplog):
+    altered(
+        """
+        from apd_viewer.geometry.solver.deformation import Deformation
+        def fails(self):
+            raise RuntimeError("out of luck")
+        Deformation.iterate = fails
+        """
+    )
+    empty.show_now(bar())
+    empty.paint_ends()
+    empty.drag(BENT)
+    empty.until(lambda: empty.failed)
+    assert "RuntimeError: out of luck" in caplog.text
+    assert "in fails" in caplog.text, "with where it was"
+
+
 # Not started
 
 
