@@ -133,17 +133,22 @@ METHODS = {
 OFFERED = ("arap", "paper", "exact", "local")
 
 
-def check_method(name: str, handle_of: np.ndarray) -> Method:
-    """The method of that name; raises InputError if there is none, or too little is held for it."""
+def method_named(name: str) -> Method:
+    """Return the method of that name; raises InputError if there is none."""
     if not isinstance(name, str) or name not in METHODS:
         raise InputError(
             tr("Unknown method {method!r}; choose one of {methods}.").format(
                 method=name, methods=", ".join(METHODS)
             )
         )
+    return METHODS[name]
+
+
+def check_method(name: str, handle_of: np.ndarray) -> Method:
+    """The method of that name; raises InputError if there is none, or too little is held for it."""
+    method = method_named(name)
     if len(handle_of) == 0:
         raise InputError(tr("No vertices are held; give the vertices of the base and the handles."))
-    method = METHODS[name]
     if method.moves_handles and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(
             tr("The method {method!r} needs base and handle; give the vertices of the handle too.").format(

@@ -22,8 +22,8 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_METHOD,
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
-    METHODS,
     Method,
+    method_named,
 )
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
@@ -88,7 +88,7 @@ class Document:
     @property
     def traits(self) -> Method:
         """The method by which it is deformed."""
-        return METHODS[self.method]
+        return method_named(self.method)
 
     @property
     def problem(self) -> str | None:

@@ -170,7 +170,7 @@ def test_a_request_not_to_iterate_and_one_that_cannot_be_answered_get_no_reply(w
 
 def test_a_document_that_is_refused_is_answered_with_its_sentence(worker):
     reply = worker.answers(request("sculpt"))[-1]
-    assert "no method 'sculpt'" in reply.failure
+    assert "Unknown method 'sculpt'" in reply.failure
     assert reply.frame is None
     assert worker.answers(request())[-1].frame.converged
 
