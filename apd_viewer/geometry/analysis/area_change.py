@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import frozen
 
 # Bins an octave of c; the octaves reach from 2^_LOWEST, which is nothing but rounding, to 2^_HIGHEST.
@@ -90,7 +90,7 @@ def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
     return LocalChange(moved / total, min(float(p99), largest), largest, below)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _sort_in(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, parts: np.ndarray, found: np.ndarray
 ) -> None:

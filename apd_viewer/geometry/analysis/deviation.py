@@ -10,10 +10,10 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.analysis.surface_distance import distances
-from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes
 
@@ -108,7 +108,7 @@ class Deviation:
         return boxes_in_boxes(self._V, self._F)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _star_areas(
     U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
@@ -128,7 +128,7 @@ def _star_areas(
     return areas
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _log_ratio(now: np.ndarray, rest: np.ndarray, named: np.ndarray, least: float) -> np.ndarray:
     out = np.empty(len(named))
     for v in prange(len(named)):
@@ -140,7 +140,7 @@ def _log_ratio(now: np.ndarray, rest: np.ndarray, named: np.ndarray, least: floa
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _edge_strain(
     U: np.ndarray,
     V: np.ndarray,
@@ -171,7 +171,7 @@ def _edge_strain(
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _displacement(U: np.ndarray, V: np.ndarray) -> np.ndarray:
     out = np.empty(len(U))
     for v in prange(len(U)):
@@ -180,7 +180,7 @@ def _displacement(U: np.ndarray, V: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _mean_curvature(
     U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, named: np.ndarray
 ) -> np.ndarray:
@@ -233,7 +233,7 @@ def write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndar
         _write_shades(values, signed, reach, shades)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
     scale = (127.0 if signed else 254.0) / reach
     zero = 128.5 if signed else 1.5  # truncated, it is rounded

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.picking.visibility import FAN
 
 _BITS = 3  # of FAN
@@ -12,7 +13,7 @@ _BITS = 3  # of FAN
 _PORTION = 128
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def distances(
     points: np.ndarray,
     on: np.ndarray,

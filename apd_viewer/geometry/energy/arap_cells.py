@@ -21,6 +21,7 @@ from apd_viewer.geometry.linalg.rotations import (
     store_rotation,
     turned,
 )
+from apd_viewer.geometry.linalg.threads import parallel
 
 FLAT = np.empty((0, 3, 3))
 # Vertices that a core takes on at once.
@@ -66,7 +67,7 @@ def _load_cell(
     X[6 * LANES + lane], X[7 * LANES + lane], X[8 * LANES + lane] = s20, s21, s22
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+@parallel(fastmath={"contract"})
 def local_step(
     start: np.ndarray,
     neighbour: np.ndarray,
@@ -128,7 +129,7 @@ def local_step_in_turn(
         store_rotation(X, 0, q[i])
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+@parallel(fastmath={"contract"})
 def pull(
     start: np.ndarray,
     neighbour: np.ndarray,
@@ -172,7 +173,7 @@ def pull(
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True, fastmath={"contract"})
+@parallel(fastmath={"contract"})
 def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:

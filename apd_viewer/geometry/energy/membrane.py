@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit, prange
 
 from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
+from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
 from apd_viewer.geometry.mesh.measures import Patch
 
@@ -72,7 +73,7 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
 
 
-@njit(cache=True, nogil=True, parallel=True, error_model="numpy", fastmath={"contract"})
+@parallel(error_model="numpy", fastmath={"contract"})
 def _forces(
     F: np.ndarray,
     rest: np.ndarray,
@@ -110,7 +111,7 @@ def _forces(
     return energy
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.ndarray:
     """The sum of the ``forces`` (3 m, 3) on the corners at every vertex, (n, 3)."""
     out = np.empty((len(start) - 1, 3))
@@ -125,7 +126,7 @@ def _gathered(start: np.ndarray, corner: np.ndarray, forces: np.ndarray) -> np.n
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _turn(F: np.ndarray, turns: np.ndarray, forces: np.ndarray) -> None:
     """Rotate each triangle's ``forces`` (3 m, 3) by its first corner's ``turns``."""
     for portion in prange((len(F) + _PORTION - 1) // _PORTION):

@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numba import njit, prange
+from numba import prange
 
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
 from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian, edge_weights, laplacian
@@ -167,7 +168,7 @@ class Bending:
         return _moments(self.apply(U), self.CV, weight * self.weight)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _turned(q: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """``weight_i R_i x_i``, (n, 3)."""
     out = np.empty_like(X)
@@ -177,7 +178,7 @@ def _turned(q: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _moments(X: np.ndarray, Y: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """``weight_i x_i y_i^T``, (n, 3, 3)."""
     out = np.empty((len(X), 3, 3))

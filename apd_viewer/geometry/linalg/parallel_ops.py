@@ -8,7 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
+
+from apd_viewer.geometry.linalg.threads import parallel
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -22,7 +24,7 @@ def product(A: csr_array, X: np.ndarray) -> np.ndarray:
     return _product(A.indptr, A.indices, A.data, X)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.ndarray) -> np.ndarray:
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):
@@ -36,7 +38,7 @@ def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.nda
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Inner products of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,)."""
     count = (len(X) + _PORTION - 1) // _PORTION
@@ -51,7 +53,7 @@ def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
     return sums.sum(axis=0)
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
     """Add ``sum_k c_k A_k`` of ``A`` (k, n, 3) to ``X`` (n, 3), in place."""
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):
@@ -63,7 +65,7 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
                 X[i, 2] += c[k] * A[k, i, 2]
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def moved(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     """``X + sum_k c_k A_k`` of ``A`` (k, n, 3) and ``X`` (n, 3)."""
     out = np.empty_like(X)
@@ -77,7 +79,7 @@ def moved(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Rows of ``X`` (n, 3), (len(rows), 3) float array."""
     out = np.empty((len(rows), 3))
@@ -87,7 +89,7 @@ def taken(X: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """``U`` (n, 3) with rows of ``A`` at ``place`` 0, 1, ..., of ``B`` at -1, ...
 
@@ -105,7 +107,7 @@ def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def largest_difference(A: np.ndarray, B: np.ndarray) -> float:
     """The largest difference of two coordinates of ``A`` and ``B`` (n, 3)."""
     count = (len(A) + _PORTION - 1) // _PORTION

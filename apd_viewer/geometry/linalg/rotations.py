@@ -17,6 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from apd_viewer.geometry.linalg.threads import parallel
+
 # Matrices that are worked on at once: twice as many doubles as the widest registers hold, so that the one
 # half goes on while the other waits for a division.
 LANES = 16
@@ -217,7 +219,7 @@ def turned(q: np.ndarray, i: int, x: float, y: float, z: float) -> tuple[float, 
     return x + w * tx + b * tz - c * ty, y + w * ty + c * tx - a * tz, z + w * tz + a * ty - b * tx
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
     """Compose every rotation of ``q`` (n, 4) with ``turns`` (n, 4), in place."""
     for i in prange(len(q)):

@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from apd_viewer.geometry.linalg.threads import parallel
+
 # Triangles that a core takes on at once.
 _PORTION = 1024
 
@@ -76,7 +78,7 @@ def _corners(F: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     return start, corner
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def area_of(U: np.ndarray, F: np.ndarray) -> float:
     """Area of the triangles ``F`` (m, 3) at ``U`` (n, 3)."""
     total = 0.0
@@ -89,7 +91,7 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _vertex_normals(U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray) -> np.ndarray:
     normals = np.zeros_like(U)
     for v in prange(len(U)):
@@ -108,7 +110,7 @@ def _vertex_normals(U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.
     return normals
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def survey(U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float) -> tuple[float, float, float]:
     """Area, signed volume and largest relative area change, in one pass.
 
@@ -143,7 +145,7 @@ def survey(U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float) -> tupl
     return total, inside / 6.0, changes.max()
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _area_and_gradient(
     U: np.ndarray,
     F: np.ndarray,
@@ -179,7 +181,7 @@ def _area_and_gradient(
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _volume_and_gradient(
     U: np.ndarray, F: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, g: np.ndarray
 ) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
 
 FAN = 8  # triangles in a box, boxes in a larger box
 _BITS = 3  # of FAN
@@ -86,7 +86,7 @@ def visible(eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray) -> np
     return seen
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _see(
     eye: np.ndarray,
     U: np.ndarray,
@@ -162,7 +162,7 @@ def _hides(
     return 0.0 < (gx * qx + gy * qy + gz * qz) / det < 1.0 - TOUCHING
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _cells(U: np.ndarray, F: np.ndarray) -> np.ndarray:
     """Cell of each triangle along a space-filling curve."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -208,7 +208,7 @@ def _in_order(F: np.ndarray, key: np.ndarray) -> np.ndarray:
     return F[order]
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _around_triangles(U: np.ndarray, F: np.ndarray, slack: float, corners: np.ndarray) -> None:
     """Boxes (b, 2, 3) of every ``FAN`` triangles, grown by ``slack``."""
     for b in prange(len(corners)):

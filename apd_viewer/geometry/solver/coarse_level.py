@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.rotations import turned
-from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.solver.goals import Goal
@@ -180,7 +180,7 @@ def _difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
     )
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """For each row of ``near`` and ``weight`` (n, 4) the weighted mean of the quaternions ``q`` (c, 4)."""
     out = np.empty((len(near), 4))
@@ -204,7 +204,7 @@ def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _carried(
     U: np.ndarray, near: np.ndarray, weight: np.ndarray, q: np.ndarray, X: np.ndarray, D: np.ndarray
 ) -> np.ndarray:
@@ -235,7 +235,7 @@ def _gathered(b: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndar
     return out
 
 
-@njit(cache=True, nogil=True, parallel=True)
+@parallel()
 def _spread(X: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """``P X``, (f, 3), for ``X`` (c, 3) and the same."""
     out = np.empty((len(rows), 3))

@@ -1,0 +1,131 @@
+"""The thread rule: one decorator compiles every parallel kernel, and lets one caller in at a time."""
+
+import ast
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+from pathlib import Path
+
+import numba
+import numpy as np
+
+import apd_viewer
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+from apd_viewer.geometry.linalg.threads import cores_for
+
+PACKAGE = Path(apd_viewer.__file__).parent
+DOOR = "geometry/linalg/threads.py"
+
+
+def violations(source):
+    """Lines that compile a parallel kernel, or loop over ``prange``, without the decorator."""
+    tree = ast.parse(source)
+    found = [
+        node.value.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.keyword) and node.arg in ("parallel", "target")
+    ]
+    inside = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef)
+        and any(
+            isinstance(d, ast.Call) and ast.unparse(d.func) == "parallel" for d in function.decorator_list
+        )
+        for node in ast.walk(function)
+    }
+    found += [
+        node.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("prange") and id(node) not in inside
+    ]
+    return found
+
+
+def test_every_parallel_kernel_obeys_the_rule():
+    found = [
+        f"{path.relative_to(PACKAGE).as_posix()}: line {line}"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if path.relative_to(PACKAGE).as_posix() != DOOR and "numba" in path.read_text(encoding="utf-8")
+        for line in violations(path.read_text(encoding="utf-8"))
+    ]
+    assert found == []
+
+
+def test_kernels_outside_the_rule_are_found():
+    assert violations("@njit(parallel=True)\ndef f(x):\n    pass") == [1]
+    assert violations("f = njit(cache=True, parallel=True)(g)") == [1]
+    assert violations("@njit\ndef f(x):\n    for i in numba.prange(3):\n        pass") == [3]
+    assert violations("@parallel()\ndef f(x):\n    for i in prange(3):\n        pass") == []
+
+
+# Where numba has nothing but its workqueue, two threads in kernels at once end the process.
+CALLS = """
+    import sys, threading
+    import numba
+    import numpy as np
+    from numba import njit, prange
+    from apd_viewer.geometry.linalg.parallel_ops import moved
+
+    @njit(parallel=True)
+    def bare(X):
+        out = np.empty_like(X)
+        for i in prange(len(X)):
+            out[i] = 2.0 * X[i]
+        return out
+
+    numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))
+    X, c, A = np.ones((200_000, 3)), np.ones(1), np.ones((1, 200_000, 3))
+    kernel = (lambda: bare(X)) if "bare" in sys.argv else (lambda: moved(X, c, A))
+    kernel()
+    assert numba.threading_layer() == "workqueue"
+    work = lambda: [kernel() for _ in range(300)]
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    print("survived")
+"""
+
+
+def run(*words):
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(CALLS), *words],
+        env={**os.environ, "NUMBA_THREADING_LAYER": "workqueue", "NUMBA_NUM_THREADS": "2"},
+        cwd=PACKAGE.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+def test_a_kernel_called_from_many_threads_ends_no_process():
+    done = run()
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "survived"
+
+
+def test_a_bare_kernel_would():
+    assert run("bare").returncode != 0
+
+
+def test_a_kernel_waits_for_another_thread_that_has_the_cores():
+    done, X = threading.Event(), np.zeros((10, 3))
+    thread = threading.Thread(target=lambda: (largest_difference(X, X), done.set()))
+    with cores_for(10):
+        thread.start()
+        assert not done.wait(0.2)
+        assert largest_difference(X, X + 1.0) == 1.0, "the thread that has them does not wait"
+    assert done.wait(30.0)
+    thread.join()
+
+
+def test_the_number_of_cores_is_restored():
+    before = numba.get_num_threads()
+    with cores_for(10):
+        assert numba.get_num_threads() == 1
+    assert numba.get_num_threads() == before
