@@ -56,13 +56,13 @@ class Filing:
             self._wish(session)
 
     def leftovers(self) -> list[Leftover]:
-        """What was left by programs that were killed, locked for this window."""
+        """Recoverable sessions of killed programs, locked for this window."""
         from apd_viewer.session.storage.recovery import leftovers
 
         return leftovers(self._recovery) if self._recovery is not None else []
 
     def restore(self, left: Leftover) -> None:
-        """Open what was left, in the background; its file is no place to save to."""
+        """Open a recovered session in the background; its file is not for saving."""
         self._asked = None
         if self._session is not None:
             self._session.autosave.restore(left)
@@ -82,7 +82,7 @@ class Filing:
         self._open(lambda session: session.files.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
-        """Show a mesh that is in memory."""
+        """Show a mesh from memory."""
         self._open(lambda session: session.files.open_mesh(mesh))
 
     def _open(self, wish: Callable[[Session], None]) -> None:
@@ -92,13 +92,13 @@ class Filing:
             wish(self._session)
 
     def ask_for_file(self) -> None:
-        """Let the user choose what to open."""
+        """Choose a file to open."""
         path = file_dialogs.ask_for_mesh(self._window, self._memory.folder)
         if path is not None:
             self.open_path(path)
 
     def ask_for_target(self) -> None:
-        """Let the user choose where to write the deformed mesh."""
+        """Choose a target for the deformed mesh."""
         if self._session is None or (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
@@ -106,14 +106,14 @@ class Filing:
             self._session.files.export(path)
 
     def save(self) -> None:
-        """Save the session where it was saved or opened last; ask where if that is nowhere."""
+        """Save the session to its file; ask for one if there is none."""
         if self._path is None:
             self.save_as()
         elif self._session is not None and self._session.store.state is not None:
             self._session.files.save(self._path, self._view(self._session.store.unit.value), self._embeds)
 
     def save_as(self) -> None:
-        """Let the user choose where to save the session, and whether with the mesh in it."""
+        """Choose a target for the session, with or without the mesh."""
         if self._session is None or (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
@@ -124,19 +124,19 @@ class Filing:
             self.save()
 
     def opened(self, state: State) -> None:
-        """Another mesh is there: what is saved next is another session."""
+        """Note another mesh: the next save is of another session."""
         self._path, self._embeds = None, False
         if path := own_file(state.document.mesh):
             self._memory.remember(path)
 
     def viewed(self) -> None:
-        """It came from a session file, which is where it is saved next."""
+        """Note the session's file as the target of the next save."""
         if self._asked is not None and self._asked.suffix.lower() == SUFFIX:
             self._path = self._asked
             self._memory.remember(self._asked)
 
     def load_selection(self) -> None:
-        """Let the user choose a file that says what to paint."""
+        """Choose a selection file to load."""
         if self._session is None or self._session.store.state is None:
             return
         path = file_dialogs.ask_for_selection(self._window, self._memory.folder)
@@ -144,7 +144,7 @@ class Filing:
             self._session.files.load_selection(path)
 
     def save_selection(self) -> None:
-        """Let the user choose where to write what is painted."""
+        """Choose a target for the selection."""
         if self._session is None or (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
@@ -152,7 +152,7 @@ class Filing:
             self._session.files.save_selection(path)
 
     def may_close(self) -> bool:
-        """Whether no shape is lost with the window, or the user wants it so."""
+        """True if nothing is lost by closing, or the user agrees."""
         if not self.worth_asking:
             return True
         answer = file_dialogs.ask_before_losing(self._window)
@@ -162,7 +162,7 @@ class Filing:
 
     @property
     def worth_asking(self) -> bool:
-        """Whether a shape would be lost; the samples are there to be played with."""
+        """True if a shape would be lost; samples do not count."""
         return self._session is not None and any(
             mesh.path is None or own_file(mesh) is not None for mesh in self._session.files.unsaved
         )

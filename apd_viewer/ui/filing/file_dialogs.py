@@ -1,4 +1,4 @@
-"""The few questions that are worth a dialog."""
+"""Dialogs about files."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _SELECTIONS = tr("Selections ({endings})").format(
 
 
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
-    """Which mesh or session to open; None if the user thought better of it."""
+    """Choose a mesh or session to open; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Open a mesh or a session"), str(folder), _OPEN_FILTER)
     return Path(path) if path else None
 
 
 def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bool] | None:
-    """Where to save the session, and whether with a copy of the mesh in it."""
+    """Choose a target for the session, with or without a copy of the mesh."""
     path, chosen = QFileDialog.getSaveFileName(
         parent, tr("Save session"), str(folder / f"{mesh.stem}.apd"), f"{_WITHOUT};;{_WITH}", _WITHOUT
     )
@@ -40,13 +40,13 @@ def ask_for_session(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, bo
 
 
 def ask_for_selection(parent: QWidget, folder: Path) -> Path | None:
-    """Which file says what to paint."""
+    """Choose a selection file."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Load selection"), str(folder), _SELECTIONS)
     return Path(path) if path else None
 
 
 def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Where to write what is painted."""
+    """Choose a target for the selection."""
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in SELECTION_FORMATS}
     path, chosen = QFileDialog.getSaveFileName(
         parent,
@@ -60,7 +60,7 @@ def ask_where_to_put_selection(parent: QWidget, folder: Path, mesh: Mesh) -> Pat
 
 
 def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Where to write the deformed mesh; asks again by itself before a file is replaced."""
+    """Choose a target for the deformed mesh, asking before an overwrite."""
     suffix = mesh.origin.suffix if mesh.origin else ".obj"
     filters = {kind: f"{kind[1:].upper()} (*{kind})" for kind in dict.fromkeys([suffix, *WRITTEN])}
     path, chosen = QFileDialog.getSaveFileName(
@@ -79,7 +79,7 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
 
 
 def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
-    """Whether to write a format that has no room for all that the file has, if that is so."""
+    """Confirm the losses of a poorer format; True if there are none."""
     lost = dropped(mesh, target)
     if not lost:
         return True
@@ -101,7 +101,7 @@ def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:
 
 
 def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
-    """The path with the ending of the chosen format; its file was not the one that was asked about."""
+    """Path with the suffix of the chosen format, asking about an overwrite."""
     target = Path(path + suffix)
     buttons = QMessageBox.StandardButton
     if not target.exists():
@@ -112,17 +112,17 @@ def _ended(parent: QWidget, path: str, suffix: str) -> Path | None:
 
 
 def ask_where_to_report(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Where to write a report."""
+    """Choose a target for a report."""
     return ask_where(parent, tr("Save report"), folder / f"{mesh.stem}-report.html")
 
 
 def ask_where_to_put_picture(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
-    """Where to write a picture."""
+    """Choose a target for a picture."""
     return ask_where(parent, tr("Save picture"), folder / f"{mesh.stem}.png")
 
 
 def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
-    """Where to write a file of the kind of the ``proposed`` one; None if the user thought better of it."""
+    """Choose a target of the kind of ``proposed``; None if cancelled."""
     suffix = proposed.suffix
     path, _ = QFileDialog.getSaveFileName(parent, title, str(proposed), f"{suffix[1:].upper()} (*{suffix})")
     if not path or path.lower().endswith(suffix):
@@ -131,7 +131,7 @@ def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
 
 
 def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
-    """What to do with a shape that was not exported when the window is closed: Save, Discard or Cancel."""
+    """Ask about an unexported shape at closing: Save, Discard or Cancel."""
     buttons = QMessageBox.StandardButton
     return QMessageBox.question(
         parent,
@@ -143,7 +143,7 @@ def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
 
 
 def about(parent: QWidget) -> None:
-    """Say what the program is and what it is made of."""
+    """Describe the program and its libraries."""
     QMessageBox.about(
         parent,
         tr("About APD Viewer"),

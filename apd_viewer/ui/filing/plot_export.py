@@ -19,12 +19,12 @@ _PAPER = "#ffffff"
 
 
 def ask_where(parent: QWidget, folder: Path, name: str, suffix: str) -> Path | None:
-    """Where to write a file of plots; None if the user thought better of it."""
+    """Choose a target for plots; None if cancelled."""
     return file_dialogs.ask_where(parent, tr("Save plots"), folder / f"{name}{suffix}")
 
 
 def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> None:
-    """Write what ``draw`` paints into a field of a size as a picture, on white; SVG or PNG by the suffix.
+    """Write a drawing as SVG or PNG on white, by the suffix.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def write_picture(path: Path, size: QSize, draw: Callable[[QPainter], None]) -> 
 
 
 def svg_of(size: QSize, draw: Callable[[QPainter], None]) -> str:
-    """What ``draw`` paints into a field of a size, on nothing, as an SVG element for a page."""
+    """SVG element of a drawing, without background."""
     content = QByteArray()
     buffer = QBuffer(content)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)

@@ -1,4 +1,4 @@
-"""The bar that offers what was left by a program that was killed: it blocks nothing, and waits."""
+"""Non-modal bar with the sessions of killed programs."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class RecoveryBar(QFrame):
 
     @property
     def text(self) -> str:
-        """What is offered; empty when nothing is."""
+        """Text of the offer; empty if there is none."""
         return self._text.text() if not self.isHidden() else ""
 
     def start(self) -> None:
@@ -99,7 +99,7 @@ class RecoveryBar(QFrame):
             self.close_all()
 
     def close_all(self) -> None:
-        """Leave what has not been answered for the next start."""
+        """Keep unanswered offers for the next start."""
         for left in self._waiting:
             left.release()
         self._waiting.clear()

@@ -1,4 +1,4 @@
-"""The help that lies over the window: the sheet of shortcuts and the tour."""
+"""Help over the window: shortcut sheet and tour."""
 
 from __future__ import annotations
 
@@ -89,12 +89,12 @@ class Help(QObject):
             self._open_bottle()
 
     def greet(self, on_bottle: bool) -> None:
-        """Begin the tour as soon as the bottle is there, if this is the first start of all."""
+        """Start the tour with the bottle, at the first start only."""
         self._wished = on_bottle and not self._memory.toured
         self._memory.toured = True
 
     def follow(self, session: Session) -> None:
-        """Begin the tour that waits for the bottle; end it when another mesh is opened."""
+        """Start a waiting tour with the bottle; end it with another mesh."""
         self._session = session
         if session.store.state is None or session.jobs.current is not None:
             return
@@ -110,12 +110,12 @@ class Help(QObject):
         return self._close_sheet() or self.tour.end()
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw what the style sheet does not reach."""
+        """Redraw the parts beyond the style sheet's reach."""
         self.sheet.set_theme(theme)
         self.tour.card.set_theme(theme)
 
     def _can_begin(self) -> bool:
-        """Whether the bottle is there, and painted so that its handle can be moved."""
+        """True if the bottle is open and its handle can be moved."""
         state = None if self._session is None else self._session.store.state
         if state is None or state.document.problem:
             return False
@@ -161,14 +161,14 @@ def _show_gizmo(canvas: Canvas, actions: Actions) -> None:
 
 
 def _full(within: str, title: str) -> str:
-    """A title with that of its submenu before it, if it does not say the same."""
+    """Title prefixed by its submenu's, unless they repeat each other."""
     if not within or title.startswith(within):
         return title
     return tr("{menu}: {title}").format(menu=within, title=title)
 
 
 def _leaves(menu: QMenu, within: str = "") -> Iterator[tuple[QAction, str]]:
-    """The actions of a menu, each with the title of the submenu that it is in."""
+    """Actions of a menu with the titles of their submenus."""
     for action in menu.actions():
         if action.menu() is not None:
             yield from _leaves(_menu(action), plain(action.text()))
@@ -183,6 +183,6 @@ def _menu(action: QAction) -> QMenu:
 
 
 def _mnemonics(window: QMainWindow) -> dict[str, str]:
-    """The keys that open the menus, and their titles."""
+    """Mnemonics of the menus, and their titles."""
     titles = [top.text() for top in window.menuBar().actions()]
     return {f"Alt+{title.partition('&')[2][:1].upper()}": plain(title) for title in titles if "&" in title}

@@ -1,4 +1,4 @@
-"""What the mouse does with each tool, in the words of the toolbox."""
+"""Mouse gestures of each tool, in the words of the toolbox."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from apd_viewer.ui.tools.toolbox import Tool, Way
 
 
 class Gesture(NamedTuple):
-    """What the mouse does with a tool.
+    """Mouse gesture of a tool.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ _ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right dr
 
 
 def gestures() -> list[Gesture]:
-    """All that the mouse does."""
+    """All mouse gestures."""
     plain = [tool for tool in Tool if not tool.words.is_brush]
     found = [
         Gesture(tr("With any tool"), "view", _ALWAYS),

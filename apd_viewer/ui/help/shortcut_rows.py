@@ -1,4 +1,4 @@
-"""The rows of the sheet of shortcuts: an action with its keys, or a gesture of the mouse."""
+"""Rows of the shortcut sheet: actions and mouse gestures."""
 
 from __future__ import annotations
 
@@ -57,18 +57,18 @@ class ActionRow(QFrame):
         self.back.setVisible(entry.is_changed)
 
     def show_keys(self) -> None:
-        """Show the keys that the action has now."""
+        """Show the action's current keys."""
         self.keys.show_keys()
         self.back.setVisible(self.entry.is_changed)
         self._draw_back()
 
     @property
     def said(self) -> str:
-        """All that can be searched for."""
+        """Text for the search."""
         return f"{self.title} {self.entry.tip} {self.entry.keys} {native(self.entry.keys)}"
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons; that of the action has been redrawn already."""
+        """Redraw the icons; the action's own is already redrawn."""
         self._theme = theme
         self._symbol.setPixmap(self.entry.action.icon().pixmap(SIZE, self.devicePixelRatioF()))
         self._draw_back()
@@ -79,7 +79,7 @@ class ActionRow(QFrame):
 
 
 class GestureRow(QFrame):
-    """Icon and title of a tool, and under them what the mouse does with it."""
+    """Icon and title of a tool, with its mouse gestures below."""
 
     def __init__(self, gesture: Gesture) -> None:
         super().__init__(objectName="gesture")
@@ -96,7 +96,7 @@ class GestureRow(QFrame):
 
     @property
     def said(self) -> str:
-        """All that can be searched for."""
+        """Text for the search."""
         return " ".join([self._gesture.title, self._gesture.words, tr("mouse")])
 
     def set_theme(self, theme: Theme) -> None:
@@ -108,7 +108,7 @@ Row = ActionRow | GestureRow
 
 
 class Group(QWidget):
-    """Rows under a heading, which goes when none of them is left.
+    """Rows under a heading, hidden if all of them are.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class Group(QWidget):
             grid.addWidget(row)
 
     def show_found(self, words: list[str]) -> int:
-        """Show the rows in which all the words begin a word; how many these are."""
+        """Show the rows matching all words; their number."""
         found = 0
         for row in self.rows:
             said = f"{self._title} {row.said}".replace(":", " ").casefold().split()

@@ -1,4 +1,4 @@
-"""The sheet over the canvas that lists all actions with their keys, where the keys can be changed."""
+"""Sheet over the canvas with all actions and their editable shortcuts."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WAITING = tr("Press new keys; Delete removes the shortcut, Esc cancels.")
 
 
 class ShortcutSheet(QFrame):
-    """Search field, list and a line that says what is going on.
+    """Search field, list and status line.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ class ShortcutSheet(QFrame):
         return [row for row in self.rows.values() if row.isVisible()]
 
     def _step(self, row: ActionRow, step: int) -> None:
-        """Go to the next row that is shown; above the first one lies the search field."""
+        """Go to the next visible row; above the first is the search field."""
         shown = self._shown
         k = shown.index(row) + step
         if 0 <= k < len(shown):
@@ -227,7 +227,7 @@ class ShortcutSheet(QFrame):
         self._say(_WAITING if waits else _HINT)
 
     def _say(self, sentence: str, warn: bool = False) -> None:
-        """Say what is going on; an offer that was made before is none any more."""
+        """Show a status and withdraw earlier offers."""
         self._wish = None
         self.swap.hide()
         self.back.show()
@@ -245,7 +245,7 @@ class ShortcutSheet(QFrame):
             self.setGeometry(left, _MARGIN, width, self._canvas.height() - 2 * _MARGIN)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc takes an offer back, or closes the sheet; the arrow goes down from the search field."""
+        """Withdraw an offer or close on Esc; leave the search field on Down."""
         shown = self._shown
         if event.key() == Qt.Key.Key_Escape and self._wish is not None:
             self._wish[0].keys.setFocus()

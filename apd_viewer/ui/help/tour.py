@@ -1,4 +1,4 @@
-"""The tour: five steps around the sample bottle, which go on by themselves when they are followed."""
+"""Tour of five steps around the sample bottle, advancing by themselves."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class TourStep(NamedTuple):
 
 
 def steps(places: Places) -> tuple[TourStep, ...]:
-    """What is said, and where."""
+    """Steps of the tour: texts and targets."""
     return (
         TourStep(
             tr(
@@ -126,12 +126,12 @@ class Tour(QObject):
 
     @property
     def number(self) -> int:
-        """The step that is shown, from 0; -1 while there is no tour."""
+        """Number of the current step, from 0; -1 without a tour."""
         return self._step_now
 
     @property
     def active(self) -> bool:
-        """Whether it goes on."""
+        """True during the tour."""
         return self._step_now >= 0
 
     def begin(self, rests: Callable[[], bool], holds: Callable[[], bool]) -> None:
@@ -176,7 +176,7 @@ class Tour(QObject):
         self.look()
 
     def look(self) -> None:
-        """Point at where the thing is now, and go on where the step has been followed."""
+        """Point at the target's place, and advance after a completed step."""
         if not self.active:
             return
         step = self._steps[self._step_now]
@@ -189,13 +189,13 @@ class Tour(QObject):
 
     @property
     def _sentence(self) -> str:
-        """What is true of the step that is shown."""
+        """Sentence for the current step's state."""
         if self._step_now == _AREA and not self._holds():
             return _NOT_HELD
         return self._steps[self._step_now].sentence
 
     def _followed(self) -> None:
-        """Go on, unless the card is covered by something else that was opened."""
+        """Advance, unless the card is covered."""
         if self.card.isVisible():
             self._step(1)
 
@@ -205,7 +205,7 @@ class Tour(QObject):
         self._reading.stop()
 
     def _end_drag(self) -> None:
-        """Note that the handle was turned, whether or not it was moved or scaled too."""
+        """Note a rotation of the handle, whatever else was done to it."""
         old, new = (
             pose[:3, :3] / np.linalg.norm(pose[:3, :3]) for pose in (self._pose, self._canvas.gizmo.pose)
         )

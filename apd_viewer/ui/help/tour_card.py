@@ -1,4 +1,4 @@
-"""The card of the tour: a sentence, the way on and back, and a tip that points at what it speaks of."""
+"""Card of the tour: sentence, buttons, and a tip to its target."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SIDES = {"left": (-1, 0), "right": (1, 0), "below": (0, 1), "above": (0, -1)}
 
 
 def placed(size: QSize, target: QRect, room: QRect, free: QRect) -> tuple[QRect, str]:
-    """Where the card hides least of its target and of what shall stay free, and on which side."""
+    """Place of the card with the least overlap, and the side of its tip."""
     found = []
     for side, (dx, dy) in SIDES.items():
         away = QPoint(
@@ -141,7 +141,7 @@ class TourCard(QFrame):
         self.raise_()
 
     def _room_for_all(self) -> int:
-        """A width at which all buttons could stand side by side, whatever their words."""
+        """Width with room for all buttons side by side."""
         edges = self._column.contentsMargins()
         width = edges.left() + edges.right()
         for part in (self._number, self.skip, self.back, self.next):
@@ -160,7 +160,7 @@ class TourCard(QFrame):
             self.setFixedHeight(self._column.sizeHint().height())
 
     def point_at(self, target: QRect | None, free: QRect) -> None:
-        """Stand beside a place in the window, or at the bottom, and leave another one free if possible."""
+        """Stand beside a target or at the bottom, leaving ``free`` uncovered."""
         bars = self._window.menuBar().height(), self._window.statusBar().height()
         room = self._window.rect().adjusted(0, bars[0], 0, -bars[1])
         room.adjust(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
@@ -177,12 +177,12 @@ class TourCard(QFrame):
         self._tip.raise_()
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         self._tip.theme = theme
         self._tip.update()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc ends the tour, Enter presses the button that has the keys."""
+        """End the tour on Esc, press the focused button on Enter."""
         button = self.focusWidget()
         if event.key() == Qt.Key.Key_Escape:
             self.skipped.emit()

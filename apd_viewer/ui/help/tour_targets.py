@@ -1,4 +1,4 @@
-"""Where in the window the things are that the tour speaks of."""
+"""Places in the window mentioned by the tour."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_POINTS = 500  # of a mesh that are looked at
 
 
 class Places:
-    """Rectangles in a window, each None where the thing cannot be seen.
+    """Rectangles in a window, each None if out of sight.
 
     Parameters
     ----------
@@ -57,11 +57,11 @@ class Places:
         return self._of([area.percent, area.verdict, area.area])
 
     def brushes(self) -> QRect | None:
-        """The buttons of the tools that paint."""
+        """Buttons of the painting tools."""
         return self._buttons([self._actions.tools[tool] for tool in Tool if tool.words.is_brush])
 
     def export(self) -> QRect | None:
-        """The button that exports."""
+        """Export button."""
         return self._buttons([self._actions.file.export])
 
     def _gizmo(self, points: Callable[[GizmoFrame, int], np.ndarray]) -> QRect | None:
@@ -71,7 +71,7 @@ class Places:
         return self._around(np.vstack([points(gizmo.frame, axis) for axis in range(3)]))
 
     def _around(self, points: np.ndarray) -> QRect | None:
-        """What is seen of the box around points of the viewport."""
+        """Visible part of the box around viewport points."""
         view = self._canvas.viewport
         if not len(points) or not np.isfinite(points).all():
             return None
@@ -84,7 +84,7 @@ class Places:
         return self._of([self._actions.bar.widgetForAction(action) for action in actions])
 
     def _of(self, widgets: list[QWidget]) -> QRect | None:
-        """What is seen of widgets."""
+        """Visible part of widgets."""
         found = QRect()
         for widget in widgets:
             if widget.isVisible() and not (seen := widget.visibleRegion().boundingRect()).isEmpty():

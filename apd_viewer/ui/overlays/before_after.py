@@ -1,4 +1,4 @@
-"""Before and after: the shape on its way from rest to what it is, as long as a slider is held."""
+"""Before-and-after slider: the shape between rest and now."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _WAY = SliderScale(_WHOLE, lambda step: step / _WHOLE, lambda share: share * _WH
 
 
 class _Held(Slider):
-    """A slider that goes back to its end when it is let go of."""
+    """Slider returning to its end on release."""
 
     def __init__(self) -> None:
         super().__init__(_WAY)
@@ -38,7 +38,7 @@ class _Held(Slider):
         self.setValue(_WHOLE)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """What the keys have done ends with them."""
+        """Return to the end after use by keys."""
         super().focusOutEvent(event)
         self.go_back()
 

@@ -22,7 +22,7 @@ _MOVES = (
 
 
 class Cards(QWidget):
-    """A column that stands beside and above what else lies on the canvas.
+    """Column of cards beside and above the canvas's other widgets.
 
     Parameters
     ----------
@@ -45,14 +45,14 @@ class Cards(QWidget):
         self.stand_above(below)
 
     def add(self, card: QWidget, fit_into: Callable[[int], None] | None = None) -> None:
-        """Put a card under the others; ``fit_into(height)`` has one that can be lower do with that."""
+        """Add a card; ``fit_into(height)`` shrinks it, if it can."""
         if fit_into is not None:
             self._fits[card] = fit_into
         self._column.addWidget(card)
         card.installEventFilter(self)
 
     def stand_above(self, others: Sequence[QWidget]) -> None:
-        """Leave more of what is at the bottom of the canvas uncovered."""
+        """Leave room for widgets at the bottom of the canvas."""
         self._below += others
         for other in others:
             other.installEventFilter(self)
@@ -64,13 +64,13 @@ class Cards(QWidget):
         self.place()
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Make room for what else is shown."""
+        """Make room for other widgets shown."""
         if event.type() in _MOVES and not self._placing:
             self.place()
         return False
 
     def place(self) -> None:
-        """Stand where there is room."""
+        """Move to the free place."""
         self._placing = True  # what it does to its cards is no news
         try:
             self._place()
@@ -102,7 +102,7 @@ class Cards(QWidget):
         self.raise_()
 
     def _fold(self, shown: Sequence[QWidget]) -> None:
-        """Let cards that can be lower be so, where there is no room for all of them."""
+        """Shrink cards if there is no room for all of them."""
         room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
         room -= sum(card.sizeHint().height() for card in shown if card not in self._fits)
         for card in shown:

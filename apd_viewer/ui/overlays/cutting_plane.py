@@ -1,4 +1,4 @@
-"""A plane across the shape, behind which it is not drawn: what is inside can be seen and touched."""
+"""Cutting plane: the surface behind it is not drawn."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _WAY = SliderScale(_STEPS, lambda step: step / _STEPS, lambda share: share * _ST
 
 
 class CuttingPlane(QFrame):
-    """A card with the axis of the plane, where it is, and which side of it is left out.
+    """Card with the plane's axis, position and side.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class CuttingPlane(QFrame):
 
     @property
     def plane(self) -> tuple[np.ndarray, np.ndarray]:
-        """A point of the plane and its normal, (3,) each, which points to what is left."""
+        """Point and normal (3,) of the plane, towards the visible side."""
         axis, share = self._group.checkedId(), self.slider.value() / _STEPS
         point = (self._low + self._high) / 2
         point[axis] = self._low[axis] + share * (self._high[axis] - self._low[axis])

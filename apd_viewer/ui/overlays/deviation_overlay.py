@@ -1,4 +1,4 @@
-"""Colours on the shape for what has changed: measured when it is drawn, and only while it is asked for."""
+"""Deviation shown in colours, measured on demand at each draw."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _APART, _AROUND = 0.08, 0.04
 
 
 class _OverlayInputs(NamedTuple):
-    """All that it takes to measure the shapes of a mesh."""
+    """Inputs of the measurements of a mesh."""
 
     mesh: Mesh
     change: Deviation
@@ -38,14 +38,14 @@ class _OverlayInputs(NamedTuple):
 
 
 class _Slow(NamedTuple):
-    """Values, None where nobody wanted them any more, and what they belong to."""
+    """Values of a slow measure, None if cancelled, with their inputs."""
 
     seen: tuple[object, ...]
     values: np.ndarray | None
 
 
 class HeatMap(MouseTool, QObject):
-    """Measures the shape that is shown, colours it, and tells the legend. A tool that only looks and marks.
+    """Colours the shape by a deviation and feeds the legend.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class HeatMap(MouseTool, QObject):
 
     @property
     def scale(self) -> Scale:
-        """The scale of what is shown."""
+        """Current colour scale."""
         assert self.measure is not None
         return self.scales.get(self.measure) or usual(self.measure, self._size)
 
@@ -142,7 +142,7 @@ class HeatMap(MouseTool, QObject):
             self._read()
 
     def close(self) -> None:
-        """End what is under way."""
+        """Cancel pending measurements."""
         self._reading.stop()
         self._resting.stop()
         self._task.close()
@@ -171,7 +171,7 @@ class HeatMap(MouseTool, QObject):
         self._resting.stop()
 
     def _prepare(self) -> None:
-        """Get ready to measure: what is imported and compiled for it takes a while at the first time."""
+        """Import and compile the measures in the background."""
         skin, mesh = self._canvas.surface.touchable, self._mesh
         if self._change is not None or mesh is None or skin is None:
             self._legend.say("")
@@ -188,7 +188,7 @@ class HeatMap(MouseTool, QObject):
         self._task.begin(work)
 
     def _refresh(self) -> None:
-        """Measure the shape that is about to be drawn, if it is another one."""
+        """Measure the shape about to be drawn, if changed."""
         surface, measure = self._canvas.surface, self.measure
         if measure is None or self._change is None:
             return
@@ -217,7 +217,7 @@ class HeatMap(MouseTool, QObject):
         self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 
     def _take(self, result: object) -> None:
-        """Take what the thread has found."""
+        """Receive the thread's result."""
         if result is None:
             self._legend.say(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _OverlayInputs) and result.mesh is self._mesh:
@@ -245,11 +245,11 @@ class HeatMap(MouseTool, QObject):
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """The least and the largest value that the shape has; None where there is none."""
+        """Least and largest value on the shape, or None."""
         return span_of(self.values)
 
     def value_at(self, position: QPointF) -> float | None:
-        """The value of the surface that is seen at a position in the viewport."""
+        """Value under a position in the viewport."""
         surface = self._canvas.surface
         hit = None if self.values is None else surface.hit(position)
         if hit is None or self.values is None or surface.skin is None:
@@ -257,13 +257,13 @@ class HeatMap(MouseTool, QObject):
         return float(surface.shares(hit) @ self.values[surface.skin.F[hit.face]])
 
     def _read(self) -> None:
-        """Tell the legend what is largest and what is under the cursor."""
+        """Update the legend's extreme and the value under the cursor."""
         if self.measure is not None:
             value = None if self._cursor is None else self.value_at(self._cursor)
             self._legend.show_values(self.span, value)
 
     def move(self, event: QMouseEvent) -> bool:
-        """Read the value under the cursor, which is there for others too."""
+        """Read the value under the cursor without consuming the event."""
         if self.measure is not None:
             self._cursor = event.position()
             if not self._reading.isActive():
@@ -279,7 +279,7 @@ class HeatMap(MouseTool, QObject):
     # The worst places
 
     def next_worst(self, step: int = 1) -> None:
-        """Look at the next of the worst places, or at the one before; nothing where there is none."""
+        """Frame the next or previous extreme; nothing without one."""
         if self.values is None:
             return
         surface = self._canvas.surface
@@ -303,7 +303,7 @@ class HeatMap(MouseTool, QObject):
         self._canvas.bring_into_view(around, QRectF(self._covered()))
 
     def cancel(self) -> bool:
-        """Take the mark away; it is no work that Esc would end."""
+        """Remove the mark; nothing is cancelled for Esc."""
         self._mark.show(None)
         return False
 

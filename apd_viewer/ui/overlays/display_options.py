@@ -1,4 +1,4 @@
-"""How the shape is looked at, beside the camera: overlays and all that helps to see."""
+"""Display options: overlays and aids besides the camera."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Looks:
-    """What belongs to the window, and not to the document: it is remembered from one start to the next.
+    """Display options of the window, kept from one start to the next.
 
     Parameters
     ----------
@@ -86,12 +86,12 @@ class Looks:
             part.measure_in(unit)
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw what the style sheet does not reach."""
+        """Redraw the parts beyond the style sheet's reach."""
         for part in (self.legend, self.before_after, self.cut):
             part.set_theme(theme)
 
     def close(self) -> None:
-        """End what is under way."""
+        """Cancel pending work."""
         self.turntable.on = False
         self.heat.close()
 
@@ -103,7 +103,7 @@ class Looks:
         self.ground.on = looks.get("ground") == "on"
 
     def _keep(self) -> None:
-        """Remember what is shown; where a plane cuts, only the mesh at hand can tell."""
+        """Store the options, except the plane's place on this mesh."""
         measure = self.heat.measure
         looks = {
             "overlay": "" if measure is None else measure.value,
@@ -117,7 +117,7 @@ class Looks:
 
 
 def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
-    """The scales that were set, as far as they can be read: anybody may have edited them."""
+    """Stored scales, as far as valid: the file may be edited by hand."""
     scales = {}
     for measure in Measure:
         try:

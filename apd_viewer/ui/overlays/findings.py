@@ -1,4 +1,4 @@
-"""What is unusual about the mesh: a badge that counts it, and a list over the canvas that says it."""
+"""Findings of the mesh check: a badge, and a list over the canvas."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _counted(number: int) -> str:
 
 
 class Badge(QToolButton):
-    """How many findings there are: quiet where there are none, a button where there are some."""
+    """Number of findings: a quiet label, or a button to the list."""
 
     def __init__(self) -> None:
         super().__init__(objectName="badge", checkable=True, iconSize=QSize(16, 16))
@@ -45,7 +45,7 @@ class Badge(QToolButton):
         self.count(None)
 
     def count(self, number: int | None) -> None:
-        """Show the number of findings; None where no mesh is open."""
+        """Show the number of findings; None without a mesh."""
         self._number = number
         self.setVisible(number is not None)
         self.setEnabled(bool(number))
@@ -60,7 +60,7 @@ class Badge(QToolButton):
         self._draw_symbol()
 
     def name_keys(self, action: QAction) -> None:
-        """Name the keys of the action that does the same in the tip."""
+        """Show the equivalent action's keys in the tip."""
         self._action = action
         action.changed.connect(lambda: self.count(self._number))
 
@@ -85,7 +85,7 @@ class Badge(QToolButton):
 
 
 class _Spot(QWidget):
-    """A ring, filled with the colour of the marks while its finding is shown on the mesh."""
+    """Ring filled while its finding is marked on the mesh."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -102,7 +102,7 @@ class _Spot(QWidget):
 
 
 class FindingRow(QFrame):
-    """One sentence, which can be clicked.
+    """Sentence of a finding, clickable.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class FindingList(QFrame):
         self.rows[0].setFocus(Qt.FocusReason.PopupFocusReason)
 
     def show_marked(self, number: int) -> None:
-        """Say which finding is shown on the mesh."""
+        """Emphasise the finding marked on the mesh."""
         for k, row in enumerate(self.rows):
             row.show_marked(k == number)
 

@@ -1,4 +1,4 @@
-"""The findings of the open mesh: counted in the badge, listed on demand, shown where they are."""
+"""Findings of the open mesh: counted, listed and marked."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Health(QObject):
         self._count(findings)
 
     def show_shape(self, findings: tuple[Finding, ...]) -> None:
-        """Count what was found of the shape on screen too, as long as it is this one."""
+        """Add the findings about the current shape until it changes."""
         if findings or len(self._findings) > len(self._of_mesh):
             self._count(self._of_mesh + findings)
 
@@ -61,7 +61,7 @@ class Health(QObject):
         self.badge.count(len(findings))
 
     def open_last(self) -> None:
-        """List the findings, and show where the last one is."""
+        """List the findings and mark the last one."""
         if self._findings and not self.badge.isChecked():
             self.open()
             self._show(len(self._findings) - 1)

@@ -1,4 +1,4 @@
-"""The card over the canvas that says what the colours of an overlay mean, and lets them be changed."""
+"""Legend of an overlay, with its editable scale."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DECIMALS, _LEAST = 30, 1e-30
 
 
 class Legend(QFrame):
-    """Which overlay is on, its scale, the value under the cursor and the largest of all.
+    """Overlay title, scale, value under the cursor and extreme.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Legend(QFrame):
     # Showing
 
     def show_scale(self, scale: Scale, unit: Unit) -> None:
-        """Show another scale, and that there is one."""
+        """Show another scale."""
         self._scale, self._unit = scale, unit
         self.choice.setCurrentIndex(list(Measure).index(scale.measure))
         self.choice.setToolTip(scale.measure.words.tip)
@@ -127,7 +127,7 @@ class Legend(QFrame):
         self.show()
 
     def fit_into(self, room: int) -> None:
-        """Leave out lines, the last ones first, as far as it would be higher than ``room`` otherwise."""
+        """Hide the last lines as needed for a height of ``room``."""
         self._room = room
         self._show_lines()
 
@@ -146,7 +146,7 @@ class Legend(QFrame):
         return max(widget.sizeHint().height() for widget in line) + self._rows.verticalSpacing()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
-        """Show the least and the largest value, and the one under the cursor; None shows none."""
+        """Show least, largest and current value; None hides them."""
         self.bar.show_values(span, value)
         written = "–" if value is None else self._scale.written(value, self._unit)
         largest = "–" if span is None else self._scale.written(max(span, key=abs), self._unit)
@@ -157,7 +157,7 @@ class Legend(QFrame):
         self.fit.setEnabled(span is not None)
 
     def say(self, note: str) -> None:
-        """Say why there are no colours; empty where there are."""
+        """Show the reason for missing colours; empty if there are colours."""
         if note != self._note.text() or self._note.isHidden() == bool(note):
             self._note.setText(note)
             self._note.setVisible(bool(note))

@@ -1,4 +1,4 @@
-"""What to do next: the line over the canvas, until a handle has been dragged once."""
+"""Hint on the next step, until a first drag of a handle."""
 
 from __future__ import annotations
 
@@ -39,17 +39,17 @@ class NextStep:
             action.changed.connect(self._say_again)
 
     def moved(self) -> None:
-        """A handle was dragged: whoever can do that needs no more telling."""
+        """Note a drag of a handle: no more hints are needed."""
         self._moved = True
         self._invitation.say("")
 
     def say_next(self, document: Document, tool: Tool, handle: int) -> None:
-        """Say what to do next with ``tool`` in the hand and ``handle`` active, by its number."""
+        """Show the next step for ``tool`` and the active ``handle``'s number."""
         self._asked = document, tool, handle
         self._invitation.say(self._sentence(document, tool, handle))
 
     def _say_again(self) -> None:
-        """Name the keys that a tool has now."""
+        """Update the keys named."""
         if self._asked is not None and not self._invitation.isHidden():
             self._invitation.say(self._sentence(*self._asked))
 

@@ -1,4 +1,4 @@
-"""What lies over the canvas: messages, the invitation, and the empty state. Nothing here blocks."""
+"""Messages, hint and empty state over the canvas, all non-modal."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _READING_TIME = 7000  # ms; failures stay until they are read
 
 
 class Notice(QFrame):
-    """One message at the top of the canvas; a newer one takes the place of an older one."""
+    """Message at the top of the canvas, replaced by newer ones."""
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
@@ -51,7 +51,7 @@ class Notice(QFrame):
 
     @property
     def text(self) -> str:
-        """The sentence that is shown; empty when nothing is."""
+        """Current sentence; empty if hidden."""
         return self._text.text() if not self.isHidden() else ""
 
     def tell(self, sentence: str) -> None:
@@ -60,7 +60,7 @@ class Notice(QFrame):
         self._timer.start()
 
     def fail(self, sentence: str) -> None:
-        """Show what went wrong, and log it; it stays until dismissed or replaced."""
+        """Show and log a failure until dismissed or replaced."""
         _LOGGER.warning(sentence)
         self._show(sentence, "failure")
         self._timer.stop()
@@ -100,7 +100,7 @@ class Notice(QFrame):
 
 
 class Invitation(QLabel):
-    """One line at the bottom of the canvas that says what to do first."""
+    """Hint at the bottom of the canvas."""
 
     def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
@@ -111,7 +111,7 @@ class Invitation(QLabel):
         canvas.resized.connect(self._place)
 
     def say(self, sentence: str) -> None:
-        """Show ``sentence``, or nothing where it is empty."""
+        """Show ``sentence``; hide if empty."""
         self.setText(sentence)
         self.setVisible(bool(sentence))
         self._place()

@@ -1,4 +1,4 @@
-"""The colours of a scale in a row, with what the shape has of them and what is under the cursor."""
+"""Colour bar with the shape's range and the value under the cursor."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class ScaleBar(QWidget):
         self.update()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
-        """Show the least and the largest value, and the one under the cursor; None shows none."""
+        """Show least, largest and current value; None hides them."""
         if (span, value) != (self._span, self._value):
             self._span, self._value = span, value
             self.update()
 
     @property
     def labels(self) -> tuple[tuple[float, str], ...]:
-        """Places on the scale, from 0 to 1, and what is written there."""
+        """Label positions, from 0 to 1, and texts."""
         scale = self._scale
         return tuple((scale.place(x), scale.written(x, self._unit)) for x in scale.marks)
 

@@ -1,4 +1,4 @@
-"""The bar over the canvas with the ways to choose vertices, while a tool is in hand that paints."""
+"""Bar of selection modes, shown for painting tools."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ class WayBar(QToolBar):
         canvas.resized.connect(self._fit)
 
     def show_for(self, paints: bool) -> None:
-        """Show it for a tool that paints, and only then."""
+        """Show the bar for painting tools only."""
         self.setVisible(paints)
         self._fit()
 
     def set_theme(self, theme: Theme) -> None:
-        """Redraw the chevron of the menu, which the style draws black on any ground."""
+        """Redraw the menu's chevron, black on any ground in the style."""
         more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
         more.setIcon(icon("unfolded", theme))
         more.setToolTip(tr("More selection tools and operations"))
 
     def _fit(self) -> None:
-        """Be no higher than the canvas: what there is no room for is in a menu at the end."""
+        """Shrink to the canvas, moving the last modes to a menu."""
         room = self._canvas.height() - 2 * _MARGIN
         self.resize(self.sizeHint().width(), min(self.sizeHint().height(), room))

@@ -1,4 +1,4 @@
-"""What is typed into cards over the canvas: which vertices, how large the brush is, where a pivot is."""
+"""Text entries over the canvas: vertices, brush size, pivot."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PIXELS = "px"
 
 
 class Typed:
-    """Three cards, of which one is open at most.
+    """Three entry cards, at most one of them open.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Typed:
             card.open_card()
 
     def _understood(self, card: TypedCard, text: str, read: Callable[[str], object]) -> object:
-        """What a text means; None where it means nothing, and the card says why."""
+        """Value of a text; None for an invalid one, explained on the card."""
         if self._session.store.state is None:
             return None
         try:

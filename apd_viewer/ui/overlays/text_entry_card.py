@@ -15,7 +15,7 @@ _MARGIN = 12
 
 
 class TypedCard(QFrame):
-    """One line to type into; what it names is previewed while it is typed.
+    """Entry line with a live preview.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class TypedCard(QFrame):
         self.closed.emit()
 
     def say(self, sentence: str) -> None:
-        """Show what was found, or what is wrong; how to go on where nothing is said."""
+        """Show a result or an error; the usage if empty."""
         self._said.setText(sentence or self.help)
         self._place()
 
@@ -94,7 +94,7 @@ class _Line(QLineEdit):
     left = Signal()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Return takes what was typed, Esc leaves; all else is typing."""
+        """Accept on Return, close on Esc."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self.entered.emit(act_of(event))
         elif event.key() == Qt.Key.Key_Escape:

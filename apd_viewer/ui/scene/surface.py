@@ -1,4 +1,4 @@
-"""The mesh on the screen: points, normals and colours that change in place."""
+"""Mesh on screen: points, normals and colours updated in place."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Hit(NamedTuple):
-    """Where a ray meets the surface: face index, point (3,), unit normal (3,) towards the viewer."""
+    """Ray hit: face, point (3,), unit normal (3,) towards the viewer."""
 
     face: int
     point: np.ndarray
@@ -103,7 +103,7 @@ class Surface:
         self.set_points(U)
 
     def set_points(self, U: np.ndarray) -> None:
-        """Move the vertices to ``U``, an (n, 3) float array, and turn the normals with them.
+        """Move the vertices to ``U`` (n, 3) and update the normals.
 
         The array is kept, not copied: nobody must write to it any more.
         """
@@ -128,17 +128,17 @@ class Surface:
 
     @property
     def shape(self) -> np.ndarray:
-        """The positions that the vertices have, (n, 3), even while others are shown: see :meth:`blend`."""
+        """Positions (n, 3), also during a :meth:`blend`."""
         return self._given
 
     def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
-        """Show the shape on its way from ``rest`` (n, 3), 0, to what it is, 1; as it is without ``rest``."""
+        """Show the shape at ``share`` between ``rest`` (n, 3) and itself."""
         self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)
         if self.skin is not None:
             self.set_points(self._given)
 
     def cut(self, point: np.ndarray | None, normal: np.ndarray | None = None) -> None:
-        """Leave out what is behind a plane, seen along its ``normal``, both (3,); nothing without them."""
+        """Cut off the part behind a plane, given by (3,) arrays; none uncuts."""
         was_cut, self._cut = self._cut is not None, None
         self._mapper.RemoveAllClippingPlanes()
         if point is not None and normal is not None:
@@ -151,13 +151,13 @@ class Surface:
         self._viewport.update()
 
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
-        """Colour the vertices ``ids``, or all; ``rgba`` is a (k, 4) uint8 array, a row for each of them."""
+        """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
         # How opaque they are is how they are measured: see `wear`.
         self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
         self._viewport.update()
 
     def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
-        """Show values on a scale instead of the paint, which is seen in stripes; None shows the paint.
+        """Show values in colours over striped paint; None shows the paint.
 
         ``neutral`` is how much of the scale, around its middle, is shown as no change. What the values are
         is written into :attr:`shades`, before or after. It is seen in the next draw, for which this does not
@@ -174,16 +174,16 @@ class Surface:
 
     @property
     def shades(self) -> np.ndarray:
-        """The values, (n,) uint8: 1 to 255 is the scale, 0 no value. Say when they are changed."""
+        """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
         return np.asarray(self._mesh.point_data["rgba"])[:, 3]
 
     def shades_changed(self) -> None:
-        """Draw with the values that are in ``shades`` from the next draw on."""
+        """Draw the edited ``shades`` from the next frame on."""
         self._mesh.point_data["rgba"].VTKObject.Modified()
 
     @property
     def edges(self) -> bool:
-        """Whether the edges are drawn over the surface."""
+        """True if edges are drawn."""
         return bool(self._actor.GetProperty().GetEdgeVisibility())
 
     @edges.setter
@@ -200,7 +200,7 @@ class Surface:
 
     @property
     def smooth(self) -> bool:
-        """Whether the shading is blended over the faces, or each face flat."""
+        """True for smooth shading, else flat."""
         return bool(self._actor.GetProperty().GetInterpolation())
 
     @smooth.setter
@@ -217,11 +217,11 @@ class Surface:
 
     @property
     def touchable(self) -> Skin | None:
-        """The skin, where there is one that can be touched."""
+        """Surface index, if already built."""
         return None if isinstance(self.skin, Sketch) else self.skin
 
     def hit(self, position: QPointF) -> Hit | None:
-        """What is seen of the surface at a position in the viewport."""
+        """Hit under a position in the viewport, if any."""
         skin = self.touchable
         if skin is None:
             return None
@@ -238,7 +238,7 @@ class Surface:
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
 
     def shares(self, hit: Hit) -> np.ndarray:
-        """The weights, (3,), with which the corners of the face that was hit make the point."""
+        """Barycentric weights (3,) of a hit."""
         assert self.skin is not None
         a, b, c = self.U[self.skin.F[hit.face]]
         weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
@@ -246,7 +246,7 @@ class Surface:
         return shares / shares.sum()
 
     def _uncut(self, origin: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
-        """From where to where a ray is in front of the plane that cuts the surface."""
+        """Interval of a ray in front of the cutting plane."""
         if self._cut is None:
             return 0.0, np.inf
         point, normal = self._cut
@@ -257,7 +257,7 @@ class Surface:
         return (max(meets, 0.0), np.inf) if slope > 0.0 else (0.0, meets)
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """How far rays go, (k,), until they meet the surface; infinite where they do not.
+        """Distances (k,) of rays to the surface; infinite for misses.
 
         Origins and unit directions are (k, 3) arrays.
         """
@@ -269,7 +269,7 @@ class Surface:
 
     @property
     def boxes(self) -> np.ndarray:
-        """Boxes around the triangles: see :func:`apd_viewer.geometry.picking.picking.boxes`."""
+        """Bounding boxes of the triangles; see :func:`picking.boxes`."""
         if self._boxes is None:
             skin = self.touchable
             assert skin is not None
@@ -278,7 +278,7 @@ class Surface:
 
     @property
     def normals(self) -> np.ndarray:
-        """Unit normals of the vertices, (n, 3), as drawn; zero where there is no face."""
+        """Vertex normals (n, 3) as drawn; zero without a face."""
         return np.asarray(self._mesh.point_data["Normals"])
 
     def point_under(self, position: QPointF) -> np.ndarray | None:

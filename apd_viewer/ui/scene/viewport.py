@@ -1,4 +1,4 @@
-"""The 3-D view: one VTK draw a paint, tools that see the mouse first, a Qt layer on top."""
+"""The 3D view: one VTK draw a paint, tools first, a Qt layer on top."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ FARTHEST = 50.0
 
 
 class Viewport(QtInteractor):
-    """Widget that shows a scene and hands mouse events to tools.
+    """Widget with a scene and mouse tools.
 
     What a tool may have is said in :mod:`mouse_dispatcher`, and how the mouse moves the camera
     in :mod:`apd_viewer.ui.scene.navigation`.
@@ -139,7 +139,7 @@ class Viewport(QtInteractor):
         return self.eye.world_per_pixel(np.asarray(point))
 
     def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
-        """Show all of the (k, 3) points, from the same direction, with ``room`` pixels around each."""
+        """Frame the points (k, 3) in the current direction, ``room`` pixels apart."""
         if len(points):
             points, room = np.asarray(points), np.broadcast_to(room, len(points))
             self.eye = self.eye.framed(points, room)
@@ -147,16 +147,16 @@ class Viewport(QtInteractor):
             self._framed = points, room, self.eye.position
 
     def look_home(self) -> None:
-        """Look from where the view began: from the front, a little from the right and from above."""
+        """Look from the home direction: from the front, right and above."""
         eye = self.eye
         self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
 
     def look_along(self, axis: str) -> None:
-        """Look from the 'front' (+Z), 'side' (+X) or 'top' (+Y), or with '-' before from the opposite."""
+        """Look along 'front' (+Z), 'side' (+X) or 'top' (+Y), '-' for the opposite."""
         self.eye = self.eye.placed(axis)
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
-        """Come closer by a factor to what is seen at a position in the widget."""
+        """Zoom by a factor, keeping the point under a position."""
         eye = self.eye
         point = self.pick(position) if self.pick is not None else None
         if point is None:
@@ -181,7 +181,7 @@ class Viewport(QtInteractor):
         self.update()
 
     def screenshot(self, *args: Any, **kwargs: Any) -> Any:
-        """Picture of the scene without the tools, as of now; see pyvista.Plotter.screenshot."""
+        """Current picture of the scene without tools; see pyvista.Plotter.screenshot."""
         self._ensure_initialized()
         self._refine = self._software
         self._draw()
@@ -191,7 +191,7 @@ class Viewport(QtInteractor):
 
     @contextmanager
     def aside(self) -> Iterator[Any]:
-        """Give the render window to draw something else with; None where OpenGL cannot be had."""
+        """Render window for other drawings; None without OpenGL."""
         self._ensure_initialized()
         window = self.ren_win
         if self._ctx is None or not window.GetReadyForRendering():
@@ -224,7 +224,7 @@ class Viewport(QtInteractor):
     _render = render
 
     def initializeGL(self) -> None:
-        """Choose what the OpenGL at hand can afford."""
+        """Choose the drawing settings affordable with this OpenGL."""
         super().initializeGL()
         functions = self.context().functions()
         vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
@@ -286,11 +286,11 @@ class Viewport(QtInteractor):
     # ---- events
 
     def click(self, position: QPointF) -> None:
-        """Say that the scene was clicked."""
+        """Emit a click on the scene."""
         self.clicked.emit(position)
 
     def cancel(self) -> bool:
-        """Cancel what the tools are doing, as Esc does; True if one of them was at work."""
+        """Cancel the tools' work, as Esc does; True if there was any."""
         return self._dispatcher.cancel()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -303,7 +303,7 @@ class Viewport(QtInteractor):
         self._dispatcher.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go on with a drag, or show what a press would do."""
+        """Continue a drag or hover."""
         self._dispatcher.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -319,7 +319,7 @@ class Viewport(QtInteractor):
         """Keep VTK out of it."""
 
     def leaveEvent(self, _event: QEvent) -> None:
-        """Tell the tools that the cursor is gone."""
+        """Notify the tools of the cursor's leaving."""
         self._dispatcher.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
@@ -344,7 +344,7 @@ class Viewport(QtInteractor):
         return super().event(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the overlay as large as the view, and in frame what was, until the camera is moved."""
+        """Resize the overlay, and keep the framing until the camera is moved."""
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
         self.resized.emit()
@@ -352,7 +352,7 @@ class Viewport(QtInteractor):
             self.frame(*self._framed[:2])
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Draw what changed while the view was hidden."""
+        """Draw the changes made while hidden."""
         super().showEvent(event)
         self.update()
 
@@ -372,7 +372,7 @@ class Viewport(QtInteractor):
 
 
 def link(viewports: Sequence[Viewport]) -> None:
-    """Have viewports, which should be of one size, look through the camera of the first from now on."""
+    """Let viewports of one size share the first one's camera."""
     camera = viewports[0].renderer.GetActiveCamera()
     for view in viewports:
         view.renderer.SetActiveCamera(camera)
