@@ -1,4 +1,4 @@
-"""Which vertices are held, and by which handle, as a caller names them."""
+"""Held vertices, handles and soft vertices as arguments of a caller."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SAID = {
 
 
 def vertex_ids(given: np.ndarray | Sequence[int], n: int, what: str = "held") -> np.ndarray:
-    """The ids of vertices, (k,) int64, of a mesh of ``n``; raises InputError where they are none."""
+    """Valid ids of vertices, (k,) int64, in a mesh of ``n``; raises InputError."""
     name, otherwise = _SAID[what]
     ids = whole_numbers(given, name).ravel()
     if len(ids) and (ids.min() < 0 or ids.max() >= n):
@@ -55,7 +55,10 @@ def handle_of(
 
 
 def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np.ndarray]:
-    """What is soft of the solve, and which of the given it is; held vertices are not, nor loose pieces."""
+    """Soft vertices of the solve, and their places among the given ones.
+
+    Held vertices are left out, and pieces without any held vertex.
+    """
     ids, which = np.unique(rest.weld.inverse[soft.ids], return_index=True)
     piece = rest.shape.piece
     free = np.isin(piece[ids], piece[solve_ids]) & ~np.isin(ids, solve_ids)

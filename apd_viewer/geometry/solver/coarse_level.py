@@ -1,4 +1,4 @@
-"""A coarse copy of an elastic surface, which shows the fine one the way.
+"""Coarse level of an elastic surface, to lead the fine one.
 
 Low frequencies take iterations by the hundred on a fine mesh, and next to nothing on a coarse one. What is
 handed over are rotations: how far each place of the coarse surface has turned since the last time. The
@@ -28,7 +28,7 @@ _UNHEARD = 1.5
 
 
 class CoarseLevel:
-    """A coarse surface with the same material, held where the fine one is.
+    """Coarse surface with the material and the held vertices of the fine one.
 
     Its vertices are some of the fine one's, so that what is held needs no interpolation.
 
@@ -108,18 +108,18 @@ class CoarseLevel:
                 self._solver.step()
 
     def turns(self) -> np.ndarray:
-        """How each fine vertex should turn for what has happened since the last time, (n, 4) quaternions."""
+        """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
         turns = _blended(self._turned(), self._near, self._weight)
         self._set_reference()
         return turns
 
     def carried(self, U: np.ndarray) -> np.ndarray:
-        """The positions ``U`` (n, 3) that went with the turns told last, moved by what has happened since."""
+        """Positions ``U`` (n, 3) of the last :meth:`turns`, moved along since then."""
         moved = self._elastic.U - self._reference[1]
         return _carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
 
     def give_way(self, b: np.ndarray) -> np.ndarray:
-        """How the free vertices of the fine surface, (f, 3), follow the coarse one under forces ``b`` (f, 3).
+        """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
@@ -136,7 +136,7 @@ class CoarseLevel:
         return _difference(self._elastic.q, self._reference[0])
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
-        """The same goals for the coarse surface: the same percentages of what it measures at rest."""
+        """The goals for the coarse surface: the same percentages of its rest values."""
         own = []
         for goal in goals:
             measured = np.zeros(int(self.vertices.max()) + 1, dtype=bool)
@@ -152,7 +152,10 @@ class CoarseLevel:
 
 
 def _with_held(rest: SolveMesh, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
-    """The vertices of a thinned mesh, some replaced by held ones, so that no held part is unheard of."""
+    """Vertices of a decimated mesh, some replaced by held ones.
+
+    So every held part has a vertex in the coarse mesh.
+    """
     V, vertices = rest.V, thinning.vertices.copy()
     while True:
         heard = vertices[np.isin(vertices, fixed)]

@@ -1,4 +1,4 @@
-"""What a fine surface will look like, before there was time for a global step of its own."""
+"""Preview of a fine surface before its first global step."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.geometry.solver.goals import Goal
 
 
 class Preview:
-    """Shapes of a fine surface that a coarse one carries along.
+    """Shapes of a fine surface, moved along with a coarse one.
 
     They are not at rest, but held where they are asked to be, and they meet the goals, as all others do.
 
@@ -39,7 +39,7 @@ class Preview:
 
     @property
     def values(self) -> np.ndarray:
-        """What the goals measure at ``U``, (g,) float array."""
+        """Values of the goals at ``U``, (g,) float array."""
         return self._projection.values
 
     @property
@@ -52,7 +52,7 @@ class Preview:
         return self._coarse.give_way(b_f)
 
     def follow(self, targets: np.ndarray) -> None:
-        """Go where the coarse surface is, with the held vertices at ``targets`` (k, 3)."""
+        """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
         U = self._coarse.carried(self._elastic.U)
         U[self._elastic.fixed] = targets[: len(self._elastic.fixed)]
         if self._projection.worn:

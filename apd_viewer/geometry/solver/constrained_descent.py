@@ -1,4 +1,4 @@
-"""Constrained descent: iterations that each end with the goals met and the held vertices in place.
+"""Constrained descent: iterations on the shapes with all goals met.
 
 The energy is minimised subject to ``c(U) = 0``, the misses of the goals. With g the gradients of the
 goals and the multipliers so far put into the right-hand side, one global step gives p; from there the
@@ -195,7 +195,7 @@ class ConstrainedDescent:
         self._give_up_hopeless()
 
     def _update_directions(self, pressure: float) -> None:
-        """Bring gradients and directions of the goals up to date, as far as that is due."""
+        """Update gradients and directions of the goals, if they are due."""
         projection, U = self._projection, self.elastic.U
         if self._age % _REFRESH == 0 or projection.worn:
             projection.refresh(U)
@@ -211,7 +211,7 @@ class ConstrainedDescent:
         return U
 
     def _give_up_hopeless(self) -> None:
-        """Give the goals up once the worst miss has not shrunk for long, and restore the best shape."""
+        """Give the goals up after a long stall, and restore the best shape."""
         worst = self._projection.worst
         if worst <= MET or worst < _REDUCTION * self._nearest[0]:
             self._nearest, self._waited = (worst, self.elastic.U), 0
@@ -228,7 +228,7 @@ class ConstrainedDescent:
 
 @njit(cache=True, nogil=True)
 def _pressure(multipliers: np.ndarray, scale: np.ndarray) -> float:
-    """How fast the forces of the multipliers change with the shape, against K."""
+    """Rate of change of the multipliers' forces with the shape, against K."""
     return (np.abs(multipliers) * scale).sum()
 
 

@@ -139,7 +139,7 @@ def iterated(
     iterations: int | None = None,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
-    """Iterate from where the solver is until the shape has settled, or ``iterations`` times.
+    """Iterate until the shape has settled, or ``iterations`` times.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def iterated(
 
 
 def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_iteration: float) -> Result:
-    """What came of the iterations that end with ``frame``."""
+    """Result of the iterations up to ``frame``."""
     unsettled: tuple[str, ...] = ()
     if frame.unreached:
         unsettled = (frame.unreached,)

@@ -310,7 +310,7 @@ class Deformation:
         return spread
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
-        """What became of each region in ``frame``."""
+        """Readings of the regions in ``frame``."""
         readings = []
         for region, patch, area in zip(self._regions, self._patches, frame.regions, strict=True):
             with cores_for(len(self.rest.shape.V)):
@@ -320,7 +320,7 @@ class Deformation:
         return tuple(readings)
 
     def target(self, name: str) -> float | None:
-        """What "the area" or "the volume" should be; None if nothing was asked."""
+        """Target of "the area" or "the volume"; None without one."""
         return next((goal.target for goal in self._goals if goal.name == name), None)
 
     def _still(self) -> bool:
@@ -344,7 +344,7 @@ class Deformation:
 
     @property
     def missed(self) -> str | None:
-        """What is asked for and not met by the last frame, and how near it came; None if all is met."""
+        """Goals not met by the last frame, and their values; None if all are met."""
         # Li & Hui's method comes nearer round by round: that it is not there yet is no news.
         if self._traits.has_tolerance:
             return None

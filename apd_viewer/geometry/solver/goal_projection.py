@@ -1,4 +1,4 @@
-"""Back onto the shapes that meet all goals, by Newton's method along a few fixed directions.
+"""Projection onto the goals by Newton's method along a few fixed directions.
 
 With g the gradients of the goals c, the directions are ``y = K^-1 g``: the smoothest ways to change what
 the goals measure. They need not be those of today's gradients, only to lead there.
@@ -37,7 +37,7 @@ class Yielding(Protocol):
         """Vertices that may move, (f,) int array."""
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """How the free vertices give way to the forces ``b_f``, both (f, 3)."""
+        """Response of the free vertices to the forces ``b_f``, both (f, 3)."""
 
 
 class Projection:
@@ -106,12 +106,12 @@ class Projection:
         self._inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
 
     def _slopes(self) -> np.ndarray:
-        """How fast each goal (rows) changes along each direction (columns)."""
+        """Slope of each goal (rows) along each direction (columns)."""
         slopes = [parallel_ops.dots(self._y, g) for g in self.g]
         return np.array(slopes).reshape(2 * (len(self.goals),))
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
-        """How much of each goal's gradient to take from ``G`` (f, 3) so that no direction is uphill, (g,)."""
+        """Lagrange multipliers (g,) that cancel ``G`` (f, 3) along the directions."""
         free = self._elastic.free
         along = [parallel_ops.dots(parallel_ops.taken(y, free)[None], G)[0] for y in self._y]
         if not along:

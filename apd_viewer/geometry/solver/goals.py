@@ -1,4 +1,4 @@
-"""What is asked of areas and of the volume: goals that are met exactly, not only aimed at."""
+"""Goals: target values of areas and of the volume."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Reading:
-    """What became of a region: its area at rest, now, and the one asked for, if any."""
+    """Area of a region at rest, now, and its target, if any."""
 
     name: str
     area_rest: float
@@ -51,7 +51,7 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """An area or a volume that should have a value.
+    """Target value of an area or a volume.
 
     Attributes
     ----------
@@ -75,11 +75,11 @@ class Goal:
 
     @property
     def measured(self) -> tuple[bool, int]:
-        """What tells goals apart, whatever they are called and whatever they ask for."""
+        """Identity of the measured quantity, apart from name and target."""
         return self.is_volume, len(self.patch.F)
 
     def value(self, U: np.ndarray) -> float:
-        """What is measured at ``U`` (n, 3)."""
+        """Value at ``U`` (n, 3)."""
         return volume(U, self.patch.F) if self.is_volume else self.patch.area(U)
 
     def value_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
@@ -88,11 +88,11 @@ class Goal:
         return measure(U, g)
 
     def miss(self, value: float) -> float:
-        """How far a value is from the target, relative to the value at rest."""
+        """Signed distance of a value from the target, relative to the value at rest."""
         return (value - self.target) / abs(self.rest)
 
     def shortfall(self, value: float) -> str:
-        """How near a value came, in words."""
+        """Sentence about a value short of the target."""
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
         # With as many digits as it takes to see that they differ.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
@@ -122,7 +122,7 @@ def patch_of(rest: RestMesh, region: Region) -> Patch:
 def make_goals(
     rest: RestMesh, area: float | None, inside: float | None, regions: Sequence[Region]
 ) -> tuple[Goal, ...]:
-    """The goals that percentages of the area and the volume inside at rest stand for; None asks nothing.
+    """Goals for percentages of the area and the volume at rest; None is no goal.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Steps that go downhill in energy among the shapes that meet the goals.
+"""Quasi-Newton descent on the shapes with all goals met.
 
 The slope that counts is that of the Lagrangian, ``G - mult g``, where the multipliers leave none of it
 along the directions y of the projection: then a step d followed by the projection changes the energy by
@@ -60,7 +60,7 @@ class QuasiNewton:
         return arrived is not None
 
     def _go(self, before: np.ndarray, slope: np.ndarray, held: np.ndarray) -> np.ndarray | None:
-        """Walk downhill from the free positions ``before`` (f, 3); where that led, or None if nowhere."""
+        """Line search from the free positions ``before`` (f, 3); None if it fails."""
         elastic, start = self._elastic, self._elastic.U
         while True:
             way = self._memory.direction(slope, elastic.solve)

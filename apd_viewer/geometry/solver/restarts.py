@@ -1,4 +1,6 @@
-"""Restarts: a converged multilevel solver follows its coarse level again, for as long as that ends lower.
+"""Restarts of a converged multilevel solver from its coarse level.
+
+They go on for as long as each ends lower.
 
 A surface that buckles has many minima, and the coarse one knows fewer of them: led by it from where the
 fine one has converged, folds open that the fine one cannot open by itself. Such a trial is hidden: the best
