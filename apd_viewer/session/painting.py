@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.session.part_operations import PartOperation, reshaped
+from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.part_operations import reshaped
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -65,7 +66,7 @@ class Painting:
         (self._store.solve if asks else self._store.set_document)(document)
         self.end_stroke(gesture)
 
-    def reshape(self, part: Part, change: str) -> None:
-        """Change a part as a whole, as a :class:`PartOperation` by its name."""
-        wanted = reshaped(self._gestures.alone(), part, PartOperation[change])
-        self.set_part(part, wanted, PartOperation[change].value.title)
+    def reshape(self, part: Part, operation: PartOperation) -> None:
+        """Apply an operation to a part as a whole."""
+        wanted = reshaped(self._gestures.alone(), part, operation)
+        self.set_part(part, wanted, operation.value)

@@ -17,7 +17,8 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document, opened
 from apd_viewer.session.model.named_parts import NamedRegion
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.part_operations import PartOperation, reshaped
+from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.part_operations import reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
 MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
@@ -224,19 +225,19 @@ def test_a_change_is_one_step_and_has_its_name(session, part, change):
         len(session.gestures.history.past),
         session.store.state.frame.U,
     )
-    session.painting.reshape(part, change.name)
+    session.painting.reshape(part, change)
     assert session.store.state.frame.U is shape
     if session.store.state.document is before:
         assert len(session.gestures.history.past) == steps
         assert change is not PartOperation.GROW
         return
-    assert session.gestures.history.next_undo == change.value.title
+    assert session.gestures.history.next_undo == change.value
     both_ways(session, before, steps)
 
 
 def test_inverting_makes_the_first_region_of_everything(session):
     before, steps = session.store.state.document, len(session.gestures.history.past)
-    session.painting.reshape(Part(1, is_region=True), "INVERT")
+    session.painting.reshape(Part(1, is_region=True), PartOperation.INVERT)
     assert [region.name for region in session.store.state.document.regions] == ["Region 1"]
     assert (session.store.state.document.member == 1).all()
     assert session.store.state.frame.regions == pytest.approx([session.store.state.inspection.area])
@@ -247,7 +248,7 @@ def test_a_change_takes_a_gesture_under_way_back(session):
     before, steps = session.store.state.document, len(session.gestures.history.past)
     session.gestures.begin()
     session.painting.paint(np.arange(100), BASE)
-    session.painting.reshape(Part(HANDLE), "GROW")
+    session.painting.reshape(Part(HANDLE), PartOperation.GROW)
     assert session.gestures.history.past[-1].document is before
     both_ways(session, before, steps)
 
@@ -259,7 +260,7 @@ def test_a_bent_shape_stays_when_a_part_of_it_changes(session):
     session.settle()
     shape = session.store.state.frame.U
     assert not np.allclose(shape, session.store.state.document.mesh.V, atol=0.01)
-    session.painting.reshape(Part(HANDLE), "GROW")
+    session.painting.reshape(Part(HANDLE), PartOperation.GROW)
     session.settle()
     assert session.store.state.frame.U is shape
     assert session.store.state.document.grip is shape

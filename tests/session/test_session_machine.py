@@ -15,7 +15,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.part_operations import PartOperation
+from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.store import Activity
 from apd_viewer.session.typed_motion import TypedMotion
 
@@ -233,7 +233,7 @@ class Use(RuleBasedStateMachine):
         else:
             part = Part(BASE if of == "base" else HANDLE + k % len(document.handles))
         others = ~part.of(document) & (part.codes(document) != part.nothing)
-        self.session.painting.reshape(part, change.name)
+        self.session.painting.reshape(part, change)
         now = self.session.store.state.document
         assert np.array_equal(part.codes(now)[others], part.codes(document)[others])
         assert len(self.session.gestures.history.done) == len(self.undos) + (now is not document)

@@ -29,6 +29,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.store import Activity
@@ -270,8 +271,8 @@ def parts(driver):
     bar = window.panel.verticalScrollBar()
     bar.setValue(bar.maximum())
     driver.scene("the end of the panel")
-    for change in ("GROW", "SHRINK", "SMOOTH", "INVERT", "MIRROR_X"):
-        window.editing.reshape(change)
+    for operation in list(PartOperation)[:5]:
+        window.editing.reshape(operation)
     driver.idle()
     driver.scene("the history")
     session.settings.set_method("paper")

@@ -13,6 +13,7 @@ from apd_viewer.ui.overlays.text_entry import Typed
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.part_operation import PartOperation
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
     from apd_viewer.ui.tools.active_parts import ActiveParts
@@ -113,10 +114,10 @@ class Editing:
             self._parts.add_region()
             self._take(Tool.REGION)
 
-    def reshape(self, change: str) -> None:
+    def reshape(self, operation: PartOperation) -> None:
         """Change the part that the tool in hand paints as a whole."""
         if self._may_begin():
-            self._session.painting.reshape(self._canvas.part, change)
+            self._session.painting.reshape(self._canvas.part, operation)
 
     def choose_by_numbers(self) -> None:
         """Choose vertices by ids or coordinates, in a card."""

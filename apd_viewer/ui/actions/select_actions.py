@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:
@@ -18,34 +19,47 @@ if TYPE_CHECKING:
     from apd_viewer.ui.filing.file_commands import Filing
 
 _LARGER, _SMALLER = 1.25, 0.8
-# Title, icon, tip, keys, and the name of the PartOperation, a class that is loaded later.
+# Title, icon, tip, keys, and what is done to the active part.
 _CHANGES = (
-    (tr("&Grow"), "grow", tr("Add the neighbouring vertices to the active part"), "Ctrl++", "GROW"),
-    (tr("S&hrink"), "shrink", tr("Remove the outermost vertices from the active part"), "Ctrl+-", "SHRINK"),
+    (
+        tr("&Grow"),
+        "grow",
+        tr("Add the neighbouring vertices to the active part"),
+        "Ctrl++",
+        PartOperation.GROW,
+    ),
+    (
+        tr("S&hrink"),
+        "shrink",
+        tr("Remove the outermost vertices from the active part"),
+        "Ctrl+-",
+        PartOperation.SHRINK,
+    ),
     (
         tr("&Smooth boundary"),
         "smooth-border",
         tr("Smooth the boundary of the active part"),
         "Ctrl+B",
-        "SMOOTH",
+        PartOperation.SMOOTH,
     ),
     (
         tr("In&vert"),
         "invert",
         tr("Paint the unpainted vertices and clear the active part"),
         "Ctrl+Shift+I",
-        "INVERT",
+        PartOperation.INVERT,
     ),
 )
+_MIRRORED = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
 _MIRRORS = tuple(
     (
         tr("Along {axis}").format(axis=axis),
         "mirror",
         tr("Add the mirror image of the active part along {axis}").format(axis=axis),
         None,
-        f"MIRROR_{axis}",
+        operation,
     )
-    for axis in "XYZ"
+    for axis, operation in zip("XYZ", _MIRRORED, strict=True)
 )
 
 
@@ -71,8 +85,10 @@ class SelectActions:
         editing = commands.editing
         self.changes, self.mirrors = (
             [
-                maker.make(f"reshape:{change}", title, image, tip, key, partial(editing.reshape, change))
-                for title, image, tip, key, change in changes
+                maker.make(
+                    f"reshape:{operation.name}", title, image, tip, key, partial(editing.reshape, operation)
+                )
+                for title, image, tip, key, operation in changes
             ]
             for changes in (_CHANGES, _MIRRORS)
         )
