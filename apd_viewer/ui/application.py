@@ -40,11 +40,12 @@ from apd_viewer.files.meshes import check_readable
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.view import SUFFIX
-from apd_viewer.ui.background_imports import Loading
+from apd_viewer.ui.background_imports import BackgroundImports
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.window import Window
+    from apd_viewer.ui.shell import Shell
+    from apd_viewer.ui.workbench import Workbench
 
 # pyvistaqt sets the default format once more for each viewport, to what is set here already.
 HARMLESS = "Setting a new default format"
@@ -130,28 +131,30 @@ def run(mesh: object = None) -> None:
     _check_display()
     application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
-    from apd_viewer.ui.window import Window
+    from apd_viewer.ui.shell import Shell
 
-    window = Window(QSettings(), recovery_folder())
+    shell = Shell(QSettings())
     if shown is None:
-        window.canvas.sketch(*open_sample("bottle"))
-        window.filing.open_sample("bottle")
+        shell.canvas.sketch(*open_sample("bottle"))
+        shell.requests.open_sample("bottle")
     elif isinstance(shown, Mesh):
-        window.filing.show_mesh(shown)
+        shell.requests.show_mesh(shown)
     else:
-        window.filing.open_path(shown)
-    window.show()
-    loading = Loading()
-    loading.loaded.connect(lambda: window.close() if loading.error else _start(window, shown is None))
-    window.canvas.viewport.frameSwapped.connect(loading.begin, Qt.ConnectionType.SingleShotConnection)
-    QTimer.singleShot(PATIENCE, loading.begin)
+        shell.requests.open_path(shown)
+    shell.show()
+    imports = BackgroundImports()
+    imports.loaded.connect(
+        lambda: shell.close() if imports.error else build_workbench(shell, recovery_folder(), shown is None)
+    )
+    shell.canvas.viewport.frameSwapped.connect(imports.begin, Qt.ConnectionType.SingleShotConnection)
+    QTimer.singleShot(PATIENCE, imports.begin)
     signal.signal(signal.SIGINT, lambda *_: application.closeAllWindows())
     gc.freeze()  # what has been imported stays: to look through it for garbage delays the first picture
     application.exec()
     gc.unfreeze()
-    loading.join()
-    if loading.error is not None:
-        raise ImportError(str(loading.error)) from loading.error
+    imports.join()
+    if imports.error is not None:
+        raise ImportError(str(imports.error)) from imports.error
 
 
 def recovery_folder() -> Path:
@@ -160,11 +163,27 @@ def recovery_folder() -> Path:
     return Path(QStandardPaths.writableLocation(place)) / "recovery"
 
 
-def _start(window: Window, on_bottle: bool) -> None:
+def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Workbench | None:
+    """Build the workbench on a shell that is still open; the first one of all begins the tour on the bottle.
+
+    Parameters
+    ----------
+    shell : Shell
+    recovery : Path or None
+        Folder for autosaves; None keeps nothing.
+    on_bottle : bool
+        Whether the sample bottle is about to be opened.
+    """
+    if shell.is_closed:
+        return None
     gc.freeze()
-    window.start()
-    window.help.greet(on_bottle)
-    _LOGGER.info("OpenGL %s", window.canvas.viewport.opengl)
+    # Imported only now: it takes longer than all that the first picture needs.
+    from apd_viewer.ui.workbench import Workbench
+
+    workbench = Workbench(shell, recovery)
+    workbench.help.greet(on_bottle)
+    _LOGGER.info("OpenGL %s", shell.canvas.viewport.opengl)
+    return workbench
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:

@@ -1,4 +1,4 @@
-"""What the window works with, imported behind its first picture."""
+"""The libraries of a session, imported behind the first picture."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import threading
 from PySide6.QtCore import QObject, Signal
 
 
-class Loading(QObject):
-    """Imports and compiles what the window itself needs, on a thread of its own.
+class BackgroundImports(QObject):
+    """Imports and compiles on a thread what the workbench needs.
 
     Attributes
     ----------
     loaded : Signal()
-        The window can start, unless there is an ``error``.
+        The workbench can be built, unless there is an ``error``.
     error : Exception or None
-        What is missing or broken.
+        A library is missing or broken.
     """
 
     loaded = Signal()
@@ -23,7 +23,7 @@ class Loading(QObject):
     def __init__(self) -> None:
         super().__init__()
         self.error: Exception | None = None
-        self._thread = threading.Thread(target=self._run, name="loading", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="imports", daemon=True)
 
     def begin(self) -> None:
         """Begin; once is enough."""
@@ -31,14 +31,14 @@ class Loading(QObject):
             self._thread.start()
 
     def join(self) -> None:
-        """Wait for the end: a thread that compiles while the interpreter ends would take it down."""
+        """Wait for the end: a thread that compiles while the interpreter ends would crash it."""
         if self._thread.ident is not None:
             self._thread.join()
 
     def _run(self) -> None:
-        # All that takes long to import is imported here; a library that is there may still be broken.
+        # All slow imports are made here, behind the first picture; an installed library may still be broken.
         try:
-            import apd_viewer.session.session  # noqa: F401
+            import apd_viewer.ui.workbench  # noqa: F401
             from apd_viewer.geometry.picking import surface_index
 
             surface_index.warm_up()

@@ -29,8 +29,9 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.processes.worker import Reply
 from apd_viewer.ui.application import make_application
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 ROUNDS, WARM_UP = 24, 4
 EDGE_OF_655_000 = 0.141  # lengths of edges, in those of the sample
@@ -76,13 +77,14 @@ class Bench:
 
     def __init__(self, application, V, F, labels) -> None:
         self.application = application
-        self.window = Window(QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat))
-        self.window.start()
+        self.window = Workbench(
+            Shell(QSettings(tempfile.mkdtemp() + "/none.ini", QSettings.Format.IniFormat))
+        )
         self.window.session._worker.close()
         self.worker = self.window.session.store._worker = self.window.session._worker = Silent()
         self.view = self.window.canvas.viewport
         self.surface = self.window.canvas.surface
-        self.window.show()
+        self.window.shell.show()
         self.until(lambda: self.view.draws > 0)
         self.view._still.setInterval(10**8)
         surface_index.warm_up()  # as behind the first picture
@@ -191,7 +193,7 @@ def redraws(bench):
 
 
 def dragging(bench, title, profile):
-    bench.window.take(Tool.MOVE)
+    bench.window.tools.take(Tool.MOVE)
     bench.window.session.gestures.begin()
     bench.move()
     kinds = {
@@ -238,7 +240,7 @@ def overlays(bench):
 
 def stroking(bench, profile):
     """A stroke to and fro over the front, with paint where there was none and where there was."""
-    bench.window.take(Tool.BASE)
+    bench.window.tools.take(Tool.BASE)
     bench.painted()
     mouse = Mouse(bench.view)
     middle = np.array([bench.view.width() / 2, bench.view.height() / 2])
@@ -285,9 +287,9 @@ def main() -> None:
     dragging(bench, "drag, two regions kept", profile)
     stroking(bench, profile)
     if "--picture" in sys.argv:
-        bench.window.grab().save("frame_cost.png")
+        bench.window.shell.grab().save("frame_cost.png")
     bench.window.session.files._written.append(bench.window.session.store.state.frame.U)
-    bench.window.close()
+    bench.window.shell.close()
 
 
 if __name__ == "__main__":

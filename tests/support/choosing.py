@@ -19,8 +19,9 @@ from apd_viewer.presentation.palette import (
     label_colors,
 )
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool, Way
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 NONE = Qt.KeyboardModifier.NoModifier
 ALT = Qt.KeyboardModifier.AltModifier
@@ -306,7 +307,7 @@ class Scene:
         self.paint(y < np.quantile(y, 0.2), BASE)
         self.paint(y > np.quantile(y, 0.8), HANDLE)
         if self.name == "bent":
-            window.take(Tool.MOVE)
+            window.tools.take(Tool.MOVE)
             qtbot.wait(30)
             drag(qtbot, window, arrow_grip(window, 0), (70, -20), steps=4)
             idle(qtbot, window)
@@ -338,8 +339,8 @@ class Scene:
         self.take(tool, way)
 
     def take(self, tool, way):
-        self.window.choose_way(way)
-        self.window.take(tool)
+        self.window.tools.choose_way(way)
+        self.window.tools.take(tool)
 
     @property
     def document(self):
@@ -422,15 +423,14 @@ class Theatre:
     """A window for all tests of a file, and the scene that is on it."""
 
     def __init__(self, folder):
-        self.window = Window(QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat))
-        self.window.start()
-        self.window.resize(1000, 700)
+        self.window = Workbench(Shell(QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)))
+        self.window.shell.resize(1000, 700)
         self._scene = None
 
     def scene(self, qtbot, name="rabbit"):
         """The mesh with a name, as it was when it was opened; only another one is opened."""
-        if not self.window.isVisible():
-            show(qtbot, self.window, self.window.canvas.viewport)
+        if not self.window.shell.isVisible():
+            show(qtbot, self.window.shell, self.window.canvas.viewport)
         if self._scene is None or self._scene.name != name:
             self._scene = Scene(qtbot, self.window, name)
         self._scene.reset(qtbot)
@@ -443,5 +443,5 @@ class Theatre:
             patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
             theatre = cls(folder)
             yield theatre
-            theatre.window.close()
-            theatre.window.deleteLater()
+            theatre.window.shell.close()
+            theatre.window.shell.deleteLater()

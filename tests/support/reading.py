@@ -122,7 +122,7 @@ class Driver:
     """The window, and the time that it takes."""
 
     def __init__(self, folder, size):
-        from apd_viewer.ui.window import Window
+        from apd_viewer.ui.shell import Shell
 
         self.application = make_application([])
         self.reader = Reader()
@@ -131,9 +131,9 @@ class Driver:
         record_dialogs(self.reader, folder)
         settings = QSettings(str(folder / "settings.ini"), QSettings.Format.IniFormat)
         self._leave(folder / "recovery")
-        self.window = Window(settings, folder / "recovery")
-        self.window.resize(*size)
-        self.window.show()
+        self.shell = Shell(settings)
+        self.shell.resize(*size)
+        self.shell.show()
         self.wait()
 
     @staticmethod
@@ -164,8 +164,8 @@ class Driver:
             self._pictured.add(name)
             end = time.monotonic() + 0.5
             self.wait(lambda: time.monotonic() > end)
-            window = self.window
-            part = f"{window.width()}x{window.height()}+{window.x()}+{window.y()}"
+            shell = self.shell
+            part = f"{shell.width()}x{shell.height()}+{shell.x()}+{shell.y()}"
             target = Path(shots) / f"{name}.png"  # the root window alone has the pixels of the viewport
             subprocess.run(["import", "-window", "root", "-crop", part, "+repage", str(target)], check=True)
 
@@ -175,9 +175,10 @@ class Driver:
 
 
 def start(driver):
-    window = driver.window
+    from apd_viewer.ui.workbench import Workbench
+
     driver.scene("before the start")
-    window.start()
+    window = driver.window = Workbench(driver.shell, driver.folder / "recovery")
     driver.wait()
     driver.scene("no mesh, and work that was left")
     window.recovery.later.click()
@@ -245,15 +246,15 @@ def parts(driver):
     window, session = driver.window, driver.window.session
     window.docks["history"].show()
     window.parts.add_handle()
-    window.take(Tool.HANDLE)
+    window.tools.take(Tool.HANDLE)
     window.panel.show_motion()
     driver.scene("a second handle")
     for tool in Tool:
-        window.take(tool)
+        window.tools.take(tool)
         for way in Way if tool.words.is_brush else ():
-            window.choose_way(way)
+            window.tools.choose_way(way)
             driver.scene("a way to choose", window.status._hint)
-    window.take(Tool.BASE)
+    window.tools.take(Tool.BASE)
     window.parts.remove_handle(1)
     window.editing.add_region()
     driver.scene("an empty region")

@@ -16,7 +16,8 @@ from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
 
 
 def pytest_configure(config):
@@ -81,12 +82,11 @@ def settings(tmp_path):
 def window(qtbot, settings, monkeypatch):
     """A window without a mesh, that does not ask before it is closed."""
     monkeypatch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
-    window = Window(settings)
-    window.start()
-    show(qtbot, window, window.canvas.viewport)
+    window = Workbench(Shell(settings))
+    show(qtbot, window.shell, window.canvas.viewport)
     yield window
-    window.close()
-    window.deleteLater()
+    window.shell.close()
+    window.shell.deleteLater()
     qtbot.wait(10)
 
 
@@ -112,18 +112,18 @@ def started(qtbot, folder, settings, monkeypatch):
     windows = []
 
     def start():
-        window = Window(settings, folder)
-        window.filing.open_sample("bottle")
-        window.start()
-        show(qtbot, window, window.canvas.viewport)
+        shell = Shell(settings)
+        shell.requests.open_sample("bottle")
+        window = Workbench(shell, folder)
+        show(qtbot, shell, window.canvas.viewport)
         idle(qtbot, window)
         windows.append(window)
         return window
 
     yield start
     for window in windows:
-        window.close()
-        window.deleteLater()
+        window.shell.close()
+        window.shell.deleteLater()
     qtbot.wait(10)
 
 

@@ -28,7 +28,7 @@ def everything(window):
     actions.pose.parts[2].trigger()
     window.session.settings.set_region_area(0, 100.0)
     window.session.handles.move_by("TWIST", "20", 0)
-    window.take(Tool.HANDLE)
+    window.tools.take(Tool.HANDLE)
     window.panel.folded = []
     window.notice.fail("Something went wrong; do something else.")
 
@@ -51,9 +51,9 @@ SCENES = {"everything": everything, "sheet": sheet, "tour": tour, "numbers": num
 
 @pytest.fixture
 def active(qtbot, bottle):
-    bottle.resize(1280, 1000)
-    bottle.activateWindow()
-    qtbot.waitUntil(bottle.isActiveWindow)
+    bottle.shell.resize(1280, 1000)
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
     bottle.canvas.viewport.setFocus()
     return bottle
 
@@ -71,7 +71,7 @@ def controls(window):
     """What takes the keys by Tab, in no order."""
     return [
         widget
-        for widget in window.findChildren(QWidget)
+        for widget in window.shell.findChildren(QWidget)
         if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
         and widget.isVisible()
         and widget.isEnabled()
@@ -81,12 +81,12 @@ def controls(window):
 
 def walked(qtbot, window, key=Qt.Key.Key_Tab):
     """What has the keys after each Tab, until the first one has them again."""
-    found = [window.focusWidget()]
+    found = [window.shell.focusWidget()]
     for _ in range(300):
-        qtbot.keyClick(window.focusWidget(), key)
-        if window.focusWidget() is found[0]:
+        qtbot.keyClick(window.shell.focusWidget(), key)
+        if window.shell.focusWidget() is found[0]:
             return found
-        found.append(window.focusWidget())
+        found.append(window.shell.focusWidget())
     raise AssertionError("Tab comes to no end")
 
 

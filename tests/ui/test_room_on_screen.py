@@ -15,7 +15,7 @@ from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 def full(qtbot, bottle):
     """The bottle with a tool that paints, and all that can be switched on."""
     looks = bottle.actions_.looks
-    bottle.take(Tool.HANDLE)
+    bottle.tools.take(Tool.HANDLE)
     looks.measures[Measure.AREA].trigger()
     for switch in ("ghost", "compare", "cut", "ground"):
         looks.switches[switch].trigger()
@@ -45,7 +45,7 @@ def on_canvas(window):
 @pytest.mark.parametrize("plots", [False, True])
 @pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
 def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot, full, size, plots):
-    full.resize(*size)
+    full.shell.resize(*size)
     full.docks["plots"].setVisible(plots)
     full.invitation.say("")
     qtbot.wait(100)
@@ -63,7 +63,7 @@ def test_with_everything_on_nothing_on_the_canvas_meets_and_nothing_is_cut(qtbot
 
 
 def test_what_is_typed_into_is_not_covered(qtbot, full):
-    full.resize(1280, 720)
+    full.shell.resize(1280, 720)
     full.actions_.select.numbers.trigger()
     card, cards = full.editing.typed.vertices, full.looks.cards
     qtbot.waitUntil(lambda: card.isVisible() and not card.geometry().intersects(cards.geometry()))
@@ -71,7 +71,7 @@ def test_what_is_typed_into_is_not_covered(qtbot, full):
 
 
 def test_a_click_for_a_border_where_there_is_none_says_so(full):
-    full.choose_way(Way.LOOP)
+    full.tools.choose_way(Way.LOOP)
     loop, view = full.canvas.ways[Way.LOOP], full.canvas.viewport
     x, y = view.project(full.canvas.surface.U[:1])[0]
     mouse = Mouse(view)
@@ -84,7 +84,7 @@ def test_a_click_for_a_border_where_there_is_none_says_so(full):
 
 def test_lines_of_the_legend_come_back_with_the_room(qtbot, full):
     legend = full.looks.legend
-    full.resize(1280, 720)
+    full.shell.resize(1280, 720)
     full.docks["plots"].show()
     qtbot.waitUntil(lambda: not legend.neutral.isVisible())
     assert legend.bar.isVisible()
@@ -112,7 +112,7 @@ def test_a_card_that_comes_back_alone_is_laid_out_for_its_own_size(qtbot, full):
 
 def test_ways_for_which_there_is_no_room_are_in_a_menu(qtbot, full):
     more = full.way_bar.findChild(QToolButton, "qt_toolbar_ext_button")
-    full.resize(1280, 720)
+    full.shell.resize(1280, 720)
     qtbot.waitUntil(lambda: not more.isVisible())
     full.docks["plots"].show()
     qtbot.waitUntil(more.isVisible)

@@ -12,14 +12,16 @@ from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.ui.application import build_workbench
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 
 @pytest.fixture
 def early(qtbot, settings):
-    """A window that has not started."""
-    window = Window(settings)
+    """A window without a workbench."""
+    window = Shell(settings)
     show(qtbot, window, window.canvas.viewport)
     yield window
     window.close()
@@ -28,32 +30,47 @@ def early(qtbot, settings):
 
 
 def test_the_last_wish_is_opened_at_the_start(qtbot, early):
-    early.filing.open_path("gone.obj")
-    early.filing.open_sample("bottle")
-    early.filing.show_mesh(Mesh(np.eye(3), np.array([[0, 1, 2]])))
-    early.filing.open_sample("duck")
-    early.start()
-    idle(qtbot, early)
-    assert document(early).mesh.path.name == "duck.obj"
-    assert not early.notice.text
+    early.requests.open_path("gone.obj")
+    early.requests.open_sample("bottle")
+    early.requests.show_mesh(Mesh(np.eye(3), np.array([[0, 1, 2]])))
+    early.requests.open_sample("duck")
+    window = Workbench(early)
+    idle(qtbot, window)
+    assert document(window).mesh.path.name == "duck.obj"
+    assert not window.notice.text
 
 
 def test_nothing_breaks_before_the_start(qtbot, early):
-    for action in (*early.actions_.tools.values(), early.actions_.undo, *early.actions_.pose.parts):
+    for action in early.chrome.bar.actions()[1:]:  # the first opens a dialog
         action.trigger()
     mouse = Mouse(early.canvas.viewport)
     mouse.drag(centre(early.canvas.viewport), QPoint(30, 30))
     assert not early.panel.isEnabled()
-    early.start()
+    window = Workbench(early)
     assert early.panel.isEnabled() is False
-    assert early._empty.isVisible(), "there is nothing to show, and that is said"
+    assert window.empty.isVisible(), "there is nothing to show, and that is said"
+
+
+def looks(window, bar):
+    """What is seen of the menus and of a tool bar."""
+    buttons = [
+        (each.isSeparator(), each.isEnabled(), each.isChecked(), each.icon().pixmap(24).toImage())
+        for each in bar.actions()
+    ]
+    return [top.text() for top in window.menuBar().actions()], buttons, bar.geometry()
+
+
+def test_menus_and_tool_bar_look_as_before_once_all_is_loaded(qtbot, early):
+    before = looks(early, early.chrome.bar)
+    window = Workbench(early)
+    qtbot.wait(50)
+    assert looks(early, window.actions_.bar) == before
 
 
 def test_a_window_that_is_closed_before_the_start_starts_nothing(early):
-    early.filing.open_sample("bottle")
+    early.requests.open_sample("bottle")
     assert early.close()
-    early.start()
-    assert not hasattr(early, "session")
+    assert build_workbench(early, None, on_bottle=False) is None
 
 
 def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
@@ -61,17 +78,17 @@ def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
     mesh, labels = open_sample("bottle")
     empty = view.screenshot().copy() if QGuiApplication.platformName() != "offscreen" else None
     early.canvas.sketch(mesh, labels)
-    early.filing.open_sample("bottle")
+    early.requests.open_sample("bottle")
     settle(qtbot, view)
-    early.take(Tool.BASE)
+    early.canvas.take(Tool.BASE)
     mouse, framed = Mouse(view), view.eye.key
     mouse.drag(centre(view), centre(view) + QPoint(20, 0))  # which is no stroke, but turns the camera
     moved = view.eye.key
-    early.start()
-    idle(qtbot, early)
+    window = Workbench(early)
+    idle(qtbot, window)
     assert moved != framed
     assert view.eye.key == moved, "the camera stays where it was turned to"
-    assert np.array_equal(document(early).labels, labels)
+    assert np.array_equal(document(window).labels, labels)
     if empty is not None:
         view._still.stop()
         assert (view.screenshot() != empty).any()
@@ -82,29 +99,26 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
         pytest.skip("the offscreen platform has no OpenGL, so there is no picture to compare")
     view = early.canvas.viewport
     early.canvas.sketch(*open_sample("bottle"))
-    early.filing.open_sample("bottle")
+    early.requests.open_sample("bottle")
     sketch = view.screenshot().astype(int)
-    early.start()
-    idle(qtbot, early)
+    idle(qtbot, Workbench(early))
     assert np.abs(view.screenshot().astype(int) - sketch).max() <= 3
 
 
 def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
-    early.filing.open_sample("bottle")
+    early.requests.open_sample("bottle")
     sketched = early.canvas.viewport.eye
-    early.start()
-    idle(qtbot, early)
+    idle(qtbot, Workbench(early))
     early.canvas.frame_mesh()
     np.testing.assert_allclose(early.canvas.viewport.eye.position, sketched.position, rtol=1e-9)
 
 
 def test_another_mesh_than_the_sketched_one_is_framed(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
-    early.filing.open_sample("duck")
+    early.requests.open_sample("duck")
     before = early.canvas.viewport.eye.key
-    early.start()
-    idle(qtbot, early)
+    idle(qtbot, Workbench(early))
     assert early.canvas.viewport.eye.key != before
 
 

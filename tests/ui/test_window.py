@@ -29,8 +29,9 @@ from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 
 def pose_of(window):
@@ -170,14 +171,14 @@ def test_painting_after_a_drag_does_not_move_the_mesh(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (60, 0))
     idle(qtbot, bottle)
     before = bottle.session.store.state.frame.U
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     free = np.flatnonzero((document(bottle).labels == FREE) & (document(bottle).mesh.V[:, 2] > 3.0))
     stroke(qtbot, bottle, on_screen(bottle, free[len(free) // 2]))
     idle(qtbot, bottle)
     assert bottle.session.store.state.frame.U is before
     assert np.array_equal(pose_of(bottle), np.eye(4))
 
-    bottle.take(Tool.MOVE)
+    bottle.tools.take(Tool.MOVE)
     shown = watch_frames(bottle)
     drag(qtbot, bottle, arrow_grip(bottle, 0), (4, 0), steps=4)
     qtbot.waitUntil(lambda: bool(shown), timeout=5_000)
@@ -238,7 +239,7 @@ def big(process, qtbot, window):
         session.gestures.begin()
         session.painting.paint(np.flatnonzero(pole * V[:, 1] > 0.9), label)
         session.painting.end_stroke("Paint")
-    window.take(Tool.MOVE)
+    window.tools.take(Tool.MOVE)
     session.gestures.begin()
     session.handles.drag(np.eye(4) + np.eye(4, k=3) * 1e-6)
     qtbot.waitUntil(lambda: session.store.state.frame.iteration > 0, timeout=20_000)
@@ -300,7 +301,7 @@ def test_a_drag_of_a_large_mesh_never_starves_the_screen(qtbot, big):
 def test_replies_never_pile_up(qtbot, bottle):
     """While the window is busy elsewhere the worker wakes nobody twice, and afterwards goes on."""
     woken = []
-    bottle._woken.connect(lambda: woken.append(1))
+    bottle.signals.woken.connect(lambda: woken.append(1))
     drag(qtbot, bottle, ring_grip(bottle, 1), (50, 0), steps=4)
     qtbot.wait(100)
     woken.clear()
@@ -337,7 +338,7 @@ def test_a_separate_piece_that_nothing_holds_is_announced_and_stays(qtbot, windo
     session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
     session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
     session.painting.end_stroke("Paint")
-    window.take(Tool.MOVE)
+    window.tools.take(Tool.MOVE)
     qtbot.wait(50)
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
     idle(qtbot, window)
@@ -355,12 +356,12 @@ def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settin
     data.setUrls([QUrl.fromLocalFile(str(path))])
     actions, none = Qt.DropAction.CopyAction, Qt.KeyboardModifier.NoModifier
     enter = QDragEnterEvent(QPoint(100, 100), actions, data, LEFT, none)
-    window.dragEnterEvent(enter)
+    window.shell.dragEnterEvent(enter)
     assert enter.isAccepted()
-    window.dropEvent(QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
+    window.shell.dropEvent(QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
     idle(qtbot, window)
     assert document(window).mesh.path == path
-    assert window.windowTitle() == "a mesh.off – APD Viewer"
+    assert window.shell.windowTitle() == "a mesh.off – APD Viewer"
     assert [action.text() for action in window.actions_.file.recent.actions()] == ["a mesh.off"]
     assert settings.value("recent") is not None
 
@@ -391,15 +392,15 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
     session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
     session.painting.end_stroke("Paint")
-    window.take(Tool.MOVE)
+    window.tools.take(Tool.MOVE)
     qtbot.wait(50)
     drag(qtbot, window, arrow_grip(window, 1), (0, -40))
     idle(qtbot, window)
-    window.close()
-    assert window.isVisible()
+    window.shell.close()
+    assert window.shell.isVisible()
     assert len(asked) == 1
-    window.close()
-    assert not window.isVisible()
+    window.shell.close()
+    assert not window.shell.isVisible()
 
 
 # The keyboard and the wheel
@@ -409,15 +410,15 @@ def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
     bottle.session.settings.set_method("paper")
     field = bottle.panel.method.tolerance
     field.setFocus()  # without a window manager no widget has it, but the window knows who would
-    assert bottle.focusWidget() is field
+    assert bottle.shell.focusWidget() is field
     field.selectAll()
     qtbot.keyClicks(field, "0.05")
     qtbot.keyClick(field, Qt.Key.Key_Return)
     assert document(bottle).tolerance == pytest.approx(0.0005)
-    assert bottle.focusWidget() is not field
+    assert bottle.shell.focusWidget() is not field
     field.setFocus()
     drag(qtbot, bottle, ring_grip(bottle, 1), (20, 0), steps=2)
-    assert bottle.focusWidget() is bottle.canvas.viewport
+    assert bottle.shell.focusWidget() is bottle.canvas.viewport
 
 
 def test_the_wheel_scrolls_past_the_settings(qtbot, bottle):
@@ -446,14 +447,14 @@ def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):
 
 
 def test_escape_puts_a_brush_away(qtbot, bottle):
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_Escape)
     assert bottle.canvas.tool is Tool.ORBIT
 
 
 @pytest.mark.parametrize("size", [(800, 600), (1280, 720), (1920, 1000)])
 def test_the_whole_gizmo_is_in_the_first_picture(qtbot, window, size):
-    window.resize(*size)
+    window.shell.resize(*size)
     qtbot.wait(20)
     for sample in ("bottle", "duck"):
         window.session.files.open_sample(sample)
@@ -488,7 +489,7 @@ def test_every_action_has_a_name_a_tip_and_a_place_in_a_menu(window):
             elif not action.isSeparator():
                 yield action
 
-    in_menus = [a for top in window.menuBar().actions() for a in leaves(top.menu())]
+    in_menus = [a for top in window.shell.menuBar().actions() for a in leaves(top.menu())]
     assert len(in_menus) > 25
     for action in in_menus:
         assert action.text().strip("&")
@@ -504,16 +505,19 @@ def test_a_theme_reaches_panel_and_canvas(qtbot, window, scheme):
     window.actions_.view.schemes[scheme].trigger()
     qtbot.wait(50)
     dark = scheme is Qt.ColorScheme.Dark
-    picture = window.grab().toImage()
-    for x, y in ((window.width() - 5, window.height() // 2), (window.width() // 2, window.height() // 3)):
+    picture = window.shell.grab().toImage()
+    for x, y in (
+        (window.shell.width() - 5, window.shell.height() // 2),
+        (window.shell.width() // 2, window.shell.height() // 3),
+    ):
         assert (picture.pixelColor(x, y).lightnessF() < 0.5) is dark
 
 
 def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
-    bottle.resize(1280, 720)
+    bottle.shell.resize(1280, 720)
     qtbot.wait(50)
     view = bottle.canvas.viewport
-    assert view.width() > 0.7 * bottle.width()
+    assert view.width() > 0.7 * bottle.shell.width()
     for action in bottle.actions_.bar.actions():
         assert bottle.actions_.bar.widgetForAction(action).isVisible()
 
@@ -521,25 +525,24 @@ def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
 def test_twenty_windows_leave_nothing_behind(qtbot, settings):
     alive = []
     for k in range(20):
-        window = Window(settings)
-        window.start()
-        show(qtbot, window, window.canvas.viewport)
+        window = Workbench(Shell(settings))
+        show(qtbot, window.shell, window.canvas.viewport)
         if k % 4 == 0:
             window.session.files.open_sample("bottle")
             idle(qtbot, window)
             drag(qtbot, window, ring_grip(window, 1), (30, 0), steps=2)
         canvas, session = window.canvas, window.session
-        parts = (window, canvas.viewport, canvas.surface, session, session._worker)
+        parts = (window, window.shell, canvas.viewport, canvas.surface, session, session._worker)
         alive += [weakref.ref(part) for part in parts]
-        window.close()
-        window.deleteLater()
+        window.shell.close()
+        window.shell.deleteLater()
         del window, canvas, session, parts
         qtbot.wait(20)
     for _ in range(3):
         gc.collect()
         qtbot.wait(10)
     assert [ref() for ref in alive if ref() is not None] == []
-    assert [w for w in QApplication.topLevelWidgets() if isinstance(w, Window)] == []
+    assert [w for w in QApplication.topLevelWidgets() if isinstance(w, Shell)] == []
 
 
 def test_a_mesh_that_opens_ends_the_drag_of_another(qtbot, bottle):

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMainWindow, QToolBar
+from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.action_factory import ActionMaker, plain
@@ -16,10 +15,10 @@ from apd_viewer.ui.actions.display_actions import LookActions
 from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
+from apd_viewer.ui.actions.tool_bar import add_tool_bar
 from apd_viewer.ui.actions.view_actions import ViewActions
 from apd_viewer.ui.preferences.shortcuts import ShortcutEntry
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.widgets.icons import SIZE
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
@@ -63,7 +62,13 @@ class Actions:
         self.looks = LookActions(self._maker, commands.looks)
         self.help = self._make_help(commands)
         self._fill_menus()
-        self.bar = self._make_bar()
+        groups = (
+            [self.file.open, self.file.export],
+            list(self.tools.values()),
+            [self.undo, self.redo, self.reset],
+            [self.view.frame],
+        )
+        self.bar = add_tool_bar(window, groups)
 
     def _make_edit(self, editing: Editing) -> None:
         make = self._maker.make
@@ -130,25 +135,13 @@ class Actions:
         self.view.fill(bar.addMenu(tr("&View")), self.looks)
         bar.addMenu(tr("&Help")).addActions(self.help)
 
-    @property
-    def of_a_mesh(self) -> list[QAction]:
-        """What can only be done while a mesh is open."""
+    def offer(self, is_open: bool, is_at_rest: bool) -> None:
+        """Enable what an open mesh allows, and one that is not at rest."""
         own = [*self.file.of_a_mesh, self.pose.compare, self.pose.sweep]
-        return [*own, *self.select.files, *self.select.changes]
-
-    def _make_bar(self) -> QToolBar:
-        bar = QToolBar(tr("Tools"), self._window, objectName="tools", movable=False)
-        bar.setIconSize(SIZE)
-        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
-        bar.addActions([self.file.open, self.file.export])
-        bar.addSeparator()
-        bar.addActions(list(self.tools.values()))
-        bar.addSeparator()
-        bar.addActions([self.undo, self.redo, self.reset])
-        bar.addSeparator()
-        bar.addAction(self.view.frame)
-        self._window.addToolBar(Qt.ToolBarArea.LeftToolBarArea, bar)
-        return bar
+        for action in (*own, *self.select.files, *self.select.changes):
+            action.setEnabled(is_open)
+        for action in (self.reset, self.bake):
+            action.setEnabled(is_open and not is_at_rest)
 
     def add_panels(self, actions: list[QAction]) -> None:
         """Offer panels that can be hidden in the View menu."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.actions.edit_commands import Editing
     from apd_viewer.ui.compare.compare_controller import Comparing
     from apd_viewer.ui.filing.file_commands import Filing
+    from apd_viewer.ui.filing.file_requests import FileRequests
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.sharing.report_controller import Reporting
@@ -26,6 +27,7 @@ class Commands:
     """The controllers, and the commands of the window itself."""
 
     canvas: Canvas
+    requests: FileRequests
     filing: Filing
     editing: Editing
     looks: Looks

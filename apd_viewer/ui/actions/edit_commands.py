@@ -29,35 +29,39 @@ class Editing:
     ----------
     canvas : Canvas
     panel : Panel
+    session : Session
+    parts : ActiveParts
     take : callable
-        Puts a tool into the hand.
+        Chooses a tool.
+
+    Attributes
+    ----------
+    typed : Typed
     """
 
-    _session: Session
-    _parts: ActiveParts
-
-    def __init__(self, canvas: Canvas, panel: Panel, take: Callable[[Tool], None]) -> None:
-        self._canvas = canvas
-        self._panel = panel
-        self._take = take
-        self._started = False
-
-    def start(self, session: Session, parts: ActiveParts) -> None:
-        """Begin to work."""
-        self._session, self._parts, self._started = session, parts, True
-        handles = self._panel.handles
+    def __init__(
+        self,
+        canvas: Canvas,
+        panel: Panel,
+        session: Session,
+        parts: ActiveParts,
+        take: Callable[[Tool], None],
+    ) -> None:
+        self._canvas, self._panel = canvas, panel
+        self._session, self._parts, self._take = session, parts, take
+        self.typed = Typed(canvas, session, parts, self.give_up)
+        handles = panel.handles
         handles.added.connect(self.add_handle)
         handles.reset_asked.connect(self.reset)
         handles.put_back_asked.connect(self.put_back)
         handles.motion.typed.connect(self.move_by)
-        self._panel.regions.added.connect(self.add_region)
+        panel.regions.added.connect(self.add_region)
         handles.motion.line_asked.connect(self.pick_line)
         handles.motion.choice.currentIndexChanged.connect(self._show_line)
-        self.typed = Typed(self._canvas, session, parts, self.give_up)
 
     @property
     def _is_open(self) -> bool:
-        return self._started and self._session.store.state is not None
+        return self._session.store.state is not None
 
     def _may_begin(self) -> bool:
         """Whether something is open, and no drag was under way, which is taken back."""

@@ -42,9 +42,10 @@ class FileActions:
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         make, filing, reporting = maker.make, commands.filing, commands.reporting
-        self._open_path = filing.open_path
+        requests = commands.requests
+        self._open_path = requests.open_path
         self.open = make(
-            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, filing.ask_for_file
+            "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask
         )
         self.export = make(
             "export",
@@ -97,7 +98,7 @@ class FileActions:
         self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, commands.quit)
         self.samples = []
         for name, title in SAMPLES.items():
-            tip, command = _OPEN_SAMPLE[name], partial(filing.open_sample, name)
+            tip, command = _OPEN_SAMPLE[name], partial(requests.open_sample, name)
             self.samples.append(make(f"open_sample:{name}", title, "sample", tip, None, command))
 
     def fill(self, menu: QMenu) -> None:

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, usual
+from apd_viewer.ui.compare.comparison_window import ComparisonWindow
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
+    from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
-    from apd_viewer.session.session import Session
-    from apd_viewer.ui.compare.comparison_window import ComparisonWindow
+    from apd_viewer.session.store import Store
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -36,23 +37,22 @@ class Comparing:
     memory : Preferences
     notice : Notice
         Where to say why there is nothing to compare.
+    store : Store
 
     Attributes
     ----------
     window : ComparisonWindow or None
     """
 
-    def __init__(self, canvas: Canvas, looks: Looks, memory: Preferences, notice: Notice) -> None:
+    def __init__(
+        self, canvas: Canvas, looks: Looks, memory: Preferences, notice: Notice, store: Store
+    ) -> None:
         self._canvas, self._looks, self._memory, self._notice = canvas, looks, memory, notice
-        self._session: Session | None = None
+        self._store = store
         self._views: Mapping[str, QAction] = {}
         self._frame: QAction | None = None
         self._theme = LIGHT
         self.window: ComparisonWindow | None = None
-
-    def start(self, session: Session) -> None:
-        """Begin to work."""
-        self._session = session
 
     def lend_keys(self, views: Mapping[str, QAction], frame: QAction) -> None:
         """Give the window, whenever it is opened, the keys that turn and frame the view of the mesh.
@@ -67,10 +67,9 @@ class Comparing:
 
     def open(self) -> None:
         """Compare methods on the document as it is now, or say what is missing for that."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._store.state) is None:
             return
-        session = self._session
-        if sentence := _why_not(session):
+        if sentence := _why_not(state):
             self._notice.fail(sentence)
             return
         if self.window is None:
@@ -78,13 +77,11 @@ class Comparing:
         window, comparison = self.window, self.window.comparison
         window.show()
         if comparison is None or comparison.document is not state.document:
-            window.compare(state, session.store.unit)
+            window.compare(state, self._store.unit)
         window.raise_()
         window.activateWindow()
 
     def _made(self) -> ComparisonWindow:
-        from apd_viewer.ui.compare.comparison_window import ComparisonWindow
-
         scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
         window = ComparisonWindow(self._memory, scale, self._canvas.viewport.eye)
         window.set_theme(self._theme)
@@ -97,12 +94,12 @@ class Comparing:
         return window
 
     def _again(self) -> None:
-        if (session := self._session) is None or self.window is None:
+        if (state := self._store.state) is None or self.window is None:
             return
-        if sentence := _why_not(session):
+        if sentence := _why_not(state):
             self.window.refuse(sentence)
-        elif session.store.state is not None:
-            self.window.compare(session.store.state, session.store.unit)
+        else:
+            self.window.compare(state, self._store.unit)
 
     def _forget(self) -> None:
         window, self.window = self.window, None
@@ -111,7 +108,7 @@ class Comparing:
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit, if it is the mesh at hand that is compared."""
-        state = None if self._session is None else self._session.store.state
+        state = self._store.state
         if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
             self.window.measure_in(unit)
 
@@ -127,8 +124,6 @@ class Comparing:
             self.window.close()
 
 
-def _why_not(session: Session) -> str | None:
+def _why_not(state: State) -> str | None:
     """What has to be done before methods can be compared, as a sentence; None if nothing."""
-    if session.store.state is None:
-        return None
-    return session.store.state.document.problem or (_AT_REST if session.store.state.is_at_rest else None)
+    return state.document.problem or (_AT_REST if state.is_at_rest else None)

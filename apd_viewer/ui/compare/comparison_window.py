@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QSize, Qt, Signal, Slot
 from PySide6.QtGui import QCloseEvent, QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
 from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
@@ -29,7 +30,6 @@ from apd_viewer.ui.widgets.icons import application_icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.presentation.scales import Scale
     from apd_viewer.session.model.document import State
@@ -40,13 +40,6 @@ if TYPE_CHECKING:
 _FEWEST = 2
 _SIZE = QSize(1280, 800)
 _NO_ROOM = tr("Not enough memory to compare methods on this mesh; close other programs.")
-
-
-class _ComparisonInputs(NamedTuple):
-    """What measures the shapes of a mesh."""
-
-    change: Deviation
-    write: Callable[..., None]
 
 
 class ComparisonWindow(QWidget):
@@ -190,18 +183,16 @@ class ComparisonWindow(QWidget):
         mesh, skin = state.document.mesh, state.skin
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, write_shades
-
             warm_up()
-            return _ComparisonInputs(Deviation(mesh.V, skin.joined, skin.source), write_shades)
+            return Deviation(mesh.V, skin.joined, skin.source)
 
         self._task.begin(work)
 
     def _take(self, result: object) -> None:
-        if not isinstance(result, _ComparisonInputs):
+        if not isinstance(result, Deviation):
             self._say(_NO_ROOM, warn=True)
             return
-        self.linked.measure_by(result.change, result.write, self.legend.scale)
+        self.linked.measure_by(result, self.legend.scale)
 
     def _choose(self) -> None:
         """Compare the methods that are checked, two at least."""

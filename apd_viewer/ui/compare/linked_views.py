@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -97,11 +97,11 @@ class LinkedViews(QWidget):
 
     # Colours
 
-    def measure_by(self, change: Deviation, write: Callable[..., None], scale: Scale) -> None:
+    def measure_by(self, change: Deviation, scale: Scale) -> None:
         """Show how the shapes differ from rest, from now on."""
         for view in self.views.values():
             view.show_scale(scale)
-            view.measure_by(change, write)
+            view.measure_by(change)
 
     def show_scale(self, scale: Scale) -> None:
         """Show the changes on another scale."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.ui.overlays.notice import Invitation
@@ -18,7 +18,6 @@ from apd_viewer.ui.scene.surface_probe import Place, Pointer
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.session.model.document import State
     from apd_viewer.session.quantities.units import Unit
 
@@ -67,7 +66,7 @@ class MethodView(QWidget):
         column.addWidget(head)
         column.addWidget(self.viewport, 1)
         self.values: np.ndarray | None = None
-        self._measure: tuple[Deviation, Callable[..., None]] | None = None
+        self._change: Deviation | None = None
         self._measured = -1
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self.pointer = Pointer(self.viewport, self.surface)
@@ -79,7 +78,7 @@ class MethodView(QWidget):
     def begin(self, state: State) -> None:
         """Show the rest shape of a document, until there is another."""
         document = state.document
-        self.values, self._measure = None, None
+        self.values, self._change = None, None
         self.surface.wear(None)
         self.surface.set_mesh(state.skin, document.mesh.V, colors_of(document))
 
@@ -88,9 +87,9 @@ class MethodView(QWidget):
         if U is not self.surface.shape:
             self.surface.set_points(U)
 
-    def measure_by(self, change: Deviation, write: Callable[..., None]) -> None:
+    def measure_by(self, change: Deviation) -> None:
         """Show how the shape differs from rest, from now on."""
-        self._measure, self._measured = (change, write), -1
+        self._change, self._measured = change, -1
         self.viewport.update()
 
     def show_scale(self, scale: Scale) -> None:
@@ -124,12 +123,11 @@ class MethodView(QWidget):
     def _refresh(self) -> None:
         """Measure the shape that is about to be drawn, and colour it."""
         surface = self.surface
-        if self._measure is None or surface.shape_revision == self._measured:
+        if self._change is None or surface.shape_revision == self._measured:
             return
         self._measured = surface.shape_revision
-        change, write = self._measure
-        self.values = change.area(surface.shape)
-        write(self.values, True, self._scale.end, surface.shades)
+        self.values = self._change.area(surface.shape)
+        write_shades(self.values, True, self._scale.end, surface.shades)
         surface.shades_changed()
         surface.wear(self._scale.measure.colors, self._scale.neutral_share)
         self.measured.emit()

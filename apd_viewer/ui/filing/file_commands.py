@@ -1,4 +1,4 @@
-"""What is opened and written: the verbs that need a word with the user about files."""
+"""The commands that open and write files, and the questions that they ask."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMessageBox, QWidget
 
 from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.storage.recovery import Leftover, leftovers
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
@@ -17,89 +18,68 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
-    from apd_viewer.session.storage.recovery import Leftover
 
 
 class Filing:
-    """Opens and writes for a window, which may ask before there is a session.
+    """Opens and writes for a window.
 
     Parameters
     ----------
     window : QWidget
         Over which to ask.
     memory : Preferences
+    session : Session
     view : callable
-        How the mesh is looked at, with the symbol of its unit.
+        Returns the camera, overlay and unit to be saved with the mesh.
     recovery : Path or None
-        The folder in which what is done is kept; None keeps nothing.
+        Folder for autosaves; None keeps nothing.
     """
 
     def __init__(
-        self, window: QWidget, memory: Preferences, view: Callable[[str], View], recovery: Path | None = None
+        self,
+        window: QWidget,
+        memory: Preferences,
+        session: Session,
+        view: Callable[[], View],
+        recovery: Path | None = None,
     ) -> None:
         self._window = window
         self._memory = memory
-        self._session: Session | None = None
-        self._wish: Callable[[Session], None] | None = None
+        self._session = session
         self._view = view
         self._recovery = recovery
         self._asked: Path | None = None
         self._path: Path | None = None  # of the session file
         self._embeds = False
-
-    def start(self, session: Session) -> None:
-        """Open what was asked for in the meantime; the latest wish wins."""
-        self._session = session
-        if self._recovery is not None:
-            session.autosave.keep_in(self._recovery, lambda: self._view(session.store.unit.value))
-        if self._wish is not None:
-            self._wish(session)
+        if recovery is not None:
+            session.autosave.keep_in(recovery, view)
 
     def leftovers(self) -> list[Leftover]:
         """Recoverable sessions of killed programs, locked for this window."""
-        from apd_viewer.session.storage.recovery import leftovers
-
         return leftovers(self._recovery) if self._recovery is not None else []
 
     def restore(self, left: Leftover) -> None:
         """Open a recovered session in the background; its file is not for saving."""
         self._asked = None
-        if self._session is not None:
-            self._session.autosave.restore(left)
+        self._session.autosave.restore(left)
 
     def open_path(self, path: str | Path) -> None:
-        """Open a file, in the background."""
-
-        def wish(session: Session) -> None:
-            if session.jobs.current is None:  # or it is refused, and another file is the one that comes
-                self._asked = Path(path)
-            session.files.open(path)
-
-        self._open(wish)
+        """Open a file in the background."""
+        if self._session.jobs.current is None:  # or it is refused, and another file is the one that comes
+            self._asked = Path(path)
+        self._session.files.open(path)
 
     def open_sample(self, name: str) -> None:
-        """Open a sample, in the background."""
-        self._open(lambda session: session.files.open_sample(name))
+        """Open a sample in the background."""
+        self._session.files.open_sample(name)
 
     def show_mesh(self, mesh: Mesh) -> None:
         """Show a mesh from memory."""
-        self._open(lambda session: session.files.open_mesh(mesh))
-
-    def _open(self, wish: Callable[[Session], None]) -> None:
-        if self._session is None:
-            self._wish = wish
-        else:
-            wish(self._session)
-
-    def ask_for_file(self) -> None:
-        """Choose a file to open."""
-        path = file_dialogs.ask_for_mesh(self._window, self._memory.folder)
-        if path is not None:
-            self.open_path(path)
+        self._session.files.open_mesh(mesh)
 
     def ask_for_target(self) -> None:
         """Choose a target for the deformed mesh."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
@@ -109,12 +89,12 @@ class Filing:
         """Save the session to its file; ask for one if there is none."""
         if self._path is None:
             self.save_as()
-        elif self._session is not None and self._session.store.state is not None:
-            self._session.files.save(self._path, self._view(self._session.store.unit.value), self._embeds)
+        elif self._session.store.state is not None:
+            self._session.files.save(self._path, self._view(), self._embeds)
 
     def save_as(self) -> None:
         """Choose a target for the session, with or without the mesh."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
         found = file_dialogs.ask_for_session(self._window, self._memory.folder, mesh)
@@ -137,7 +117,7 @@ class Filing:
 
     def load_selection(self) -> None:
         """Choose a selection file to load."""
-        if self._session is None or self._session.store.state is None:
+        if self._session.store.state is None:
             return
         path = file_dialogs.ask_for_selection(self._window, self._memory.folder)
         if path is not None:
@@ -145,7 +125,7 @@ class Filing:
 
     def save_selection(self) -> None:
         """Choose a target for the selection."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_put_selection(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
@@ -163,6 +143,4 @@ class Filing:
     @property
     def worth_asking(self) -> bool:
         """True if a shape would be lost; samples do not count."""
-        return self._session is not None and any(
-            mesh.path is None or own_file(mesh) is not None for mesh in self._session.files.unsaved
-        )
+        return any(mesh.path is None or own_file(mesh) is not None for mesh in self._session.files.unsaved)

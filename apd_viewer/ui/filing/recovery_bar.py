@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QToolButton
 
 from apd_viewer.language import tr
+from apd_viewer.session.storage.recovery import Leftover, ago
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from apd_viewer.session.session import Session
-    from apd_viewer.session.storage.recovery import Leftover
-    from apd_viewer.ui.filing.file_commands import Filing
 
 _MARGIN = 12
 _ABOVE = 68  # px from the bottom of the canvas: there is room for the invitation below
@@ -35,15 +34,18 @@ class RecoveryBar(QFrame):
     Parameters
     ----------
     canvas : Viewport
-    filing : Filing
-        Finds and restores them.
+
+    Attributes
+    ----------
+    restore_asked : Signal(Leftover)
     """
 
-    def __init__(self, canvas: Viewport, filing: Filing) -> None:
+    restore_asked = Signal(object)
+
+    def __init__(self, canvas: Viewport) -> None:
         super().__init__(canvas)
         shield(self)
         self._canvas = canvas
-        self._filing = filing
         self._waiting: list[Leftover] = []
         self.setObjectName("notice")
         self._symbol = QLabel()
@@ -85,9 +87,9 @@ class RecoveryBar(QFrame):
         """Text of the offer; empty if there is none."""
         return self._text.text() if not self.isHidden() else ""
 
-    def start(self) -> None:
-        """Offer what there is."""
-        self._waiting = self._filing.leftovers()
+    def offer(self, leftovers: list[Leftover]) -> None:
+        """Offer leftovers, which are locked for this window."""
+        self._waiting = leftovers
         self._show_next()
 
     def follow(self, session: Session) -> None:
@@ -111,7 +113,7 @@ class RecoveryBar(QFrame):
         self._symbol.setPixmap(icon("history", theme).pixmap(SIZE, self.devicePixelRatioF()))
 
     def _restore(self) -> None:
-        self._filing.restore(self._waiting[0])
+        self.restore_asked.emit(self._waiting[0])
 
     def _discard(self) -> None:
         self._waiting.pop(0).discard()
@@ -124,8 +126,6 @@ class RecoveryBar(QFrame):
     def _show_next(self) -> None:
         self.setVisible(bool(self._waiting))
         if self._waiting:
-            from apd_viewer.session.storage.recovery import ago
-
             left = self._waiting[0]
             name = self.fontMetrics().elidedText(left.name, Qt.TextElideMode.ElideMiddle, _LONGEST_NAME)
             self._text.setText(

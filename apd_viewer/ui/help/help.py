@@ -12,6 +12,8 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
 
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
+from apd_viewer.session.session import Session
+from apd_viewer.session.store import Activity
 from apd_viewer.ui.actions.action_factory import plain
 from apd_viewer.ui.help.mouse_help import gestures
 from apd_viewer.ui.help.shortcut_rows import ActionRow, GestureRow, Group, Row
@@ -22,7 +24,6 @@ from apd_viewer.ui.preferences.shortcuts import Shortcuts
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
-    from apd_viewer.session.session import Session
     from apd_viewer.ui.actions.actions import Actions
     from apd_viewer.ui.panel.panel import Panel
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -41,6 +42,7 @@ class Help(QObject):
     memory : Preferences
     open_bottle : callable
         Opens the sample that the tour speaks of.
+    session : Session
 
     Attributes
     ----------
@@ -55,6 +57,7 @@ class Help(QObject):
         parts: tuple[Canvas, Actions, Panel],
         memory: Preferences,
         open_bottle: Callable[[], object],
+        session: Session,
     ) -> None:
         super().__init__(window)
         self._window = window
@@ -68,7 +71,7 @@ class Help(QObject):
         self.sheet.dismissed.connect(self.close)
         self.tour.area_wanted.connect(lambda: panel.ensureWidgetVisible(panel.area.percent))
         self.tour.ring_wanted.connect(partial(_show_gizmo, canvas, actions))
-        self._session: Session | None = None
+        self._session = session
         self._wished = False
         self._mesh: object = None
 
@@ -93,12 +96,12 @@ class Help(QObject):
         self._wished = on_bottle and not self._memory.toured
         self._memory.toured = True
 
-    def follow(self, session: Session) -> None:
+    def follow(self) -> None:
         """Start a waiting tour with the bottle; end it with another mesh."""
-        self._session = session
-        if session.store.state is None or session.jobs.current is not None:
+        state = self._session.store.state
+        if state is None or self._session.jobs.current is not None:
             return
-        if self.tour.active and session.store.state.document.mesh is not self._mesh:
+        if self.tour.active and state.document.mesh is not self._mesh:
             self.tour.end()
         if self._wished:
             self._wished = False
@@ -116,19 +119,19 @@ class Help(QObject):
 
     def _can_begin(self) -> bool:
         """True if the bottle is open and its handle can be moved."""
-        state = None if self._session is None else self._session.store.state
+        state = self._session.store.state
         if state is None or state.document.problem:
             return False
         return state.document.mesh.path == resource("bottle.obj")
 
     def _begin(self) -> None:
-        session = self._session
-        if session is not None and session.store.state is not None and self._can_begin():
-            self._mesh = session.store.state.document.mesh
-            self.tour.begin(lambda: session.store.activity.value != "refining", self._holds_area)
+        store = self._session.store
+        if store.state is not None and self._can_begin():
+            self._mesh = store.state.document.mesh
+            self.tour.begin(lambda: store.activity is not Activity.REFINING, self._holds_area)
 
     def _holds_area(self) -> bool:
-        state = None if self._session is None else self._session.store.state
+        state = self._session.store.state
         return state is not None and state.document.kept[0] is not None
 
     def _close_sheet(self) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
+from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, worst, write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
 from apd_viewer.session.quantities.units import Unit
@@ -18,7 +19,6 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.overlays.legend import Legend
     from apd_viewer.ui.tools.canvas import Canvas
@@ -34,7 +34,6 @@ class _OverlayInputs(NamedTuple):
 
     mesh: Mesh
     change: Deviation
-    write: Callable[..., None]
 
 
 class _Slow(NamedTuple):
@@ -80,7 +79,6 @@ class HeatMap(MouseTool, QObject):
         self.unit = Unit.NONE
         self._mesh: Mesh | None = None
         self._change: Deviation | None = None
-        self._write: Callable[..., None] | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
         self._cursor: QPointF | None = None
@@ -180,10 +178,8 @@ class HeatMap(MouseTool, QObject):
         self._legend.say(tr("Preparing to measure…"))
 
         def work(_: Callable[[], bool]) -> object:
-            from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, write_shades
-
             warm_up()
-            return _OverlayInputs(mesh, Deviation(mesh.V, skin.joined, skin.source), write_shades)
+            return _OverlayInputs(mesh, Deviation(mesh.V, skin.joined, skin.source))
 
         self._task.begin(work)
 
@@ -221,7 +217,7 @@ class HeatMap(MouseTool, QObject):
         if result is None:
             self._legend.say(tr("Not enough memory to measure this mesh."))
         elif isinstance(result, _OverlayInputs) and result.mesh is self._mesh:
-            self._change, self._write = result.change, result.write
+            self._change = result.change
             self._legend.say("")
             self._canvas.viewport.update()
         elif isinstance(result, _Slow) and result.seen == self._seen:
@@ -233,10 +229,10 @@ class HeatMap(MouseTool, QObject):
 
     def _color(self) -> None:
         """Show the values in the colours of their scale."""
-        if self.values is None or self._write is None:
+        if self.values is None:
             return
         surface, scale = self._canvas.surface, self.scale
-        self._write(self.values, scale.measure.is_signed, scale.end, surface.shades)
+        write_shades(self.values, scale.measure.is_signed, scale.end, surface.shades)
         surface.shades_changed()
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         surface.wear(scale.measure.colors, neutral)
@@ -284,8 +280,6 @@ class HeatMap(MouseTool, QObject):
             return
         surface = self._canvas.surface
         if self._places is None:
-            from apd_viewer.geometry.analysis.deviation import worst
-
             self._places = worst(self.values, surface.U, _APART * self._size, _PLACES)
         if not len(self._places):
             return

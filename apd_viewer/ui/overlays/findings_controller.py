@@ -12,7 +12,6 @@ from apd_viewer.ui.overlays.findings import Badge, FindingList
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.findings import Finding
     from apd_viewer.ui.tools.canvas import Canvas
-    from apd_viewer.ui.widgets.theme import Theme
 
 
 class Health(QObject):
@@ -24,19 +23,19 @@ class Health(QObject):
     Parameters
     ----------
     canvas : Canvas
+    badge : Badge
 
     Attributes
     ----------
-    badge : Badge
     list : FindingList
     """
 
-    def __init__(self, canvas: Canvas) -> None:
+    def __init__(self, canvas: Canvas, badge: Badge) -> None:
         super().__init__(canvas)
         self._canvas = canvas
         self._of_mesh: tuple[Finding, ...] = ()
         self._findings: tuple[Finding, ...] = ()
-        self.badge = Badge()
+        self.badge = badge
         self.list = FindingList(canvas.viewport)
         self.badge.toggled.connect(self._toggle)
         self.list.chosen.connect(self._show)
@@ -76,11 +75,6 @@ class Health(QObject):
         was_open = self.badge.isChecked()
         self.badge.setChecked(False)
         return was_open
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the icons."""
-        self.badge.set_theme(theme)
-        self.list.set_theme(theme)
 
     def _toggle(self, on: bool) -> None:
         application = QApplication.instance()

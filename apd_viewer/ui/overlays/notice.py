@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QShowEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
+from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
+from apd_viewer.ui.filing.file_requests import FileRequests
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
@@ -129,7 +141,7 @@ class Invitation(QLabel):
 class Empty(QWidget):
     """The middle of the canvas while no mesh is open."""
 
-    def __init__(self, canvas: Viewport, buttons: list[QWidget]) -> None:
+    def __init__(self, canvas: Viewport, requests: FileRequests) -> None:
         super().__init__(canvas)
         self._canvas = canvas
         self.setObjectName("empty")
@@ -138,6 +150,9 @@ class Empty(QWidget):
         title = QLabel(tr("Drop a mesh here or open one"), alignment=Qt.AlignmentFlag.AlignCenter)
         column.addWidget(title)
         self._row = QHBoxLayout()
+        buttons = [QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask)]
+        for name, sample in SAMPLES.items():
+            buttons.append(QPushButton(sample, clicked=partial(requests.open_sample, name)))
         for button in buttons:
             button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
             self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)

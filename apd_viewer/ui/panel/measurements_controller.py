@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 from PySide6.QtCore import QObject
 
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.status_text import of_crossings
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 from apd_viewer.ui.preferences.preferences import own_file
 
@@ -35,30 +36,27 @@ class Measuring(QObject):
     memory : Preferences
     heat : HeatMap
         What a session says of its overlay is done there.
+    session : Session
     """
 
-    def __init__(self, panel: Panel, health: Health, memory: Preferences, heat: HeatMap) -> None:
+    def __init__(
+        self, panel: Panel, health: Health, memory: Preferences, heat: HeatMap, session: Session
+    ) -> None:
         super().__init__(panel)
         self._panel = panel
         self._health = health
         self._memory = memory
         self._heat = heat
-        self._session: Session | None = None
+        self._session = session
         self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
         panel.measures.wall_typed.connect(self._type)
         panel.volume.crossings.clicked.connect(health.open_last)
 
-    def start(self, session: Session) -> None:
-        """Follow the shape checks of a session."""
-        self._session = session
-
     def show(self) -> None:
         """Show the current results for the shape on screen."""
-        if self._session is None or self._session.store.state is None:
+        if (state := self._session.store.state) is None:
             return
-        from apd_viewer.session.model.status_text import of_crossings
-
-        examining, mesh = self._session.shape_checks, self._session.store.state.document.mesh
+        examining, mesh = self._session.shape_checks, state.document.mesh
         found = examining.found
         self._panel.measures.show_examination(found, examining.at_rest)
         self._panel.volume.show_examination(found, examining.under_way)
@@ -89,9 +87,9 @@ class Measuring(QObject):
         return replace(view, wall=self._panel.measures.wall, overlay=overlay)
 
     def _type(self, wall: Wall) -> None:
-        if self._session is None or self._session.store.state is None:
+        if (state := self._session.store.state) is None:
             return
-        mesh = self._session.store.state.document.mesh
+        mesh = state.document.mesh
         self._walls[mesh] = wall
         path = own_file(mesh)
         if path is not None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
     from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.session import Session
 
 _WIDTH = 296
 
@@ -173,6 +174,16 @@ class Panel(QScrollArea):
         name_keys(self.handles.add, add_handle)
         name_keys(self.handles.back, put_back)
         name_keys(self.regions.add, add_region)
+
+    def show_status(self, session: Session) -> None:
+        """Show the activity of the solver, and enable what the state allows."""
+        state = session.store.state
+        self.setEnabled(state is not None)
+        self.handles.reset.setEnabled(state is not None and not state.is_at_rest)
+        if state is None:
+            self.area.activity.setText("")
+        else:
+            self.area.show_activity(state, session)
 
     def show_motion(self) -> None:
         """Unfold the handle section and focus the motion field."""

@@ -23,18 +23,21 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
+from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.analysis.area_change import LocalChange, local_change, warm_up
 from apd_viewer.language import tr
-from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.model.memo import triangle_areas
+from apd_viewer.session.model.trace import COLUMNS
+from apd_viewer.ui.filing.plot_export import ask_where, write_picture
+from apd_viewer.ui.plots import reading_charts
+from apd_viewer.ui.plots.chart import Chart, draw_chart
 from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.session.model.document import State
-    from apd_viewer.session.model.trace import Trace
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.notice import Notice
-    from apd_viewer.ui.plots.chart import Chart
     from apd_viewer.ui.preferences.preferences import Preferences
 
 _SIZE, _SMALLEST = QSize(348, 224), QSize(348, 160)
@@ -67,14 +70,14 @@ _AT_FIRST = ("error", "area", "local")
 class Plots(QWidget):
     """Charts beside each other, or below each other where there is more room, and what chooses among them.
 
-    They read the session when they are drawn, so they cost nothing while they cannot be seen; and what draws
-    them is imported when they are first shown.
+    They read the session when they are drawn, so they cost nothing while they cannot be seen.
 
     Parameters
     ----------
     memory : Preferences
     notice : Notice
         Where to say what was written.
+    session : Session
 
     Attributes
     ----------
@@ -82,14 +85,13 @@ class Plots(QWidget):
     choices : dict of str to QToolButton
     """
 
-    def __init__(self, memory: Preferences, notice: Notice) -> None:
+    def __init__(self, memory: Preferences, notice: Notice, session: Session) -> None:
         super().__init__(objectName="plots")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self._memory, self._notice = memory, notice
-        self._session: Session | None = None
+        self._memory, self._notice, self._store = memory, notice, session.store
         self._theme = LIGHT
         self._measured: tuple[np.ndarray, LocalChange] | None = None
-        self._loading = threading.Thread(target=_load, name="plots", daemon=True)
+        self._loading = threading.Thread(target=warm_up, name="plots", daemon=True)
         self.views = {name: ChartView(words, partial(self._chart, name)) for name, words in _CHARTS.items()}
         self.choices = {name: self._choice(name) for name in _CHARTS}
         column = QVBoxLayout(self, spacing=0)
@@ -151,13 +153,8 @@ class Plots(QWidget):
         """Offer to save what there is."""
         for action in self._pictures:
             action.setEnabled(any(not view.isHidden() for view in self.views.values()))
-        self._numbers.setEnabled(len(self._trace) > 1)
-        self._histogram.setEnabled(self._state is not None)
-
-    def start(self, session: Session) -> None:
-        """Plot what happens in a session."""
-        self._session = session
-        self.follow()
+        self._numbers.setEnabled(len(self._store.trace) > 1)
+        self._histogram.setEnabled(self._store.state is not None)
 
     def end(self) -> None:
         """Wait for what is compiled: while the interpreter ends it would take that down."""
@@ -226,27 +223,15 @@ class Plots(QWidget):
 
     # What is plotted
 
-    @property
-    def _trace(self) -> Trace:
-        from apd_viewer.session.model.trace import Trace
-
-        return Trace() if self._session is None else self._session.store.trace
-
-    @property
-    def _state(self) -> State | None:
-        return None if self._session is None else self._session.store.state
-
     def _chart(self, name: str) -> Chart:
         """What a view shows, as things are now."""
-        from apd_viewer.ui.plots import reading_charts
-
-        session, state = self._session, self._state
+        state, trace = self._store.state, self._store.trace
         if name == "error":
-            return reading_charts.area_error(state, self._trace)
+            return reading_charts.area_error(state, trace)
         if name == "energy":
-            return reading_charts.energy(self._trace, Unit.NONE if session is None else session.store.unit)
+            return reading_charts.energy(trace, self._store.unit)
         if name == "area":
-            return reading_charts.area_and_volume(state, self._trace)
+            return reading_charts.area_and_volume(state, trace)
         if state is None:
             return reading_charts.local_change(
                 None, tr("Open a mesh to see the area change of its triangles here.")
@@ -267,9 +252,6 @@ class Plots(QWidget):
 
     def _local_change(self, state: State) -> LocalChange:
         """How the triangles differ from rest; found once for a shape."""
-        from apd_viewer.geometry.analysis.area_change import local_change
-        from apd_viewer.session.model.memo import triangle_areas
-
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:
             self._measured = U, local_change(U, state.skin.F, triangle_areas(mesh.V, mesh.F))
@@ -278,9 +260,7 @@ class Plots(QWidget):
     # Saving
 
     def _ask(self, name: str, suffix: str, write: Callable[[Path], object]) -> None:
-        from apd_viewer.ui.filing.plot_export import ask_where
-
-        state = self._state
+        state = self._store.state
         stem = state.document.mesh.stem if state else "mesh"
         path = ask_where(self, self._memory.folder, f"{stem}-{name}", suffix)
         if path is None:
@@ -294,9 +274,6 @@ class Plots(QWidget):
 
     def write_picture(self, path: Path) -> None:
         """Write the charts as they are shown, on white, as PNG or SVG; raises InputError."""
-        from apd_viewer.ui.filing.plot_export import write_picture
-        from apd_viewer.ui.plots.chart import draw_chart
-
         views = [view for view in self.views.values() if not view.isHidden()]
         around = QRect()
         for view in views:
@@ -311,16 +288,11 @@ class Plots(QWidget):
 
     def write_trace(self, path: Path) -> None:
         """Write the readings of the gesture as CSV; raises InputError."""
-        from apd_viewer.files.tables import write_table
-        from apd_viewer.session.model.trace import COLUMNS
-
-        write_table(path, COLUMNS, self._trace.rows)
+        write_table(path, COLUMNS, self._store.trace.rows)
 
     def write_histogram(self, path: Path) -> None:
         """Write the histogram of the local change as CSV, finer than it is drawn; raises InputError."""
-        from apd_viewer.files.tables import write_table
-
-        state = self._state
+        state = self._store.state
         assert state is not None
         octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
         shares = self._local_change(state).shares(octaves)
@@ -346,16 +318,7 @@ class ChartView(QWidget):
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the chart."""
-        from apd_viewer.ui.plots.chart import draw_chart
-
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(self.theme.panel))
         draw_chart(painter, QRectF(self.rect()), self.chart(), self.theme, self.font())
         painter.end()
-
-
-def _load() -> None:
-    """Compile what the histogram needs, or load it from the cache."""
-    from apd_viewer.geometry.analysis.area_change import warm_up
-
-    warm_up()

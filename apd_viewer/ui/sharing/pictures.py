@@ -13,10 +13,12 @@ from PySide6.QtSvg import QSvgRenderer
 from apd_viewer.errors import InputError
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.language import tr
+from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
+from apd_viewer.ui.scene.scene_picture import check_size, grown, scene_picture
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
 if TYPE_CHECKING:
-    from apd_viewer.session.session import Session
+    from apd_viewer.session.jobs.background_job import Jobs
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.tools.canvas import Canvas
@@ -52,15 +54,11 @@ class Pictures:
     canvas : Canvas
     looks : Looks
     notice : Notice
+    jobs : Jobs
     """
 
-    def __init__(self, canvas: Canvas, looks: Looks, notice: Notice) -> None:
-        self._canvas, self._looks, self._notice = canvas, looks, notice
-        self._session: Session | None = None
-
-    def start(self, session: Session) -> None:
-        """Take pictures of what is open in a session."""
-        self._session = session
+    def __init__(self, canvas: Canvas, looks: Looks, notice: Notice, jobs: Jobs) -> None:
+        self._canvas, self._looks, self._notice, self._jobs = canvas, looks, notice, jobs
 
     @property
     def view_size(self) -> QSize:
@@ -80,8 +78,6 @@ class Pictures:
 
     def save(self, path: Path, wish: Wish) -> None:
         """Write a picture as PNG; it is drawn now, and written in the background."""
-        if self._session is None:
-            return
         try:
             image = self.taken(wish)
         except InputError as error:
@@ -96,7 +92,7 @@ class Pictures:
             return tr("Saved {name}: {size}.").format(name=path.name, size=size)
 
         title = tr("Writing {name}").format(name=path.name)
-        self._session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
+        self._jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
 
     def copy(self, wish: Wish | None = None) -> None:
         """Bring a picture to the clipboard; the view as it is seen, without the gizmo."""
@@ -111,14 +107,10 @@ class Pictures:
 
     def check_size(self, size: QSize) -> None:
         """Raise InputError if a picture of this size cannot be drawn."""
-        from apd_viewer.ui.scene.scene_picture import check_size
-
         check_size(self._canvas.viewport, size)
 
     def taken(self, wish: Wish) -> QImage:
         """The picture; raises InputError where it is too large to be drawn."""
-        from apd_viewer.ui.scene.scene_picture import grown, scene_picture
-
         view = self._canvas.viewport
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
@@ -145,8 +137,6 @@ class Pictures:
 
     def _draw_legend(self, painter: QPainter) -> None:
         """Draw a card above the lower left corner, where the painter stands."""
-        from apd_viewer.presentation.legend_svg import HEIGHT, WIDTH, legend_svg
-
         heat, theme = self._looks.heat, DARK if self._canvas.viewport.dark else LIGHT
         card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)
         painter.setPen(QPen(QColor(theme.line), 1.0))

@@ -14,18 +14,28 @@ from PySide6.QtGui import QFont, QFontMetricsF, QGuiApplication, QImage, QPainte
 from PySide6.QtWidgets import QWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.files import html_page
+from apd_viewer.files.fingerprint import fingerprint
+from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
+from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
 from apd_viewer.language import tr
+from apd_viewer.presentation.legend_svg import legend_svg
+from apd_viewer.presentation.report_origin import Evidence
+from apd_viewer.presentation.report_page import Subject, page_of
 from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.session.model.memo import triangle_areas
+from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing.plot_export import svg_of
+from apd_viewer.ui.plots import reading_charts
+from apd_viewer.ui.plots.chart import draw_chart
+from apd_viewer.ui.scene.offscreen_scene import Studio
 from apd_viewer.ui.sharing.diagnostics import diagnostics
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.files import html_page
-    from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.presentation.report_origin import Evidence
-    from apd_viewer.presentation.report_page import Subject
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
@@ -60,6 +70,7 @@ class Reporting:
     measuring : Measuring
     memory : Preferences
     notice : Notice
+    session : Session
 
     Attributes
     ----------
@@ -74,17 +85,13 @@ class Reporting:
         measuring: Measuring,
         memory: Preferences,
         notice: Notice,
+        session: Session,
     ) -> None:
         self._window, self._canvas, self._looks = window, canvas, looks
         self._measuring, self._memory, self._notice = measuring, memory, notice
-        self._session: Session | None = None
-        self.pictures = Pictures(canvas, looks, notice)
-        self._wish: Wish | None = None
-
-    def start(self, session: Session) -> None:
-        """Tell of what is open in a session."""
         self._session = session
-        self.pictures.start(session)
+        self.pictures = Pictures(canvas, looks, notice, session.jobs)
+        self._wish: Wish | None = None
 
     def copy_diagnostics(self) -> None:
         """Copy what helps to find a defect to the clipboard."""
@@ -93,7 +100,7 @@ class Reporting:
 
     def ask(self) -> None:
         """Let the user choose where to write a report."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
@@ -101,10 +108,8 @@ class Reporting:
 
     def ask_for_picture(self) -> None:
         """Let the user say what picture to take, and where to write it."""
-        if self._session is None or (state := self._session.store.state) is None:
+        if (state := self._session.store.state) is None:
             return
-        from apd_viewer.ui.sharing.picture_dialog import PictureDialog
-
         pictures = self.pictures
         dialog = PictureDialog(self._window, pictures, self._wish or Wish(pictures.view_size * 2))
         if dialog.exec():
@@ -118,11 +123,9 @@ class Reporting:
 
     def write(self, path: Path) -> None:
         """Write a report of the shape on screen, in the background."""
-        if self._session is None or self._session.store.state is None:
+        session = self._session
+        if (state := session.store.state) is None:
             return
-        from apd_viewer.presentation.report_page import Subject
-
-        session, state = self._session, self._session.store.state
         view = self._measuring.in_view(self._canvas.view(session.store.unit.value))
         examining = session.shape_checks
         subject = Subject(
@@ -148,7 +151,6 @@ class Reporting:
 
     def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
         """Take the pictures, for which there is only this thread, and have the page written."""
-        assert self._session is not None
         session, now = self._session, self._session.store.state
         if now is not None and now.frame.U is subject.state.frame.U:  # more may be known of it by now
             examining = session.shape_checks
@@ -165,44 +167,33 @@ class Reporting:
         legend = self._legend(subject, measured, scale)
 
         def work() -> str:
-            from apd_viewer.files.html_page import write_page
-            from apd_viewer.presentation.report_page import page_of
-
-            write_page(path, page_of(subject, measured.evidence, _encoded(images, legend), histogram))
+            html_page.write_page(
+                path, page_of(subject, measured.evidence, _encoded(images, legend), histogram)
+            )
             return tr("Saved {name}.").format(name=path.name)
 
         title = tr("Writing {name}").format(name=path.name)
         session.jobs.run(title, work, self._notice.tell, can_be_cancelled=False)
 
     def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
-        from apd_viewer.ui.scene.offscreen_scene import Studio
-
         surface = self._canvas.surface
         studio = Studio(self._canvas.viewport, state, surface.edges, surface.smooth)
         V, U = state.document.mesh.V, state.frame.U
         return [studio.painted(V), studio.painted(U), studio.measured(U, measured.shades, scale)]
 
     def _legend(self, subject: Subject, measured: _Measured, scale: Scale) -> str:
-        from apd_viewer.presentation.legend_svg import legend_svg
-
         values = measured.values[np.isfinite(measured.values)]
         span = (float(values.min()), float(values.max())) if len(values) else None
         return legend_svg(scale, subject.unit, span)
 
     def _histogram(self, change: LocalChange) -> html_page.Drawing:
-        from apd_viewer.files import html_page
-        from apd_viewer.ui.plots.reading_charts import local_change
-
-        chart = replace(local_change(change), title="", readings=())
+        chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
         words = 2.5 * QFontMetricsF(font).height()  # the room of title and readings, which the page has
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:
-            from apd_viewer.ui.filing.plot_export import svg_of
-            from apd_viewer.ui.plots.chart import draw_chart
-
             def draw(painter: QPainter) -> None:
                 draw_chart(painter, room, chart, theme, font)
 
@@ -214,12 +205,6 @@ class Reporting:
 
 def _measured(state: State, view: View, scale: Scale) -> _Measured:
     """Find out what takes a while."""
-    from apd_viewer.files.fingerprint import fingerprint
-    from apd_viewer.geometry.analysis.area_change import local_change
-    from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
-    from apd_viewer.presentation.report_origin import Evidence
-    from apd_viewer.session.model.memo import triangle_areas
-
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U
     values = Deviation(mesh.V, skin.joined, skin.source).area(U)
     shades = np.full(len(U), 255, dtype=np.uint8)
@@ -234,8 +219,6 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
 
 def _session_of(state: State, view: View) -> bytes:
     """A session with all of it, which tells nobody where the mesh was; nothing where it is too long."""
-    from apd_viewer.session.storage.session_file import save_session
-
     document = state.document
     state = replace(state, document=replace(document, mesh=document.mesh.homeless()))
     with tempfile.TemporaryDirectory() as folder:
@@ -245,8 +228,6 @@ def _session_of(state: State, view: View) -> bytes:
 
 
 def _encoded(images: list[QImage], legend: str) -> html_page.PictureRow:
-    from apd_viewer.files import html_page
-
     captions = tr("Rest shape"), tr("Current shape"), tr("Local area change")
     pictures = [
         html_page.PagePicture(png_of(image), caption) for image, caption in zip(images, captions, strict=True)

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
+from apd_viewer.ui.studies.paper_dialog import PaperDialog
+from apd_viewer.ui.studies.sweep_dialog import SweepDialog
+
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.model.view import View
@@ -48,14 +51,10 @@ class Studies(QObject):
         if state.document.problem:
             self._failed(state.document.problem)
             return
-        from apd_viewer.ui.studies.sweep_dialog import SweepDialog
-
         self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
 
     def paper(self) -> None:
         """Re-run the paper's tables."""
-        from apd_viewer.ui.studies.paper_dialog import PaperDialog
-
         self._show("paper", lambda: PaperDialog(self._window, self._memory))
 
     def close_all(self) -> None:

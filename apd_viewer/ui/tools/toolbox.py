@@ -130,3 +130,6 @@ class Way(Enum):
         """Title, key, icon, tip and hint."""
         words: _ToolWords = self.value
         return words
+
+
+FIRST_TOOL, FIRST_WAY = Tool.MOVE, Way.BRUSH

@@ -19,8 +19,8 @@ GROW, SHRINK, SMOOTH, INVERT = range(4)
 @pytest.fixture
 def keyboard(qtbot, scene):
     """Presses keys in the window."""
-    scene.window.activateWindow()
-    qtbot.waitUntil(scene.window.isActiveWindow, timeout=5_000)
+    scene.window.shell.activateWindow()
+    qtbot.waitUntil(scene.window.shell.isActiveWindow, timeout=5_000)
     scene.view.setFocus()
     return lambda key, modifiers=Qt.KeyboardModifier.NoModifier: qtbot.keyClick(scene.view, key, modifiers)
 
@@ -39,7 +39,7 @@ def leaves(menu):
 
 
 def in_menus(window):
-    return [action for top in window.menuBar().actions() for action in leaves(top.menu())]
+    return [action for top in window.shell.menuBar().actions() for action in leaves(top.menu())]
 
 
 # What every action is
@@ -58,7 +58,7 @@ def test_every_action_in_the_menus_is_dressed(scene):
 
 def test_every_action_of_a_tool_bar_is_in_a_menu(scene):
     found = in_menus(scene.window)
-    bars = scene.window.findChildren(QToolBar)
+    bars = scene.window.shell.findChildren(QToolBar)
     assert {"tools", "ways"} <= {bar.objectName() for bar in bars}
     for bar in bars:
         for action in bar.actions():
@@ -67,7 +67,7 @@ def test_every_action_of_a_tool_bar_is_in_a_menu(scene):
 
 def test_no_two_actions_share_a_shortcut(scene):
     scene.paint(np.ones(len(scene.document.labels), dtype=bool), BASE)
-    found = {*in_menus(scene.window), *scene.window.actions()}
+    found = {*in_menus(scene.window), *scene.window.shell.actions()}
     for tool in Tool:
         scene.take(tool, Way.BRUSH)
         keys = Counter(key.toString() for action in found if action.isEnabled() for key in action.shortcuts())
@@ -106,14 +106,14 @@ def test_the_bar_of_the_ways_is_there_for_the_tools_that_paint_and_its_buttons_w
 
 def test_all_of_the_bar_has_room_in_the_smallest_window(qtbot, scene):
     scene.take(Tool.BASE, Way.BRUSH)
-    size = scene.window.size()
-    scene.window.resize(scene.window.minimumSize())
+    size = scene.window.shell.size()
+    scene.window.shell.resize(scene.window.shell.minimumSize())
     qtbot.wait(20)
     bar = scene.window.way_bar
     assert scene.view.rect().contains(bar.geometry())
     for action in bar.actions():
         assert bar.rect().contains(bar.widgetForAction(action).geometry()), action.text()
-    scene.window.resize(size)
+    scene.window.shell.resize(size)
     qtbot.wait(20)
 
 

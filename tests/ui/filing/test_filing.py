@@ -10,7 +10,8 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
     again = bottle.canvas.viewport.screenshot()
     # Points are drawn in single precision, seen from the middle of the shape that was opened.
     assert np.abs(again.astype(int) - picture).max() <= 1
-    assert path in bottle._memory.recent
+    assert path in bottle.memory.recent
 
 
 def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, tmp_path, chosen):
@@ -77,14 +78,14 @@ def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
-    other = Window(QSettings(str(tmp_path / "other.ini"), QSettings.Format.IniFormat))
-    other.filing.open_path(path)
-    other.start()
-    show(qtbot, other, other.canvas.viewport)
+    shell = Shell(QSettings(str(tmp_path / "other.ini"), QSettings.Format.IniFormat))
+    shell.requests.open_path(path)
+    other = Workbench(shell)
+    show(qtbot, other.shell, other.canvas.viewport)
     idle(qtbot, other)
     np.testing.assert_array_equal(other.session.store.state.frame.U, bottle.session.store.state.frame.U)
-    other.close()
-    other.deleteLater()
+    other.shell.close()
+    other.shell.deleteLater()
     qtbot.wait(10)
 
 

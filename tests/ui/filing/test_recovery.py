@@ -31,12 +31,13 @@ from pathlib import Path
 from PySide6.QtCore import QSettings
 from apd_viewer.ui.application import make_application
 application = make_application([])
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
 folder = Path(sys.argv[1])
-window = Window(QSettings(str(folder / "other.ini"), QSettings.Format.IniFormat), folder / "recovery")
-window.filing.open_sample("bottle")
-window.show()
-window.start()
+shell = Shell(QSettings(str(folder / "other.ini"), QSettings.Format.IniFormat))
+shell.requests.open_sample("bottle")
+shell.show()
+window = Workbench(shell, folder / "recovery")
 assert window.session.wait_idle(20.0)
 window.session.handles.move_by("TWIST", "20", 0)
 assert window.session.wait_idle(20.0)
@@ -146,7 +147,7 @@ def test_the_newest_is_offered_first_and_the_others_stay(qtbot, started, folder,
     restore(qtbot, window)
     assert not window.recovery.text
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
-    window.close()
+    window.shell.close()
     assert files(folder) == ["3-1.apd"]
     assert started().recovery.text.endswith("my duck.obj, 3 days ago")
 
@@ -162,7 +163,7 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
     assert window.session.store.state is before
     assert window.recovery.restore.isVisible()
     assert path.exists()
-    window.close()
+    window.shell.close()
     assert path.exists()
     window = started()
     click(window.recovery.discard)
@@ -173,9 +174,9 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
 def test_the_bar_does_not_take_the_keys(qtbot, started, folder, duck):
     leave(folder, duck)
     window = started()
-    focus = window.focusWidget()
+    focus = window.shell.focusWidget()
     click(window.recovery.discard)
-    assert window.focusWidget() is focus
+    assert window.shell.focusWidget() is focus
 
 
 def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, started, folder, duck, tmp_path):
@@ -183,7 +184,7 @@ def test_a_bar_fits_into_a_small_window_whatever_the_mesh_is_called(qtbot, start
     save_mesh(duck.document.mesh, duck.document.mesh.V, path)
     leave(folder, opened(open_mesh(path)))
     window = started()
-    window.resize(window.minimumSize())
+    window.shell.resize(window.shell.minimumSize())
     qtbot.wait(50)
     assert window.canvas.viewport.rect().contains(window.recovery.geometry())
     assert not window.recovery.geometry().intersects(window.invitation.geometry())
@@ -198,9 +199,9 @@ def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     with monkeypatch.context() as patch:
         patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Cancel)
-        assert not window.close()
+        assert not window.shell.close()
     assert len(files(folder)) == 1
-    assert window.close()
+    assert window.shell.close()
     assert list(folder.iterdir()) == []
 
 
@@ -214,7 +215,7 @@ def test_a_program_that_is_killed_is_offered_by_the_next_and_not_before(qtbot, s
             assert not first.recovery.text
         finally:
             program.send_signal(signal.SIGKILL)
-    first.close()
+    first.shell.close()
     window = started()
     assert window.recovery.text.endswith("bottle.obj, just now")
     restore(qtbot, window)

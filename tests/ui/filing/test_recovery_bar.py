@@ -38,7 +38,7 @@ def test_what_was_left_is_restored_as_one_step_and_kept_safe(qtbot, started, fol
     assert window.recovery.isHidden()
     window.session.gestures.undo()
     assert window.session.store.state is before
-    window.close()
+    window.shell.close()
     assert list(folder.iterdir()) == []
 
 
@@ -53,7 +53,7 @@ def test_what_is_put_off_is_offered_again(qtbot, started, left):
     window = started()
     click(qtbot, window.recovery.later)
     assert window.recovery.isHidden()
-    window.close()
+    window.shell.close()
     assert "duck.obj" in started().recovery.text
 
 
@@ -70,5 +70,5 @@ def test_a_clean_end_leaves_nothing(qtbot, started, folder):
     window.session.handles.move_by("TWIST", "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     idle(qtbot, window)
-    window.close()
+    window.shell.close()
     assert list(folder.iterdir()) == []

@@ -9,10 +9,10 @@ from driving import LEFT, Mouse, arrow_grip, document, drag, idle, ring_grip, sh
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.ui.application import _start
+from apd_viewer.ui.application import build_workbench
 from apd_viewer.ui.help.tour_card import placed
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.window import Window
 
 
 @pytest.fixture
@@ -29,14 +29,14 @@ def first(qtbot, settings):
     made = []
 
     def begin(on_bottle=True):
-        window = Window(settings)
-        show(qtbot, window, window.canvas.viewport)
-        made.append(window)
+        shell = Shell(settings)
+        show(qtbot, shell, shell.canvas.viewport)
         if on_bottle:
-            window.filing.open_sample("bottle")
+            shell.requests.open_sample("bottle")
         else:
-            window.filing.show_mesh(Mesh(*meshes.sphere(2)))
-        _start(window, on_bottle)
+            shell.requests.show_mesh(Mesh(*meshes.sphere(2)))
+        window = build_workbench(shell, None, on_bottle)
+        made.append(window)
         gc.unfreeze()
         idle(qtbot, window)
         qtbot.wait(30)
@@ -45,8 +45,8 @@ def first(qtbot, settings):
     yield begin
     for window in made:
         window.filing.may_close = lambda: True
-        window.close()
-        window.deleteLater()
+        window.shell.close()
+        window.shell.deleteLater()
     qtbot.wait(10)
 
 
@@ -71,7 +71,7 @@ def test_it_comes_at_the_first_start_of_all_and_never_again(qtbot, first, settin
     assert window.help.tour.number == 0
     assert card(window).isVisible()
     assert settings.value("tour", type=bool)
-    window.close()
+    window.shell.close()
     assert first().help.tour.active is False
 
 
@@ -82,7 +82,7 @@ def test_whoever_opens_a_file_at_the_first_start_is_not_bothered(qtbot, first):
     idle(qtbot, window)
     qtbot.wait(30)
     assert not window.help.tour.active
-    window.close()
+    window.shell.close()
     assert not first().help.tour.active
 
 
@@ -161,17 +161,17 @@ def test_it_is_skipped(qtbot, toured, way):
     assert not toured.help.tour.active
     assert not card(toured).isVisible()
     assert toured.canvas.tool is Tool.MOVE
-    assert toured.focusWidget() is toured.canvas.viewport
+    assert toured.shell.focusWidget() is toured.canvas.viewport
 
 
 def test_it_is_used_by_keys_alone(qtbot, toured):
-    toured.activateWindow()
-    qtbot.waitUntil(toured.isActiveWindow)
+    toured.shell.activateWindow()
+    qtbot.waitUntil(toured.shell.isActiveWindow)
     card(toured).next.setFocus()
     qtbot.keyClick(card(toured).next, Qt.Key.Key_Return)
     assert toured.help.tour.number == 1
     qtbot.keyClick(card(toured).next, Qt.Key.Key_Tab, Qt.KeyboardModifier.ShiftModifier)
-    assert toured.focusWidget() is card(toured).back
+    assert toured.shell.focusWidget() is card(toured).back
     qtbot.keyClick(card(toured).back, Qt.Key.Key_Space)
     assert toured.help.tour.number == 0
 
@@ -209,8 +209,8 @@ def test_a_turn_that_is_taken_back_moves_nothing_on(qtbot, toured):
 
 def test_the_invitation_is_silent_meanwhile(qtbot, toured):
     assert not toured.invitation.isVisible()
-    toured.take(Tool.BASE)
-    toured.take(Tool.MOVE)
+    toured.tools.take(Tool.BASE)
+    toured.tools.take(Tool.MOVE)
     assert not toured.invitation.isVisible()
     qtbot.mouseClick(card(toured).skip, LEFT)
     assert toured.invitation.isVisible()
@@ -225,20 +225,20 @@ def test_it_blocks_nothing(qtbot, toured):
     tip, area = card(toured)._tip.geometry(), card(toured).geometry()
     beside = tip.center()
     assert not area.contains(beside)
-    assert toured.childAt(beside) is not card(toured)._tip, "the mouse goes through the tip"
+    assert toured.shell.childAt(beside) is not card(toured)._tip, "the mouse goes through the tip"
     assert toured.help.tour.active
 
 
 def test_it_takes_the_ring_into_the_hand_and_says_where_it_is_gone(qtbot, toured):
-    toured.take(Tool.BASE)
+    toured.tools.take(Tool.BASE)
     go_to(qtbot, toured, 1)
     assert toured.canvas.tool is Tool.MOVE
     sentence = card(toured).sentence.text()
-    toured.take(Tool.ORBIT)
+    toured.tools.take(Tool.ORBIT)
     toured.help.tour.look()
     assert "Move handle" in card(toured).sentence.text()
     assert not card(toured)._tip.isVisible()
-    toured.take(Tool.MOVE)
+    toured.tools.take(Tool.MOVE)
     toured.help.tour.look()
     assert card(toured).sentence.text() == sentence
 
@@ -269,7 +269,7 @@ def test_the_sheet_of_shortcuts_hides_it_for_a_while(qtbot, toured):
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size):
-    toured.resize(*size)
+    toured.shell.resize(*size)
     qtbot.wait(50)
     tour, places = toured.help.tour, toured.help.tour._places
     targets = places.mesh, places.rings, places.area, places.brushes, places.export
@@ -277,11 +277,11 @@ def test_it_stays_within_the_window_beside_what_it_speaks_of(qtbot, toured, size
         assert tour.number == number
         qtbot.wait(50)
         area, target = card(toured).geometry(), place()
-        assert toured.rect().contains(area)
+        assert toured.shell.rect().contains(area)
         assert not area.intersects(target)
         tip = card(toured)._tip
         assert tip.isVisible()
-        assert toured.rect().contains(tip.geometry())
+        assert toured.shell.rect().contains(tip.geometry())
         assert tip.geometry().adjusted(-2, -2, 2, 2).intersects(target), "it reaches what it points at"
         if number in (1, 2):
             assert not area.intersects(places.gizmo()), "the ring can be dragged"

@@ -14,7 +14,8 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.workbench import Workbench
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 
@@ -25,8 +26,8 @@ def globe(qtbot, window):
     window.filing.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
     window.canvas.viewport.look_along("front")
-    window.activateWindow()
-    qtbot.waitUntil(window.isActiveWindow)
+    window.shell.activateWindow()
+    qtbot.waitUntil(window.shell.isActiveWindow)
     window.canvas.viewport.setFocus()
     settle(qtbot, window.canvas.viewport)
     return window
@@ -230,7 +231,7 @@ def test_far_from_the_origin_every_line_has_a_figure_of_its_own(qtbot, window):
     switch(window, "ground").trigger()
     window.canvas.viewport.look_along("front")
     settle(qtbot, window.canvas.viewport)
-    ground, pen = window.looks.ground, Pen(window.font())
+    ground, pen = window.looks.ground, Pen(window.shell.font())
     ground._write_along(pen, 0, [])
     told = [float(text.replace(",", "")) for text in pen.written]
     assert len(told) > 3
@@ -279,21 +280,20 @@ def test_the_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
 def test_what_is_shown_is_remembered_and_kept_from_the_tools(qtbot, globe, settings):
     for name in ("ghost", "ground"):
         switch(globe, name).trigger()
-    other = Window(settings)
-    other.start()
-    show(qtbot, other, other.canvas.viewport)
+    other = Workbench(Shell(settings))
+    show(qtbot, other.shell, other.canvas.viewport)
     try:
         assert other.looks.ghost.on
         assert other.looks.ground.on
         assert not switch(other, "cut").isChecked()
     finally:
-        other.close()
-        other.deleteLater()
+        other.shell.close()
+        other.shell.deleteLater()
         qtbot.wait(10)
 
 
 def test_the_cards_stand_beside_the_ways_to_choose(qtbot, bottle):
-    bottle.resize(1280, 720)
+    bottle.shell.resize(1280, 720)
     for name in ("compare", "cut"):
         switch(bottle, name).trigger()
     bottle.actions_.looks.measures[Measure.AREA].trigger()

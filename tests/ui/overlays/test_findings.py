@@ -157,7 +157,7 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
     elif way == "cross":
         ill.health.list._close.click()
     elif way == "stroke":
-        ill.take(Tool.BASE)
+        ill.tools.take(Tool.BASE)
         view.look_along("side")
         view.frame(document(ill).mesh.V)
         mouse.drag(view.project(np.zeros((1, 3)))[0], view.project(np.array([[0.0, 0.2, 0.0]]))[0])
@@ -167,8 +167,8 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
         idle(qtbot, ill)
         assert ill.health.badge.text() == "No issues"
     else:
-        ill.activateWindow()
-        qtbot.waitUntil(ill.isActiveWindow)
+        ill.shell.activateWindow()
+        qtbot.waitUntil(ill.shell.isActiveWindow)
         ill.panel.area.target.field.setFocus()
     assert not ill.health.list.isVisible()
     assert not ill.health.badge.isChecked()
@@ -246,7 +246,7 @@ def test_both_sides_of_a_seam_are_marked_and_all_of_a_mesh_that_is_meant_as_a_wh
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
-    ill.resize(*size)
+    ill.shell.resize(*size)
     qtbot.wait(30)
     open_list(qtbot, ill)
     choose(qtbot, ill, "open borders")

@@ -14,7 +14,7 @@ CONTROL = Qt.KeyboardModifier.ControlModifier
 
 @pytest.fixture
 def card(bottle):
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     bottle.actions_.select.numbers.trigger()
     return bottle.editing.typed.vertices
 
@@ -62,4 +62,4 @@ def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, c
     assert card.isHidden()
     assert bottle.session.store.state is state
     np.testing.assert_array_equal(bottle.canvas.surface._mesh.point_data["rgba"], colors)
-    assert bottle.focusWidget() is bottle.canvas.viewport
+    assert bottle.shell.focusWidget() is bottle.canvas.viewport

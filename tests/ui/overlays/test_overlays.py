@@ -17,8 +17,9 @@ from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 ALT = Qt.KeyboardModifier.AltModifier
 
@@ -109,8 +110,8 @@ def test_an_overlay_that_is_off_measures_nothing_and_leaves_the_paint(qtbot, are
     ],
 )
 def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, measure, key, expected):
-    globe.activateWindow()
-    qtbot.waitUntil(globe.isActiveWindow)
+    globe.shell.activateWindow()
+    qtbot.waitUntil(globe.shell.isActiveWindow)
     globe._choose_unit(Unit.MILLIMETRE)
     answer(qtbot, globe, 1.1 * document(globe).mesh.V)
     qtbot.keyClick(globe.canvas.viewport, key, ALT)
@@ -272,12 +273,12 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
 def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, window):
     window.session.files.open_with("box", lambda: opened(Mesh(*box())))
     idle(qtbot, window)
-    window.take(Tool.BASE)
+    window.tools.take(Tool.BASE)
     choose(qtbot, window, Measure.AREA)
     cards, ways, line = window.looks.cards, window.way_bar, window.invitation
     moved = set()
     for height in range(640, 960, 20):
-        window.resize(1280, height)
+        window.shell.resize(1280, height)
         qtbot.wait(20)
         assert ways.isVisible()
         assert line.isVisible()
@@ -289,7 +290,7 @@ def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, wind
 
 @pytest.mark.parametrize("size", [(1280, 720), (800, 640)])
 def test_the_legend_covers_nothing(qtbot, bottle, size):
-    bottle.resize(*size)
+    bottle.shell.resize(*size)
     choose(qtbot, bottle, Measure.AREA)
     legend, canvas = bottle.looks.cards, bottle.canvas.viewport
     assert bottle.invitation.isVisible()
@@ -312,28 +313,27 @@ def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
 
 def test_overlay_and_range_are_remembered(qtbot, area, settings):
     area.looks.heat._rescale(0.4, 0.02)
-    other = Window(settings)
-    other.start()
-    show(qtbot, other, other.canvas.viewport)
+    other = Workbench(Shell(settings))
+    show(qtbot, other.shell, other.canvas.viewport)
     try:
         assert other.looks.heat.measure is Measure.AREA
         assert other.looks.heat.scales[Measure.AREA] == Scale(Measure.AREA, 0.4, 0.02)
         assert other.actions_.looks.measures[Measure.AREA].isChecked()
     finally:
-        other.close()
-        other.deleteLater()
+        other.shell.close()
+        other.shell.deleteLater()
         qtbot.wait(10)
 
 
 def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
     settings.setValue("looks", ["overlay nonsense", "area many 3", "strain -1 0", "ghost"])
-    other = Window(settings)
+    other = Workbench(Shell(settings))
     try:
         assert other.looks.heat.measure is None
         assert other.looks.heat.scales == {}
     finally:
-        other.close()
-        other.deleteLater()
+        other.shell.close()
+        other.shell.deleteLater()
         qtbot.wait(10)
 
 
@@ -341,8 +341,8 @@ def test_settings_that_nobody_can_read_are_as_none(qtbot, settings):
 
 
 def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
-    area.activateWindow()
-    qtbot.waitUntil(area.isActiveWindow)
+    area.shell.activateWindow()
+    qtbot.waitUntil(area.shell.isActiveWindow)
     V = document(area).mesh.V
     away = np.linalg.norm(V - [0.0, 0.0, -1.0], axis=1), np.linalg.norm(V - [1.0, 0.0, 0.0], axis=1)
     U = V * (1.0 + 0.3 * np.exp(-20 * away[0] ** 2) - 0.1 * np.exp(-20 * away[1] ** 2))[:, None]

@@ -251,13 +251,13 @@ def test_sections_fold_and_are_remembered(qtbot, bottle, settings):
     assert not bottle.panel.volume.keep.isVisible()
     assert bottle.panel.folded == ["Volume", "Size and mass"]
     bottle.panel.measures.folded = False
-    bottle.close()
+    bottle.shell.close()
     assert settings.value("folded") in ("Volume", ["Volume"])
 
 
 @pytest.mark.parametrize("method", ["exact", "local", "paper", "arap"])
 def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
-    bottle.resize(1280, 720)
+    bottle.shell.resize(1280, 720)
     bottle.parts.add_region()
     bottle.parts.add_handle()
     choose(bottle, method)

@@ -152,13 +152,13 @@ def test_nothing_is_computed_while_nobody_looks_and_once_for_a_picture_otherwise
 
 
 def test_a_key_shows_and_hides_them(qtbot, window):
-    window.activateWindow()
-    qtbot.waitUntil(window.isActiveWindow)
+    window.shell.activateWindow()
+    qtbot.waitUntil(window.shell.isActiveWindow)
     (action,) = [a for a in window.docks.toggles if a.text() == "Plots"]
     qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(window.docks["plots"].isVisible)
     assert action.isChecked()
-    menus = window.menuBar().findChildren(QMenu)
+    menus = window.shell.menuBar().findChildren(QMenu)
     assert any(action in menu.actions() for menu in menus)
     qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_P, Qt.KeyboardModifier.ControlModifier)
     qtbot.waitUntil(lambda: not window.docks["plots"].isVisible())
@@ -177,20 +177,20 @@ def test_what_was_chosen_is_remembered(qtbot, window):
     plots.choices["energy"].click()
     for name in ("error", "area"):
         plots.choices[name].click()
-    again = Plots(window._memory, window.notice)
+    again = Plots(window.memory, window.notice, window.session)
     qtbot.addWidget(again)
     assert [name for name, view in again.views.items() if not view.isHidden()] == ["energy", "local"]
     for button in again.choices.values():
         button.setChecked(False)
     assert not again._none.isHidden()
-    none = Plots(window._memory, window.notice)
+    none = Plots(window.memory, window.notice, window.session)
     qtbot.addWidget(none)
     assert not none._none.isHidden(), "nothing is a choice too"
 
 
 @pytest.mark.parametrize("size", [(348, 500), (348, 180), (560, 560), (740, 200), (1230, 220)])
 def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size):
-    plots = Plots(window._memory, window.notice)
+    plots = Plots(window.memory, window.notice, window.session)
     qtbot.addWidget(plots)
     for button in plots.choices.values():
         button.setChecked(True)

@@ -18,7 +18,7 @@ MODIFIERS = "Alt+", "Alt+Shift+", "Ctrl+Alt+"
 def words(window):
     """All that the window says, but for the rows of the sheet, which are made when it is opened."""
     said = []
-    for widget in window.findChildren(QWidget):
+    for widget in window.shell.findChildren(QWidget):
         said += [widget.toolTip(), widget.text() if isinstance(widget, QLabel | QAbstractButton) else ""]
     return [text for text in said if text]
 
@@ -37,7 +37,7 @@ def paint(window, label, ids):
     window.session.gestures.begin()
     window.session.painting.paint(np.asarray(ids), label)
     window.session.painting.end_stroke("Paint")
-    window._invite()
+    window._show_next_step()
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_no_words_name_keys_that_an_action_had(ball):
 def test_the_invitation_follows_the_keys_of_the_tool_that_it_names(ball, painted, tool):
     for label in painted:
         paint(ball, label, np.argsort(document(ball).mesh.V[:-1, 1])[slice(-9, None) if label else slice(9)])
-    ball.take(Tool.ORBIT)
+    ball.tools.take(Tool.ORBIT)
     action = ball.actions_.tools[tool]
     assert ball.invitation.text().endswith(f" ({tool.words.key})")
     entry = next(entry for entry in ball.help.shortcuts.entries if entry.action is action)

@@ -6,8 +6,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QLabel, QMenu, QWidget
 
+from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool, Way
-from apd_viewer.ui.window import Window
+from apd_viewer.ui.workbench import Workbench
 
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 
@@ -15,8 +16,8 @@ CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModi
 @pytest.fixture
 def active(qtbot, window):
     """A window that has the keys."""
-    window.activateWindow()
-    qtbot.waitUntil(window.isActiveWindow)
+    window.shell.activateWindow()
+    qtbot.waitUntil(window.shell.isActiveWindow)
     window.canvas.viewport.setFocus()
     return window
 
@@ -35,16 +36,15 @@ def again(qtbot, settings):
     made = []
 
     def make():
-        window = Window(settings)
-        window.start()
-        show(qtbot, window, window.canvas.viewport)
+        window = Workbench(Shell(settings))
+        show(qtbot, window.shell, window.canvas.viewport)
         made.append(window)
         return window
 
     yield make
     for window in made:
-        window.close()
-        window.deleteLater()
+        window.shell.close()
+        window.shell.deleteLater()
     qtbot.wait(10)
 
 
@@ -81,10 +81,10 @@ def test_it_opens_and_closes(qtbot, active, key):
     else:
         qtbot.keyClick(active.canvas.viewport, Qt.Key.Key_F1 if key == "F1" else Qt.Key.Key_Question)
     assert sheet.isVisible()
-    assert active.focusWidget() is sheet.search
+    assert active.shell.focusWidget() is sheet.search
     qtbot.keyClick(sheet.search, Qt.Key.Key_Escape)
     assert not sheet.isVisible()
-    assert active.focusWidget() is active.canvas.viewport
+    assert active.shell.focusWidget() is active.canvas.viewport
     assert active.canvas.tool is Tool.MOVE, "Esc closed the sheet and did no more"
     active.actions_.help[0].trigger()
     active.canvas.viewport.setFocus()
@@ -96,7 +96,7 @@ def test_it_opens_and_closes(qtbot, active, key):
 
 
 def test_every_action_of_the_menus_is_there(active, sheet):
-    in_menus = [action for top in active.menuBar().actions() for action in leaves(top.menu())]
+    in_menus = [action for top in active.shell.menuBar().actions() for action in leaves(top.menu())]
     assert [row.entry.action for row in sheet.rows.values()] == in_menus
     names = [entry.name for entry in active.actions_.entries]
     assert len(names) == len(set(names)), "keys are remembered by the name"
@@ -166,7 +166,7 @@ def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])
 def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
-    window.resize(*size)
+    window.shell.resize(*size)
     qtbot.wait(20)
     window.actions_.help[0].trigger()
     qtbot.wait(20)
@@ -181,7 +181,7 @@ def test_it_lies_within_the_canvas_and_scrolls(qtbot, window, size):
     assert not last.visibleRegion().isEmpty()
     for row in sheet.rows.values():
         assert row.keys.width() >= row.keys.sizeHint().width()
-    window.resize(900, 700)
+    window.shell.resize(900, 700)
     qtbot.wait(20)
     assert window.canvas.viewport.rect().contains(sheet.geometry())
 
@@ -255,13 +255,13 @@ def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
     assert sheet.line.text() == "B belongs to “Paint base”."
     assert sheet.swap.isVisible()
-    assert active.focusWidget() is sheet.swap
+    assert active.shell.focusWidget() is sheet.swap
     qtbot.keyClick(sheet.swap, Qt.Key.Key_Escape)
     assert sheet.isVisible(), "Esc takes back the offer only"
     assert not sheet.swap.isVisible()
     assert active.actions_.view.frame.shortcut() == QKeySequence("F")
     assert active.actions_.tools[Tool.BASE].shortcut() == QKeySequence("B")
-    assert active.focusWidget() is sheet.rows["frame"].keys
+    assert active.shell.focusWidget() is sheet.rows["frame"].keys
 
 
 def test_a_conflict_can_be_solved_by_a_swap(qtbot, active, sheet, again):
@@ -336,20 +336,20 @@ def test_a_standard_that_another_action_has_by_now_is_a_conflict_too(qtbot, acti
 def test_it_is_used_by_keys_alone(qtbot, active, sheet):
     qtbot.keyClicks(sheet.search, "front")
     qtbot.keyClick(sheet.search, Qt.Key.Key_Down)
-    field = active.focusWidget()
+    field = active.shell.focusWidget()
     assert field is sheet.rows["look:front"].keys
     qtbot.keyClick(field, Qt.Key.Key_Return)
     qtbot.keyClick(field, Qt.Key.Key_5)
     assert sheet.rows["look:front"].entry.keys == "5"
-    assert active.focusWidget() is field
+    assert active.shell.focusWidget() is field
     qtbot.keyClick(field, Qt.Key.Key_Up)
-    assert active.focusWidget() is sheet.search
+    assert active.shell.focusWidget() is sheet.search
     sheet.search.clear()
     sheet.rows["open"].keys.setFocus()
     qtbot.keyClick(sheet.rows["open"].keys, Qt.Key.Key_Down)
-    assert active.focusWidget() is sheet.rows["open_sample:bottle"].keys
-    qtbot.keyClick(active.focusWidget(), Qt.Key.Key_Tab)
-    assert active.focusWidget() is not sheet.rows["open_sample:bottle"].keys
+    assert active.shell.focusWidget() is sheet.rows["open_sample:bottle"].keys
+    qtbot.keyClick(active.shell.focusWidget(), Qt.Key.Key_Tab)
+    assert active.shell.focusWidget() is not sheet.rows["open_sample:bottle"].keys
 
 
 @pytest.mark.parametrize(

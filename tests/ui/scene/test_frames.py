@@ -72,7 +72,7 @@ def test_what_a_frame_leaves_as_it_is_is_not_looked_at_again(bottle, monkeypatch
 
 
 def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, work):
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     V, before = document(bottle).mesh.V, document(bottle).labels
     front = np.flatnonzero((V[:, 2] > 0.5) & (abs(V[:, 0]) < 0.3) & (before == FREE))
     middle = front[np.argmin(abs(V[front, 1] - np.median(V[front, 1])))]
@@ -88,7 +88,7 @@ def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, wo
 
 
 def test_rays_share_the_boxes_of_a_shape(bottle, work):
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     mouse, view = Mouse(bottle.canvas.viewport), bottle.canvas.viewport
     middle = np.array([view.width() / 2, view.height() / 2])
     for k in range(5):

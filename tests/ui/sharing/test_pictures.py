@@ -198,8 +198,8 @@ def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
 
 def test_the_clipboard_has_the_view(qtbot, still):
     QGuiApplication.clipboard().clear()
-    still.activateWindow()
-    qtbot.waitUntil(still.isActiveWindow)
+    still.shell.activateWindow()
+    qtbot.waitUntil(still.shell.isActiveWindow)
     still.canvas.viewport.setFocus()
     modifiers = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
     QTest.keyClick(still.canvas.viewport, Qt.Key.Key_C, modifiers)

@@ -127,9 +127,9 @@ def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
     bottle.panel.handles.folded = True
     bottle.actions_.pose.typed.trigger()
     field = bottle.panel.handles.motion.amount
-    qtbot.waitUntil(lambda: bottle.focusWidget() is field)
+    qtbot.waitUntil(lambda: bottle.shell.focusWidget() is field)
     qtbot.keyClick(field, Qt.Key.Key_Escape)
-    assert bottle.focusWidget() is not field
+    assert bottle.shell.focusWidget() is not field
 
 
 def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
@@ -174,7 +174,7 @@ def test_the_corner_scales_about_the_centre(bottle, mouse):
 
 def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
     view = bottle.canvas.viewport
-    bottle.activateWindow()
+    bottle.shell.activateWindow()
     view.setFocus()
     steps = len(bottle.session.gestures.history.done)
     for nudge in bottle.actions_.pose.nudges:
@@ -223,9 +223,9 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
         bottle.session.handles.move_by("TWIST", angle, 0)
         idle(qtbot, bottle)
         states.append(bottle.session.store.state)
-    bottle.take(Tool.ORBIT)
+    bottle.tools.take(Tool.ORBIT)
     bottle.docks["history"].show()
-    steps = bottle._history
+    steps = bottle.shell.history
     assert [steps.item(k).text() for k in range(steps.count())] == ["Opened", "Twist", "Twist"]
     for k in (1, 0, 2, 1):
         at = steps.visualItemRect(steps.item(k)).center()
@@ -271,13 +271,13 @@ def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
 
 def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     session.handles.move_by("BEND_Z", "20deg", 0)
     assert session.wait_idle(20.0)
-    before, eye, title = session.store.state, view.eye.key, bottle.windowTitle()
+    before, eye, title = session.store.state, view.eye.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
     qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh, timeout=5000)
-    assert (view.eye.key, bottle.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
+    assert (view.eye.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
     assert bottle.panel.area.percent.text() == "100.000 %"
     assert not bottle.actions_.bake.isEnabled()
     np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)

@@ -29,7 +29,7 @@ def two(qtbot, bottle):
     bottle.panel.handles.add.click()
     assert bottle.canvas.tool is Tool.HANDLE
     stroke(qtbot, bottle, on_screen(bottle, front(bottle, 8.0)), half_width=10)
-    bottle.take(Tool.MOVE)
+    bottle.tools.take(Tool.MOVE)
     qtbot.wait(30)
     return bottle
 
@@ -83,13 +83,13 @@ def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
 
 def test_the_eraser_takes_paint_first_and_then_the_region(qtbot, bottle):
     region_at(qtbot, bottle, 8.0)
-    bottle.take(Tool.BASE)
+    bottle.tools.take(Tool.BASE)
     at = on_screen(bottle, front(bottle, 8.0))
     stroke(qtbot, bottle, at, half_width=5)
     middle = front(bottle, 8.0)
     assert document(bottle).labels[middle] == BASE
     assert document(bottle).member[middle] == 1
-    bottle.take(Tool.ERASE)
+    bottle.tools.take(Tool.ERASE)
     stroke(qtbot, bottle, at, half_width=5)
     assert document(bottle).labels[middle] == FREE
     assert document(bottle).member[middle] == 1

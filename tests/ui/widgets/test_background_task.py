@@ -93,7 +93,7 @@ def test_a_window_that_is_closed_waits_for_no_measurement(qtbot, window, monkeyp
     monkeypatch.setattr(Deviation, "distance", slow)
     window.actions_.looks.measures[Measure.DISTANCE].trigger()
     qtbot.waitUntil(started.is_set, timeout=60_000)
-    window.close()
+    window.shell.close()
     assert window.looks.heat._task._thread is None
 
 

@@ -24,8 +24,8 @@ def way_bar(window):
 
 @pytest.mark.parametrize("over", [number_card, notice, way_bar])
 def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
-    bottle.take(Tool.BASE)
-    bottle.choose_way(Way.SLAB)
+    bottle.tools.take(Tool.BASE)
+    bottle.tools.choose_way(Way.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport
     qtbot.waitUntil(widget.isVisible)
     state, eye = bottle.session.store.state, view.eye.key

@@ -1,0 +1,25 @@
+"""The tool bar of the window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMainWindow, QToolBar
+
+from apd_viewer.language import tr
+from apd_viewer.ui.widgets.icons import SIZE
+
+
+def add_tool_bar(window: QMainWindow, groups: Sequence[Sequence[QAction]]) -> QToolBar:
+    """Add groups of actions, with lines between them, at the left of a window."""
+    bar = QToolBar(tr("Tools"), window, objectName="tools", movable=False)
+    bar.setIconSize(SIZE)
+    bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
+    for group in groups:
+        if bar.actions():
+            bar.addSeparator()
+        bar.addActions(list(group))
+    window.addToolBar(Qt.ToolBarArea.LeftToolBarArea, bar)
+    return bar

@@ -1,0 +1,73 @@
+"""Requests to open a file, kept until a session can open it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from PySide6.QtWidgets import QWidget
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.preferences.preferences import Preferences
+
+
+class Opener(Protocol):
+    """Opens meshes in the background."""
+
+    def open_path(self, path: str | Path) -> None:
+        """Open a file."""
+
+    def open_sample(self, name: str) -> None:
+        """Open a sample."""
+
+    def show_mesh(self, mesh: Mesh) -> None:
+        """Show a mesh in memory."""
+
+
+class FileRequests:
+    """Hands requests to an opener; until there is one the latest request waits.
+
+    Parameters
+    ----------
+    window : QWidget
+        Parent of the file dialog.
+    memory : Preferences
+    """
+
+    def __init__(self, window: QWidget, memory: Preferences) -> None:
+        self._window, self._memory = window, memory
+        self._opener: Opener | None = None
+        self._waiting: Callable[[Opener], None] | None = None
+
+    def ask(self) -> None:
+        """Let the user choose a file to open."""
+        path = file_dialogs.ask_for_mesh(self._window, self._memory.folder)
+        if path is not None:
+            self.open_path(path)
+
+    def open_path(self, path: str | Path) -> None:
+        """Open a file."""
+        self._request(lambda opener: opener.open_path(path))
+
+    def open_sample(self, name: str) -> None:
+        """Open a sample."""
+        self._request(lambda opener: opener.open_sample(name))
+
+    def show_mesh(self, mesh: Mesh) -> None:
+        """Show a mesh in memory."""
+        self._request(lambda opener: opener.show_mesh(mesh))
+
+    def serve(self, opener: Opener) -> None:
+        """Hand this and all later requests to ``opener``."""
+        self._opener = opener
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            waiting(opener)
+
+    def _request(self, request: Callable[[Opener], None]) -> None:
+        if self._opener is None:
+            self._waiting = request
+        else:
+            request(self._opener)

@@ -1,0 +1,145 @@
+"""The main window as it is first shown: frame, canvas, panels and inert chrome."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QSettings, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
+from PySide6.QtWidgets import QMainWindow, QWidget
+
+from apd_viewer.language import tr
+from apd_viewer.ui.actions.inert_chrome import InertChrome
+from apd_viewer.ui.docks import Docks
+from apd_viewer.ui.filing.file_requests import FileRequests
+from apd_viewer.ui.overlays.findings import Badge
+from apd_viewer.ui.panel.history_list import HistoryList
+from apd_viewer.ui.panel.panel import Panel
+from apd_viewer.ui.panel.statusbar import StatusBar
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.tools.canvas import Canvas
+from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY
+from apd_viewer.ui.widgets import theme
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.widgets.icons import application_icon
+
+
+class Shell(QMainWindow):
+    """A canvas in the middle, tools at the left, measurements at the right.
+
+    It needs no session, nor the libraries of a session, so that it can be shown at once. The camera can be
+    turned and files can be requested; all else takes a :class:`~apd_viewer.ui.workbench.Workbench`.
+
+    Parameters
+    ----------
+    settings : QSettings
+        Storage of recent files, layout and options.
+
+    Attributes
+    ----------
+    closing : Signal(QCloseEvent)
+        The window is about to be closed; a slot can ignore the event.
+    closed : Signal()
+    escaped : Signal()
+        Esc was pressed, and no widget used it.
+    themed : Signal(Theme)
+    """
+
+    closing = Signal(object)
+    closed = Signal()
+    escaped = Signal()
+    themed = Signal(object)
+
+    def __init__(self, settings: QSettings) -> None:
+        super().__init__()
+        self.memory = Preferences(settings)
+        self.requests = FileRequests(self, self.memory)
+        self.is_closed = False
+        self._set_up_frame()
+        self.canvas = Canvas(self)
+        self.setCentralWidget(self.canvas.viewport)
+        self.panel = Panel()
+        self.panel.folded = self.memory.folded
+        self.history = HistoryList()
+        self.badge = Badge()
+        self.status = StatusBar(self.badge)
+        self.setStatusBar(self.status)
+        self.docks = Docks(self)
+        self._add_docks()
+        self.chrome = InertChrome(self, self.requests)
+        self.memory.restore_layout(self)
+        self.set_scheme(self.memory.scheme)
+        self._show_first_tool()
+
+    def _set_up_frame(self) -> None:
+        self.setWindowTitle("APD Viewer")
+        self.setWindowIcon(application_icon())
+        self.setAcceptDrops(True)
+        self.setMinimumSize(800, 640)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # it would hide the tools for good
+        resize_on_screen(self, QSize(1280, 800))
+
+    def _add_docks(self) -> None:
+        self.docks.add("readings", tr("Measurements"), self.panel)
+        self.docks.add("history", tr("History"), self.history, shown=False)
+        below = Qt.DockWidgetArea.BottomDockWidgetArea
+        # The plots read the session: the workbench replaces the empty widget by them.
+        plots = self.docks.add("plots", tr("Plots"), QWidget(), below, False)
+        plots.toggleViewAction().setShortcut("Ctrl+P")
+
+    def _show_first_tool(self) -> None:
+        self.canvas.choose_way(FIRST_WAY)
+        self.canvas.take(FIRST_TOOL)
+        self.status.hint(FIRST_TOOL.hint(FIRST_WAY))
+        self.panel.setEnabled(False)
+
+    # Light and dark
+
+    def set_scheme(self, scheme: Qt.ColorScheme) -> None:
+        """Choose light or dark, or follow the platform."""
+        self.memory.scheme = scheme
+        self._apply_theme()
+
+    @property
+    def theme(self) -> theme.Theme:
+        """The theme in use."""
+        return theme.theme_for(self.memory.scheme)
+
+    def _apply_theme(self) -> None:
+        colors = self.theme
+        theme.apply(colors)
+        for part in (self.chrome, self.panel, self.badge, self.canvas, self.docks):
+            part.set_theme(colors)
+        self.themed.emit(colors)
+
+    # Events
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Announce an Esc that no widget used."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.escaped.emit()
+        super().keyPressEvent(event)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Accept a single file of any kind; opening reports what is wrong with it."""
+        if len(event.mimeData().urls()) == 1 and event.mimeData().urls()[0].isLocalFile():
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open the file."""
+        self.requests.open_path(event.mimeData().urls()[0].toLocalFile())
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the platform from light to dark."""
+        if event.type() == QEvent.Type.ThemeChange and self.memory.scheme is Qt.ColorScheme.Unknown:
+            QTimer.singleShot(0, self, self._apply_theme)
+        super().changeEvent(event)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Close unless a slot of ``closing`` objects; the view ends before its window."""
+        self.closing.emit(event)
+        if event.isAccepted():
+            self.memory.keep_layout(self)
+            self.memory.folded = self.panel.folded
+            self.is_closed = True
+            self.closed.emit()
+            self.canvas.viewport.close()
+            super().closeEvent(event)

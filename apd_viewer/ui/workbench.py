@@ -1,0 +1,310 @@
+"""All that works on a session, built on the shell once its libraries are loaded."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Qt, Slot
+from PySide6.QtGui import QCloseEvent
+
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import State
+from apd_viewer.session.model.view import View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.session import Session
+from apd_viewer.ui.actions.actions import Actions
+from apd_viewer.ui.actions.commands import Commands
+from apd_viewer.ui.actions.edit_commands import Editing
+from apd_viewer.ui.compare.compare_controller import Comparing
+from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
+from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing.file_commands import Filing
+from apd_viewer.ui.filing.recovery_bar import RecoveryBar
+from apd_viewer.ui.help.help import Help
+from apd_viewer.ui.overlays.display_options import Looks
+from apd_viewer.ui.overlays.findings_controller import Health
+from apd_viewer.ui.overlays.next_step import NextStep
+from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
+from apd_viewer.ui.overlays.selection_mode_bar import WayBar
+from apd_viewer.ui.panel.measurements_controller import Measuring
+from apd_viewer.ui.plots.plots import Plots
+from apd_viewer.ui.preferences.unit_button import Units
+from apd_viewer.ui.session_signals import SessionSignals
+from apd_viewer.ui.sharing.report_controller import Reporting
+from apd_viewer.ui.shell import Shell
+from apd_viewer.ui.studies.studies import Studies
+from apd_viewer.ui.tools.active_parts import ActiveParts
+from apd_viewer.ui.tools.tool_choice import ToolChoice
+from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
+from apd_viewer.ui.widgets.theme import Theme
+
+
+class Workbench(QObject):
+    """A session, and the controllers and overlays of its window.
+
+    Parameters
+    ----------
+    shell : Shell
+    recovery : Path or None
+        Folder for autosaves; None keeps nothing.
+    """
+
+    def __init__(self, shell: Shell, recovery: Path | None = None) -> None:
+        super().__init__(shell)
+        self.shell, self.canvas, self.panel = shell, shell.canvas, shell.panel
+        self.memory, self.docks, self.status = shell.memory, shell.docks, shell.status
+        self.signals = SessionSignals(self)
+        self.session = Session(self.signals.listener())
+        self.parts = ActiveParts(self.session, self)
+        self.tools = ToolChoice(self.canvas)
+        self._make_overlays()
+        self._make_controllers(recovery)
+        self._make_actions()
+        self._connect_session()
+        self._connect_canvas()
+        self._connect_shell()
+        self.tools.take(FIRST_TOOL)
+        self._show_status()
+        self.recovery.restore_asked.connect(self.filing.restore)
+        self.recovery.offer(self.filing.leftovers())
+        shell.requests.serve(self.filing)
+
+    # Building
+
+    def _make_overlays(self) -> None:
+        view = self.canvas.viewport
+        self.notice = Notice(view)
+        self.invitation = Invitation(view)
+        self.recovery = RecoveryBar(view)
+        self.health = Health(self.canvas, self.shell.badge)
+        self.empty = Empty(view, self.shell.requests)
+        self.looks = Looks(self.canvas, self.memory, (self.invitation, self.recovery, self.health.list))
+
+    def _make_controllers(self, recovery: Path | None) -> None:
+        shell, canvas, memory, session, notice = (
+            self.shell,
+            self.canvas,
+            self.memory,
+            self.session,
+            self.notice,
+        )
+        self.units = Units(memory)
+        self.measuring = Measuring(self.panel, self.health, memory, self.looks.heat, session)
+        self.plots = Plots(memory, notice, session)
+        self.docks["plots"].setWidget(self.plots)
+        self.filing = Filing(shell, memory, session, self._view, recovery)
+        self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
+        self.looks.cards.stand_above(self.editing.typed.cards)
+        self.studies = Studies(shell, memory, self._studied, notice.fail)
+        self.comparing = Comparing(canvas, self.looks, memory, notice, session.store)
+        self.reporting = Reporting(shell, canvas, self.looks, self.measuring, memory, notice, session)
+
+    def _make_actions(self) -> None:
+        self.shell.chrome.remove()
+        self.actions_ = actions = Actions(self.shell, self._commands())
+        actions.add_panels(self.docks.toggles)
+        actions.file.fill_recent(self.memory.recent)
+        actions.view.schemes[self.memory.scheme].setChecked(True)
+        add_handle, _, add_region = actions.pose.parts
+        self.panel.name_keys(add_handle, actions.pose.put_back, add_region)
+        self.way_bar = WayBar(self.canvas.viewport, actions.select.groups)
+        self.looks.cards.stand_beside(self.way_bar)
+        self.next_step = NextStep(self.invitation, actions.tools)
+        self.help = Help(
+            self.shell,
+            (self.canvas, actions, self.panel),
+            self.memory,
+            partial(self.filing.open_sample, "bottle"),
+            self.session,
+        )
+
+    def _commands(self) -> Commands:
+        return Commands(
+            canvas=self.canvas,
+            requests=self.shell.requests,
+            filing=self.filing,
+            editing=self.editing,
+            looks=self.looks,
+            findings=self.health,
+            studies=self.studies,
+            comparing=self.comparing,
+            reporting=self.reporting,
+            take=self.tools.take,
+            choose_way=self.tools.choose_way,
+            type_motion=self._type_motion,
+            set_scheme=self.shell.set_scheme,
+            list_shortcuts=lambda: self.help.open_sheet(),
+            begin_tour=lambda: self.help.begin_tour(),
+            tell_about=partial(file_dialogs.about, self.shell),
+            quit=self.shell.close,
+        )
+
+    # Connecting
+
+    def _connect_session(self) -> None:
+        signals = self.signals
+        signals.woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
+        signals.changed.connect(self._show)
+        signals.status_changed.connect(self._show_status)
+        signals.told.connect(self.notice.tell)
+        signals.failed.connect(self.notice.fail)
+        signals.viewed.connect(self._look_as)
+        signals.examined.connect(self.measuring.show)
+        self.parts.changed.connect(self._show_parts)
+        connect_settings(self.panel, self.session)
+        connect_parts(self.panel, self.session, self.parts)
+        self.panel.area.unit.chosen.connect(self._choose_unit)
+        self.shell.history.chosen.connect(self.editing.travel)
+        self.status.cancel_asked.connect(self.session.jobs.cancel)
+
+    def _connect_canvas(self) -> None:
+        canvas = self.canvas
+        canvas.stroke_began.connect(self._begin_stroke)
+        connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
+        canvas.stroke_ended.connect(self._end_stroke)
+        canvas.drag_began.connect(self.next_step.moved)
+        canvas.painter.size_changed.connect(self._show_brush)
+        self.tools.taken.connect(self._show_tool)
+        self.tools.way_chosen.connect(lambda way: self.actions_.select.ways[way].setChecked(True))
+        for change in (self.help.tour.began, self.help.tour.ended):
+            change.connect(self._show_next_step)
+
+    def _connect_shell(self) -> None:
+        self.shell.closing.connect(self._ask_before_closing)
+        self.shell.closed.connect(self._close)
+        self.shell.escaped.connect(self._escape)
+        self.shell.themed.connect(self._set_theme)
+        self._set_theme(self.shell.theme)
+
+    # Commands
+
+    def _type_motion(self) -> None:
+        self.docks["readings"].show()
+        self.panel.show_motion()
+
+    def _begin_stroke(self) -> None:
+        if self.session.store.state is not None:
+            self.session.gestures.begin()
+            self.invitation.say("")
+
+    def _end_stroke(self, gesture: str) -> None:
+        self.session.painting.end_stroke(gesture)
+        self._show_next_step()
+
+    def _choose_unit(self, unit: Unit) -> None:
+        if (state := self.session.store.state) is not None:
+            self.units.choose(state.document.mesh, unit)
+            self.session.store.unit = unit
+            self.looks.measure_in(unit)
+            self.comparing.measure_in(unit)
+            self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
+            self.status.show_session(self.session)
+
+    def _escape(self) -> None:
+        if not (self.help.close() or self.health.close()):
+            self.tools.take(Tool.ORBIT)
+
+    def _view(self) -> View:
+        return self.measuring.in_view(self.canvas.view(self.session.store.unit.value))
+
+    def _studied(self) -> tuple[State, int, View] | None:
+        if self.session.store.state is None:
+            return None
+        return self.session.store.state, self.parts.handle, self.canvas.view(self.session.store.unit.value)
+
+    # Showing
+
+    @Slot()
+    def _receive(self) -> None:
+        # A call may still be on its way when the window is closed.
+        if not self.shell.is_closed:
+            self.session.receive()
+
+    def _show(self, old: State | None, new: State) -> None:
+        document = new.document
+        self.parts.follow(None if old is None else old.document, document)
+        self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
+        if old is None or old.document.mesh is not document.mesh:
+            self.health.show(new.inspection.findings)
+            self.looks.follow(new)
+            if old is None or old.document.mesh.F is not document.mesh.F:
+                self._show_opened(new)
+        self.panel.show_state(old, new, self.parts.handle, self.parts.region)
+        self.plots.follow()
+        if old is None or old.document.labels is not document.labels:
+            self._show_next_step()
+
+    def _show_opened(self, state: State) -> None:
+        mesh = state.document.mesh
+        self.notice.hide()
+        self.shell.setWindowFilePath(str(mesh.path or ""))
+        self.shell.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
+        self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
+        self.session.store.unit = self.panel.unit = self.units.of(mesh)
+        self.measuring.welcome(mesh)
+        self.looks.measure_in(self.session.store.unit)
+        self.filing.opened(state)
+        self.actions_.file.fill_recent(self.memory.recent)
+
+    def _look_as(self, view: View) -> None:
+        self.canvas.look_as(view)
+        self.measuring.look_as(view)
+        self._choose_unit(Unit(view.unit))
+        self.filing.viewed()
+        self.actions_.file.fill_recent(self.memory.recent)
+
+    def _show_parts(self) -> None:
+        self.canvas.choose(self.parts.handle, self.parts.region)
+        if self.session.store.state is not None:
+            self.panel.show_parts(self.session.store.state, self.parts.handle, self.parts.region)
+        self._show_next_step()
+
+    def _show_status(self) -> None:
+        session = self.session
+        history, state = session.gestures.history, session.store.state
+        self.actions_.show_history(history.next_undo, history.next_redo)
+        self.shell.history.show_steps(history.done, history.undone)
+        self.actions_.offer(state is not None, state is None or state.is_at_rest)
+        self.panel.show_status(session)
+        self.empty.setVisible(state is None and session.jobs.current is None)
+        self.status.show_session(session)
+        self.recovery.follow(session)
+        self.help.follow()
+
+    def _show_tool(self, tool: Tool) -> None:
+        self.actions_.tools[tool].setChecked(True)
+        self.status.hint(tool.hint(self.canvas.way))
+        self.way_bar.show_for(tool.words.is_brush)
+        self._show_next_step()
+
+    def _show_next_step(self) -> None:
+        state = self.session.store.state
+        if self.help.tour.active:
+            self.invitation.say("")  # the card says it
+        elif state is not None:
+            self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
+
+    def _show_brush(self) -> None:
+        self.status.say_brush(self.canvas.painter, self.session.store.unit)
+
+    def _set_theme(self, theme: Theme) -> None:
+        over = self.notice, self.recovery, self.health.list, self.help, self.looks, self.way_bar
+        for part in (self.actions_, self.plots, self.comparing, *over):
+            part.set_theme(theme)
+
+    # Closing
+
+    def _ask_before_closing(self, event: QCloseEvent) -> None:
+        if not self.filing.may_close():
+            event.ignore()
+
+    def _close(self) -> None:
+        self.help.tour.end()
+        self.health.close()
+        self.recovery.close_all()
+        self.plots.end()
+        self.looks.close()
+        self.studies.close_all()
+        self.comparing.close()
+        self.session.close()
