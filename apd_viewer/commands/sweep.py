@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.progress import Progress
+from apd_viewer.commands.sweep_output import (
+    SWEPT_SHARE,
+    mesh_path,
+    row_of,
+    shape_path,
+    summary,
+    write_sweep_film,
+)
 from apd_viewer.errors import InputError
-from apd_viewer.figures.shapes import Picture, draw_shapes, no_pictures
+from apd_viewer.figures.shapes import no_pictures
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.files.meshes import WRITTEN, open_mesh
+from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_folder import filling
@@ -27,15 +35,9 @@ from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, sweep_of, twist
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
 
-    from apd_viewer.files.tables import Cell
-    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.studies.sweep import Sweep, SweepStep
-
-_FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
-_SWEPT_SHARE = 0.9  # of the work; the rest draws
 
 
 def sweep_parser() -> Parser:
@@ -108,17 +110,17 @@ def _sweep(options: argparse.Namespace) -> None:
         folder = stack.enter_context(filling(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(sweep, progress, folder if options.meshes else None, kept if options.animation else None)
-        lines = [_readings(step) for step in steps]
+        lines = [row_of(step) for step in steps]
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
         from apd_viewer.figures.sweeps import draw_sweep
 
         draw_sweep(steps, sweep.abscissa, folder)
-        filmed = not options.animation or _film(
+        filmed = not options.animation or write_sweep_film(
             sweep, steps, kept, camera, _film_path(options, folder), progress
         )
         progress.end()
-    print(_summary(steps, sweep, options.output))
+    print(summary(steps, sweep, options.output))
     if not filmed:
         print(no_pictures())
 
@@ -170,124 +172,13 @@ def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | Non
     nothing = mesh.V[:0]
 
     def tick(done: float, method: str) -> None:
-        progress.show(_SWEPT_SHARE * done, METHODS[method].short_title)
+        progress.show(SWEPT_SHARE * done, METHODS[method].short_title)
 
     for step in sweep.steps(tick):
         if folder is not None:
-            save_mesh(mesh, step.frame.U, _mesh_path(folder, mesh, step))
+            save_mesh(mesh, step.frame.U, mesh_path(folder, mesh, step))
         if kept is not None:
-            keep_shape(step.frame.U, _kept(kept, step))
+            keep_shape(step.frame.U, shape_path(kept, step))
         # A thousand shapes need not be kept in memory.
         steps.append(step._replace(frame=replace(step.frame, U=nothing)))
     return steps
-
-
-def _mesh_path(folder: Path, mesh: Mesh, step: SweepStep) -> Path:
-    own = mesh.origin.suffix if mesh.origin else ""
-    (folder / "meshes").mkdir(exist_ok=True)
-    return folder / "meshes" / f"{step.method}-{step.number:03d}{own if own in WRITTEN else '.obj'}"
-
-
-def _kept(folder: Path, step: SweepStep) -> Path:
-    return folder / f"{step.method}-{step.number}.npy"
-
-
-def _readings(step: SweepStep) -> dict[str, Cell]:
-    """Row of the table by column name."""
-    frame = step.frame
-    return {
-        "method": step.method,
-        "step": step.number,
-        "part": step.part,
-        "degrees": step.degrees,
-        "way": step.way,
-        "area": frame.area,
-        "area_error": frame.area_error,
-        "volume": frame.volume,
-        "volume_error": step.volume_error,
-        "energy": step.energy,
-        "local_change": frame.local_change,
-        "handle_drift": frame.handle_drift,
-        "iterations": frame.iteration,
-        "settled": frame.settled,
-    }
-
-
-def _film(
-    sweep: Sweep,
-    steps: Sequence[SweepStep],
-    kept: Path,
-    camera: Standpoint | None,
-    path: Path,
-    progress: Progress,
-) -> bool:
-    """Draw the shapes of all methods side by side as a film; False without OpenGL."""
-    from apd_viewer.figures.films import write_film
-
-    count, methods = len(sweep.parts), sweep.methods
-    pictures = []
-    for number in range(count):
-        own = [steps[m * count + number] for m in range(len(methods))]
-        words = [(METHODS[step.method].short_title, *_words(step, sweep.abscissa)) for step in own]
-        pictures.append(Picture(kept / f"{number:04d}.png", [_kept(kept, step) for step in own], words))
-    size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
-
-    def drawn(done: int) -> None:
-        progress.show(_SWEPT_SHARE + (1 - _SWEPT_SHARE) * done / count, tr("drawing"))
-
-    looks = {} if camera is None else _looks(camera)
-    if not draw_shapes(sweep.document.mesh, pictures, size, drawn=drawn, legend=False, **looks):
-        return False
-    write_film([picture.path for picture in pictures], path)
-    return True
-
-
-def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
-    x, y, z = (a - b for a, b in zip(camera.position, camera.focal, strict=True))
-    return {"look": (x, y, z), "up": camera.up}
-
-
-def _words(step: SweepStep, abscissa: str) -> list[str]:
-    where = {
-        "degrees": f"{step.degrees:.0f}°",
-        "way": f"{step.way:.3g}",
-        "part": f"{100 * step.part:.0f} %",
-    }[abscissa]
-    lines = [where, tr("area {change} %").format(change=_signed(100 * step.frame.area_error))]
-    if step.volume_error is not None:
-        lines.append(tr("volume {change} %").format(change=_signed(100 * step.volume_error)))
-    return lines
-
-
-def _signed(value: float) -> str:
-    text = f"{value:+.2f}"
-    return "0.00" if float(text) == 0 else text
-
-
-def _summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
-    lines = [
-        tr("{folder}: {steps} steps by {methods}").format(
-            folder=folder,
-            steps=len(sweep.parts) - 1,
-            methods=", ".join(METHODS[method].short_title for method in sweep.methods),
-        )
-    ]
-    for method in sweep.methods:
-        own = [step for step in steps if step.method == method]
-        worst = max(own, key=lambda step: abs(step.frame.area_error))
-        said = tr("{method}: area {last} % at the end, {worst} % at most").format(
-            method=METHODS[method].short_title,
-            last=_signed(100 * own[-1].frame.area_error),
-            worst=_signed(100 * worst.frame.area_error),
-        )
-        if own[-1].volume_error is not None:
-            said += tr("; volume {change} %").format(change=_signed(100 * own[-1].volume_error))
-        lines.append(said)
-        unsettled = sum(not step.frame.settled for step in own)
-        if unsettled:
-            lines.append(
-                tr("    {count} of {steps} shapes did not converge within {most} iterations").format(
-                    count=unsettled, steps=len(own), most=sweep.iterations
-                )
-            )
-    return "\n".join(lines)

@@ -10,12 +10,19 @@ from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from numba import prange
 
+from apd_viewer.geometry.analysis.deviation_kernels import (
+    displacements,
+    edge_strain,
+    log_ratio,
+    mean_curvature,
+    star_areas,
+)
+from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.analysis.surface_distance import distances
-from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes
+from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 
 # Below so much of the mean area of a vertex, its area says nothing.
 _SLIVER = 1e-12
@@ -48,18 +55,18 @@ class Deviation:
         """Logarithm of the area around each vertex against rest, (n,)."""
         with cores_for(len(U)):
             now = self._star_areas(U)
-            return _log_ratio(now, self._rest_areas, self._named, self._least)
+            return log_ratio(now, self._rest_areas, self._named, self._least)
 
     def strain(self, U: np.ndarray) -> np.ndarray:
         """Largest logarithmic edge strain at each vertex, (n,)."""
         patch = self._patch
         with cores_for(len(U)):
-            return _edge_strain(U, self._V, patch.start, patch.second, patch.third, self._named)
+            return edge_strain(U, self._V, patch.start, patch.second, patch.third, self._named)
 
     def displacement(self, U: np.ndarray) -> np.ndarray:
         """Distance of each vertex from its rest position, (n,), mesh units."""
         with cores_for(len(U)):
-            found = _displacement(U, self._V)
+            found = displacements(U, self._V)
         found[self._bare] = np.nan
         return found
 
@@ -84,11 +91,11 @@ class Deviation:
         return found
 
     def _star_areas(self, U: np.ndarray) -> np.ndarray:
-        return _star_areas(U, self._F, self._patch.start, self._patch.corner, self._faces)
+        return star_areas(U, self._F, self._patch.start, self._patch.corner, self._faces)
 
     def _curvature(self, U: np.ndarray) -> np.ndarray:
         patch = self._patch
-        return _mean_curvature(U, patch.start, patch.second, patch.third, self._named)
+        return mean_curvature(U, patch.start, patch.second, patch.third, self._named)
 
     @cached_property
     def _least(self) -> float:
@@ -105,164 +112,7 @@ class Deviation:
 
     @cached_property
     def _boxes(self) -> Boxes:
-        return boxes_in_boxes(self._V, self._F)
-
-
-@parallel()
-def _star_areas(
-    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, faces: np.ndarray
-) -> np.ndarray:
-    """Area of the triangles around each vertex, (n,), NaN without one."""
-    for t in prange(len(F)):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        faces[t] = 0.5 * np.sqrt(x * x + y * y + z * z)
-    areas = np.empty(len(U))
-    for v in prange(len(U)):
-        total = np.nan if start[v] == start[v + 1] else 0.0
-        for e in range(start[v], start[v + 1]):
-            total += faces[corner[e] // 3]
-        areas[v] = total
-    return areas
-
-
-@parallel()
-def _log_ratio(now: np.ndarray, rest: np.ndarray, named: np.ndarray, least: float) -> np.ndarray:
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w = named[v]
-        if not rest[w] > least:
-            out[v] = np.nan
-        else:
-            out[v] = np.log(now[w] / rest[w]) if now[w] > 0.0 else -np.inf
-    return out
-
-
-@parallel()
-def _edge_strain(
-    U: np.ndarray,
-    V: np.ndarray,
-    start: np.ndarray,
-    second: np.ndarray,
-    third: np.ndarray,
-    named: np.ndarray,
-) -> np.ndarray:
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w = named[v]
-        # Squares of the largest and the smallest ratio: one logarithm a vertex is enough.
-        most, least = 0.0, np.inf
-        for e in range(start[w], start[w + 1]):
-            for j in (second[e], third[e]):
-                x, y, z = V[j, 0] - V[w, 0], V[j, 1] - V[w, 1], V[j, 2] - V[w, 2]
-                before = x * x + y * y + z * z
-                if before > 0.0:
-                    x, y, z = U[j, 0] - U[w, 0], U[j, 1] - U[w, 1], U[j, 2] - U[w, 2]
-                    ratio = (x * x + y * y + z * z) / before
-                    most, least = max(most, ratio), min(least, ratio)
-        if least == np.inf:
-            out[v] = np.nan
-        elif least == 0.0:
-            out[v] = -np.inf
-        else:
-            out[v] = 0.5 * np.log(most if most * least >= 1.0 else least)
-    return out
-
-
-@parallel()
-def _displacement(U: np.ndarray, V: np.ndarray) -> np.ndarray:
-    out = np.empty(len(U))
-    for v in prange(len(U)):
-        x, y, z = U[v, 0] - V[v, 0], U[v, 1] - V[v, 1], U[v, 2] - V[v, 2]
-        out[v] = np.sqrt(x * x + y * y + z * z)
-    return out
-
-
-@parallel()
-def _mean_curvature(
-    U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, named: np.ndarray
-) -> np.ndarray:
-    """Mean curvature at each vertex, (n,), positive if convex from outside.
-
-    The cotangent Laplacian of the positions along the normal, over twice the area that is nearest to the
-    vertex [Meyer et al. 2003]: exact where the vertices around it lie on a sphere with it.
-    """
-    out = np.empty(len(named))
-    for v in prange(len(named)):
-        w = named[v]
-        area = lx = ly = lz = nx = ny = nz = 0.0
-        for e in range(start[w], start[w + 1]):
-            j, k = second[e], third[e]
-            ax, ay, az = U[j, 0] - U[w, 0], U[j, 1] - U[w, 1], U[j, 2] - U[w, 2]
-            bx, by, bz = U[k, 0] - U[w, 0], U[k, 1] - U[w, 1], U[k, 2] - U[w, 2]
-            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            double = np.sqrt(x * x + y * y + z * z)
-            if double > 0.0:
-                aa, bb, ab = (
-                    ax * ax + ay * ay + az * az,
-                    bx * bx + by * by + bz * bz,
-                    ax * bx + ay * by + az * bz,
-                )
-                at_j, at_k = (aa - ab) / double, (bb - ab) / double  # cotangents
-                if ab < 0.0:
-                    area += 0.25 * double
-                elif at_j < 0.0 or at_k < 0.0:
-                    area += 0.125 * double
-                else:
-                    area += 0.125 * (aa * at_k + bb * at_j)
-                lx += at_k * ax + at_j * bx
-                ly += at_k * ay + at_j * by
-                lz += at_k * az + at_j * bz
-                nx, ny, nz = nx + x, ny + y, nz + z
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        out[v] = np.nan
-        if area > 0.0 and length > 0.0:
-            out[v] = -0.25 * (lx * nx + ly * ny + lz * nz) / (length * area)
-    return out
-
-
-def write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
-    """Quantise ``values`` (n,) to ``shades`` (n,) uint8; the scale ends at ``reach``.
-
-    With a sign -reach, 0 and reach are 1, 128 and 255, without one 0 and reach are 1 and 255; what is beyond
-    is as the end, and 0 is no value.
-    """
-    with cores_for(len(values)):
-        _write_shades(values, signed, reach, shades)
-
-
-@parallel()
-def _write_shades(values: np.ndarray, signed: bool, reach: float, shades: np.ndarray) -> None:
-    scale = (127.0 if signed else 254.0) / reach
-    zero = 128.5 if signed else 1.5  # truncated, it is rounded
-    for v in prange(len(values)):
-        x = values[v]
-        shades[v] = np.uint8(0) if np.isnan(x) else np.uint8(min(max(zero + scale * x, 1.0), 255.0))
-
-
-def worst(values: np.ndarray, U: np.ndarray, apart: float, most: int) -> np.ndarray:
-    """Vertices of the largest absolute ``values`` (n,), worst first, kept apart.
-
-    Parameters
-    ----------
-    values : (n,) float array
-    U : (n, 3) float array
-    apart : float
-        Their least distance.
-    most : int
-        How many at most.
-    """
-    size = np.where(np.isnan(values), 0.0, np.abs(values))
-    found: list[int] = []
-    while len(found) < most:
-        v = int(size.argmax())
-        if size[v] <= 0.0:
-            break
-        found.append(v)
-        size[((U - U[v]) ** 2).sum(axis=1) < apart**2] = 0.0
-    return np.array(found, dtype=np.int64)
+        return bounding_hierarchy(self._V, self._F)
 
 
 def warm_up() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.picking.visibility import FAN
+from apd_viewer.geometry.picking.bounding_hierarchy import FAN
 
 _BITS = 3  # of FAN
 # Points that a core takes on at once.
@@ -32,7 +32,7 @@ def distances(
         A point of the surface for each of them: the nearer, the faster.
     V : (n, 3) float array
     F, corners, level
-        The surface: :func:`apd_viewer.geometry.picking.visibility.boxes_in_boxes` of ``V``.
+        The surface: :func:`apd_viewer.geometry.picking.bounding_hierarchy.bounding_hierarchy` of ``V``.
     out : (k,) float array
     """
     count, top = level[1], len(level) - 2

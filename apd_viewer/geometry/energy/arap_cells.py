@@ -12,15 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.rotations import (
-    LANES,
-    ROWS,
-    fit_lanes,
-    load_rotation,
-    quaternion_to_matrix,
-    store_rotation,
-    turned,
-)
+from apd_viewer.geometry.linalg.quaternions import load_rotation, quaternion_to_matrix, store_rotation, turned
+from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
 from apd_viewer.geometry.linalg.threads import parallel
 
 FLAT = np.empty((0, 3, 3))

@@ -24,7 +24,7 @@ from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.linalg.rotations import turn_rotations
+from apd_viewer.geometry.linalg.quaternions import turn_rotations
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.rotations import quaternion_to_matrix
+from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
 from apd_viewer.geometry.mesh.measures import Patch

@@ -11,7 +11,7 @@ from numba import prange
 
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.linalg import parallel_ops
-from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.linalg.quaternions import turned
 from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned

@@ -11,9 +11,10 @@ from numba import njit
 from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
+from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
 from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
-from apd_viewer.geometry.picking.visibility import Boxes, boxes_in_boxes, visible
+from apd_viewer.geometry.picking.visibility import visible
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +113,7 @@ class Skin:
 
     def sights(self, U: np.ndarray) -> Boxes:
         """Search tree for :meth:`visible`, once a shape ``U``."""
-        return boxes_in_boxes(U, self.joined)
+        return bounding_hierarchy(U, self.joined)
 
     def visible(self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes) -> np.ndarray:
         """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""

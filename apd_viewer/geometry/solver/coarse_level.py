@@ -16,7 +16,7 @@ from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.linalg.rotations import turned
+from apd_viewer.geometry.linalg.quaternions import turned
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch

@@ -8,7 +8,8 @@ import numpy as np
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of
 from apd_viewer.ui.overlays.notice import Invitation

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
 
-from apd_viewer.geometry.analysis.deviation import Deviation, warm_up, worst, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
+from apd_viewer.geometry.analysis.extremes import worst, write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
 from apd_viewer.session.quantities.units import Unit

@@ -17,7 +17,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.files import html_page
 from apd_viewer.files.fingerprint import fingerprint
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
-from apd_viewer.geometry.analysis.deviation import Deviation, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.report_origin import Evidence

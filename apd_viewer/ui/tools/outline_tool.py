@@ -14,8 +14,8 @@ from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
+    from apd_viewer.geometry.picking.bounding_hierarchy import Boxes
     from apd_viewer.geometry.picking.surface_index import Skin
-    from apd_viewer.geometry.picking.visibility import Boxes
     from apd_viewer.ui.scene.surface import Surface
     from apd_viewer.ui.scene.viewport import Viewport
 

@@ -6,7 +6,8 @@ import pytest
 import trimesh
 from meshes import box, rotation, sphere
 
-from apd_viewer.geometry.analysis.deviation import Deviation, worst, write_shades
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.analysis.extremes import worst, write_shades
 from apd_viewer.geometry.picking.surface_index import Skin
 
 NO_SEAM = np.empty(0, dtype=np.int32)

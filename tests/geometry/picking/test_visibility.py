@@ -7,13 +7,14 @@ from hypothesis import strategies as st
 from meshes import box, grid, moved, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.picking.bounding_hierarchy import FAN, bounding_hierarchy
 from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.geometry.picking.visibility import FAN, TOUCHING, boxes_in_boxes, visible
+from apd_viewer.geometry.picking.visibility import TOUCHING, visible
 
 
 def seen(eye, U, F, ids=None):
     ids = np.arange(len(U)) if ids is None else ids
-    return visible(np.array(eye, dtype=float), U, boxes_in_boxes(U, np.asarray(F, dtype=np.int32)), ids)
+    return visible(np.array(eye, dtype=float), U, bounding_hierarchy(U, np.asarray(F, dtype=np.int32)), ids)
 
 
 def seen_by_linear_algebra(eye, U, F, ids):

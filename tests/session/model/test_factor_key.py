@@ -7,7 +7,7 @@ import pytest
 from driven_session import BENT, document
 
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
-from apd_viewer.geometry.mesh.mesh import frozen
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
 from apd_viewer.session.model.named_parts import Handle, NamedRegion

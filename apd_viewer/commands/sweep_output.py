@@ -1,0 +1,138 @@
+"""Output of a sweep: meshes, film, table and summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.commands.progress import Progress
+from apd_viewer.figures.shapes import Picture, draw_shapes
+from apd_viewer.files.meshes import WRITTEN
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.language import tr
+from apd_viewer.session.model.view import Standpoint
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.files.tables import Cell
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.studies.sweep import Sweep, SweepStep
+
+
+SWEPT_SHARE = 0.9  # of the work; the rest draws
+_FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
+
+
+def mesh_path(folder: Path, mesh: Mesh, step: SweepStep) -> Path:
+    """Path of a step's mesh in the folder."""
+    own = mesh.origin.suffix if mesh.origin else ""
+    (folder / "meshes").mkdir(exist_ok=True)
+    return folder / "meshes" / f"{step.method}-{step.number:03d}{own if own in WRITTEN else '.obj'}"
+
+
+def shape_path(folder: Path, step: SweepStep) -> Path:
+    """Path of a step's shape for the drawing process."""
+    return folder / f"{step.method}-{step.number}.npy"
+
+
+def row_of(step: SweepStep) -> dict[str, Cell]:
+    """Row of the table by column name."""
+    frame = step.frame
+    return {
+        "method": step.method,
+        "step": step.number,
+        "part": step.part,
+        "degrees": step.degrees,
+        "way": step.way,
+        "area": frame.area,
+        "area_error": frame.area_error,
+        "volume": frame.volume,
+        "volume_error": step.volume_error,
+        "energy": step.energy,
+        "local_change": frame.local_change,
+        "handle_drift": frame.handle_drift,
+        "iterations": frame.iteration,
+        "settled": frame.settled,
+    }
+
+
+def write_sweep_film(
+    sweep: Sweep,
+    steps: Sequence[SweepStep],
+    kept: Path,
+    camera: Standpoint | None,
+    path: Path,
+    progress: Progress,
+) -> bool:
+    """Draw the shapes of all methods side by side as a film; False without OpenGL."""
+    from apd_viewer.figures.films import write_film
+
+    count, methods = len(sweep.parts), sweep.methods
+    pictures = []
+    for number in range(count):
+        own = [steps[m * count + number] for m in range(len(methods))]
+        words = [(METHODS[step.method].short_title, *_words(step, sweep.abscissa)) for step in own]
+        pictures.append(Picture(kept / f"{number:04d}.png", [shape_path(kept, step) for step in own], words))
+    size = (_FILM_WIDTH * len(methods), _FILM_HEIGHT)
+
+    def drawn(done: int) -> None:
+        progress.show(SWEPT_SHARE + (1 - SWEPT_SHARE) * done / count, tr("drawing"))
+
+    looks = {} if camera is None else _looks(camera)
+    if not draw_shapes(sweep.document.mesh, pictures, size, drawn=drawn, legend=False, **looks):
+        return False
+    write_film([picture.path for picture in pictures], path)
+    return True
+
+
+def _looks(camera: Standpoint) -> dict[str, tuple[float, float, float]]:
+    x, y, z = (a - b for a, b in zip(camera.position, camera.focal, strict=True))
+    return {"look": (x, y, z), "up": camera.up}
+
+
+def _words(step: SweepStep, abscissa: str) -> list[str]:
+    where = {
+        "degrees": f"{step.degrees:.0f}°",
+        "way": f"{step.way:.3g}",
+        "part": f"{100 * step.part:.0f} %",
+    }[abscissa]
+    lines = [where, tr("area {change} %").format(change=_signed(100 * step.frame.area_error))]
+    if step.volume_error is not None:
+        lines.append(tr("volume {change} %").format(change=_signed(100 * step.volume_error)))
+    return lines
+
+
+def _signed(value: float) -> str:
+    text = f"{value:+.2f}"
+    return "0.00" if float(text) == 0 else text
+
+
+def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
+    """Lines on a finished sweep, for the terminal."""
+    lines = [
+        tr("{folder}: {steps} steps by {methods}").format(
+            folder=folder,
+            steps=len(sweep.parts) - 1,
+            methods=", ".join(METHODS[method].short_title for method in sweep.methods),
+        )
+    ]
+    for method in sweep.methods:
+        own = [step for step in steps if step.method == method]
+        worst = max(own, key=lambda step: abs(step.frame.area_error))
+        said = tr("{method}: area {last} % at the end, {worst} % at most").format(
+            method=METHODS[method].short_title,
+            last=_signed(100 * own[-1].frame.area_error),
+            worst=_signed(100 * worst.frame.area_error),
+        )
+        if own[-1].volume_error is not None:
+            said += tr("; volume {change} %").format(change=_signed(100 * own[-1].volume_error))
+        lines.append(said)
+        unsettled = sum(not step.frame.settled for step in own)
+        if unsettled:
+            lines.append(
+                tr("    {count} of {steps} shapes did not converge within {most} iterations").format(
+                    count=unsettled, steps=len(own), most=sweep.iterations
+                )
+            )
+    return "\n".join(lines)

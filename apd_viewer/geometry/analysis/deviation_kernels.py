@@ -1,0 +1,126 @@
+"""Kernels of the deviation from the rest shape."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+
+from apd_viewer.geometry.linalg.threads import parallel
+
+
+@parallel()
+def star_areas(
+    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, faces: np.ndarray
+) -> np.ndarray:
+    """Area of the triangles around each vertex, (n,), NaN without one."""
+    for t in prange(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        faces[t] = 0.5 * np.sqrt(x * x + y * y + z * z)
+    areas = np.empty(len(U))
+    for v in prange(len(U)):
+        total = np.nan if start[v] == start[v + 1] else 0.0
+        for e in range(start[v], start[v + 1]):
+            total += faces[corner[e] // 3]
+        areas[v] = total
+    return areas
+
+
+@parallel()
+def log_ratio(now: np.ndarray, rest: np.ndarray, named: np.ndarray, least: float) -> np.ndarray:
+    """Logarithm of ``now / rest``, (n,); NaN below ``least``."""
+    out = np.empty(len(named))
+    for v in prange(len(named)):
+        w = named[v]
+        if not rest[w] > least:
+            out[v] = np.nan
+        else:
+            out[v] = np.log(now[w] / rest[w]) if now[w] > 0.0 else -np.inf
+    return out
+
+
+@parallel()
+def edge_strain(
+    U: np.ndarray,
+    V: np.ndarray,
+    start: np.ndarray,
+    second: np.ndarray,
+    third: np.ndarray,
+    named: np.ndarray,
+) -> np.ndarray:
+    """Largest logarithmic strain of the edges at each vertex, (n,)."""
+    out = np.empty(len(named))
+    for v in prange(len(named)):
+        w = named[v]
+        # Squares of the largest and the smallest ratio: one logarithm a vertex is enough.
+        most, least = 0.0, np.inf
+        for e in range(start[w], start[w + 1]):
+            for j in (second[e], third[e]):
+                x, y, z = V[j, 0] - V[w, 0], V[j, 1] - V[w, 1], V[j, 2] - V[w, 2]
+                before = x * x + y * y + z * z
+                if before > 0.0:
+                    x, y, z = U[j, 0] - U[w, 0], U[j, 1] - U[w, 1], U[j, 2] - U[w, 2]
+                    ratio = (x * x + y * y + z * z) / before
+                    most, least = max(most, ratio), min(least, ratio)
+        if least == np.inf:
+            out[v] = np.nan
+        elif least == 0.0:
+            out[v] = -np.inf
+        else:
+            out[v] = 0.5 * np.log(most if most * least >= 1.0 else least)
+    return out
+
+
+@parallel()
+def displacements(U: np.ndarray, V: np.ndarray) -> np.ndarray:
+    """Distances between corresponding vertices, (n,)."""
+    out = np.empty(len(U))
+    for v in prange(len(U)):
+        x, y, z = U[v, 0] - V[v, 0], U[v, 1] - V[v, 1], U[v, 2] - V[v, 2]
+        out[v] = np.sqrt(x * x + y * y + z * z)
+    return out
+
+
+@parallel()
+def mean_curvature(
+    U: np.ndarray, start: np.ndarray, second: np.ndarray, third: np.ndarray, named: np.ndarray
+) -> np.ndarray:
+    """Mean curvature at each vertex, (n,), positive if convex from outside.
+
+    The cotangent Laplacian of the positions along the normal, over twice the area that is nearest to the
+    vertex [Meyer et al. 2003]: exact where the vertices around it lie on a sphere with it.
+    """
+    out = np.empty(len(named))
+    for v in prange(len(named)):
+        w = named[v]
+        area = lx = ly = lz = nx = ny = nz = 0.0
+        for e in range(start[w], start[w + 1]):
+            j, k = second[e], third[e]
+            ax, ay, az = U[j, 0] - U[w, 0], U[j, 1] - U[w, 1], U[j, 2] - U[w, 2]
+            bx, by, bz = U[k, 0] - U[w, 0], U[k, 1] - U[w, 1], U[k, 2] - U[w, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            double = np.sqrt(x * x + y * y + z * z)
+            if double > 0.0:
+                aa, bb, ab = (
+                    ax * ax + ay * ay + az * az,
+                    bx * bx + by * by + bz * bz,
+                    ax * bx + ay * by + az * bz,
+                )
+                at_j, at_k = (aa - ab) / double, (bb - ab) / double  # cotangents
+                if ab < 0.0:
+                    area += 0.25 * double
+                elif at_j < 0.0 or at_k < 0.0:
+                    area += 0.125 * double
+                else:
+                    area += 0.125 * (aa * at_k + bb * at_j)
+                lx += at_k * ax + at_j * bx
+                ly += at_k * ay + at_j * by
+                lz += at_k * az + at_j * bz
+                nx, ny, nz = nx + x, ny + y, nz + z
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        out[v] = np.nan
+        if area > 0.0 and length > 0.0:
+            out[v] = -0.25 * (lx * nx + ly * ny + lz * nz) / (length * area)
+    return out
