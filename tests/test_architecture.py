@@ -355,7 +355,7 @@ FIRST_PICTURE = """
     import apd_viewer.__main__
     assert "numpy" not in sys.modules, "the command line reads its words"
     import apd_viewer.ui.application
-    import apd_viewer.ui.window
+    import apd_viewer.ui.shell
     loaded = {name.partition(".")[0] for name in sys.modules}
     assert "pyvistaqt" in loaded, "the test is blind"
     assert not loaded & {"numba", "scipy", "cholespy", "trimesh", "ipctk"}, loaded
