@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import logging
 import os
 import subprocess
@@ -33,8 +32,6 @@ main(replies)
 """
 # Large arrays come and go here. glibc would give their memory back each time, and have it cleared anew.
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
-# The same of a process that shall not keep more than this when something large has gone; names are numbers.
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
 _LINES, _LINE_LENGTH = 40, 300  # of the last words, at most
 _GRACE = 1.0  # s; for what is about to end by itself
 _FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, and there only
@@ -174,14 +171,3 @@ def _exit_code(process: Process) -> int | None:
     with contextlib.suppress(subprocess.TimeoutExpired):
         return process.wait(_GRACE)
     return None
-
-
-def keep_freed_memory() -> None:
-    """Keep freed memory for the next frame, where the C library is glibc.
-
-    By default it depends on the order of what came before whether all that a frame needs is given back and
-    fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.
-    """
-    if sys.platform.startswith("linux") and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
-        for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
-            mallopt(*option)

@@ -10,7 +10,7 @@ import pytest
 CHURN = """
 import resource, sys
 import numpy as np
-from apd_viewer.session.processes.child_process import keep_freed_memory
+from apd_viewer.session.processes.freed_memory import keep_freed_memory
 if sys.argv[1] == "keep":
     keep_freed_memory()
 def frame():

@@ -1,0 +1,20 @@
+"""Freed memory kept by the C library."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+
+# The same of a process that shall not keep more than this when something large has gone; names are numbers.
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
+
+
+def keep_freed_memory() -> None:
+    """Keep freed memory for the next frame, where the C library is glibc.
+
+    By default it depends on the order of what came before whether all that a frame needs is given back and
+    fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.
+    """
+    if sys.platform.startswith("linux") and (mallopt := getattr(ctypes.CDLL(None), "mallopt", None)):
+        for option in (_TRIM_THRESHOLD, _MMAP_THRESHOLD):
+            mallopt(*option)
