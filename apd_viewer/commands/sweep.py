@@ -160,7 +160,7 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
             )
         )
     for k, transform in enumerate(options.transform):
-        document = document.moved(k, read_transform(transform))
+        document = document.with_pose(k, read_transform(transform))
     return document, None
 
 

@@ -40,7 +40,7 @@ def area(state: State, unit: Unit) -> str:
 def verdict(state: State) -> str:
     """Change of the total area, compared with its target."""
     document, change = state.document, signed(100 * state.frame.area_error, 3)
-    asked = document.kept[0]
+    asked = document.kept_percentages[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0

@@ -34,7 +34,7 @@ def settings_blocks(state: State) -> Iterator[Block]:
     document = state.document
     method = document.traits
     rows = [(tr("Method"), method.title, method.about)]
-    area, volume, *_ = document.kept
+    area, volume, *_ = document.kept_percentages
     rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
     rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
     if method.has_tolerance:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.session.model.document import Document, State
 from apd_viewer.session.model.view import View
-from apd_viewer.session.storage.autosave_writer import Backup, Copy
+from apd_viewer.session.storage.autosave_writer import AutosaveWriter, Copy
 from apd_viewer.session.storage.recovery import Leftover
 from apd_viewer.session.store import Activity
 
@@ -43,7 +43,7 @@ class Autosave:
         self._listener = listener
         self._files = files
         self._view: Callable[[], View] = View
-        self._backup: Backup | None = None
+        self._writer: AutosaveWriter | None = None
         self._restored: list[Leftover] = []
         self._document: Document | None = None
         self._step: HistoryEntry | None = None
@@ -52,7 +52,7 @@ class Autosave:
     def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:
         """From now on keep what is done in a file in ``folder``; ``view()`` is how it is looked at."""
         self._view = view
-        self._backup = Backup(folder, self._listener.wake)
+        self._writer = AutosaveWriter(folder, self._listener.wake)
 
     def restore(self, left: Leftover) -> None:
         """Open what a program has left that was killed, in the background; it counts as unsaved."""
@@ -63,7 +63,7 @@ class Autosave:
     def follow(self) -> None:
         """Look whether there is anything new to keep."""
         state = self._store.state
-        if self._backup is None or state is None or self._gestures.before is not None:
+        if self._writer is None or state is None or self._gestures.before is not None:
             return
         shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
         for left in shown:
@@ -72,11 +72,11 @@ class Autosave:
             step = self._gestures.history.latest
             is_step = state.document is not self._document and step is not self._step
             self._document, self._frame, self._step = state.document, state.frame, step
-            self._backup.put(Copy(state, self._view(), shown), _MOMENT if is_step else 0.0)
+            self._writer.put(Copy(state, self._view(), shown), _MOMENT if is_step else 0.0)
 
     def receive(self) -> None:
         """Tell what the thread could not do."""
-        if self._backup is not None and (failure := self._backup.take_failure()):
+        if self._writer is not None and (failure := self._writer.take_failure()):
             self._listener.told(failure)
 
     def _is_new(self, state: State) -> bool:
@@ -88,10 +88,10 @@ class Autosave:
 
     def close(self) -> None:
         """Remove the file, and what was restored: this is no crash."""
-        if self._backup is not None:
-            self._backup.close()
+        if self._writer is not None:
+            self._writer.close()
         for left in self._restored:
             if left.taken:
                 left.discard()
         self._restored.clear()
-        self._backup = self._document = self._frame = self._step = None
+        self._writer = self._document = self._frame = self._step = None

@@ -49,7 +49,7 @@ class Gestures:
         """Finish it; nothing is remembered where nothing was changed."""
         before, self.before = self.before, None
         if before is not None:
-            self._store.trace.let_go()
+            self._store.trace.release()
         if before is not None and before.document is not self._store.required().document:
             self._remember(name, before)
 

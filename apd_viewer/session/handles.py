@@ -11,7 +11,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, moved
+from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, pose_after
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -38,7 +38,7 @@ class Handles:
         """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
         state = self._store.required()
         if self._gestures.before is not None:  # another mesh may have ended the drag
-            self._store.solve(state.document.moved(which, pose))
+            self._store.solve(state.document.with_pose(which, pose))
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
         """Put a handle at ``pose`` (4, 4) at once; what ``repeats`` the step before is part of it."""
@@ -47,7 +47,7 @@ class Handles:
             self._listener.failed(state.document.problem)
         elif not np.array_equal(pose, state.document.handles[which].pose):
             self._gestures.record(gesture, state, repeats)
-            self._store.solve(state.document.moved(which, pose))
+            self._store.solve(state.document.with_pose(which, pose))
 
     def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
         """Move a handle by a typed amount; ``motion`` names a :class:`TypedMotion`. Raises InputError.
@@ -56,7 +56,7 @@ class Handles:
         """
         state, kind = self._gestures.alone(), TypedMotion[motion]
         amount = amount_of(kind, text, state, self._store.unit)
-        self.pose(moved(state.document, which, kind, amount, line), which, MOTIONS[kind])
+        self.pose(pose_after(state.document, which, kind, amount, line), which, MOTIONS[kind])
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""

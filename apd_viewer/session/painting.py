@@ -50,7 +50,7 @@ class Painting:
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; under new labels, base and handles are gripped where they are now."""
         before, document = self._gestures.before, self._store.required().document
-        if before is not None and document.says_as(before.document):
+        if before is not None and document.equals(before.document):
             # Replacing a part by itself clears it first; there is nothing to undo.
             document = before.document
             self._store.revert(document)

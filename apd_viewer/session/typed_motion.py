@@ -69,7 +69,7 @@ def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float
     return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
 
 
-def moved(
+def pose_after(
     document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> np.ndarray:
     """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be.

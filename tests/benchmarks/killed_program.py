@@ -86,15 +86,15 @@ class Hand:
 
     def _note_what_is_kept(self) -> None:
         """What is being written may be found, though the hand has not come to write down that it is done."""
-        from apd_viewer.session.storage.autosave_writer import Backup
+        from apd_viewer.session.storage.autosave_writer import AutosaveWriter
 
-        put = Backup.put
+        put = AutosaveWriter.put
 
         def noted(backup, copy, patience) -> None:
             self.journal.write("kept", digest(copy.state.document))
             put(backup, copy, patience)
 
-        Backup.put = noted
+        AutosaveWriter.put = noted
 
     def _restore(self) -> Iterator[float]:
         offer, before = self.window.recovery, self.document

@@ -552,7 +552,7 @@ def test_wrong_words(words, said, command):
 def saved(bar):
     """A session on the bar with its handle moved, and its shape still at rest."""
     state = opened(open_mesh(bar.mesh), frozen(bar.labels.astype(np.uint8)))
-    state = replace(state, document=state.document.moved(0, bar.M)).unsettled()
+    state = replace(state, document=state.document.with_pose(0, bar.M)).unsettled()
     save_session(bar.folder / "a.apd", state, View())
     return bar.folder / "a.apd"
 

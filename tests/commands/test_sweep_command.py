@@ -44,7 +44,7 @@ def session(bar, tmp_path):
     state = opened(open_mesh(bar[0]), np.loadtxt(bar[2], dtype=np.uint8))
     path = tmp_path / "bar.apd"
     view = View(Standpoint((9.0, 3.0, 2.0), (0.0, 0.0, 2.0), (0.0, 0.0, 1.0), 0.5))
-    save_session(path, state.at(state.document.moved(0, BENT)), view)
+    save_session(path, state.at(state.document.with_pose(0, BENT)), view)
     return path
 
 

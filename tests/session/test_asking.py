@@ -431,7 +431,7 @@ def test_reset_asks_for_100_percent_and_leaves_free_what_is_free(parted):
     parted.drag(BENT)
     parted.settle()
     parted.rest_shape.restore()
-    assert parted.store.state.document.targets == (100.0, None, 100.0, None)
+    assert parted.store.state.document.percentages == (100.0, None, 100.0, None)
     assert parted.store.state.frame.regions == parted.store.state.document.region_areas(parted.U)
     parted.settings.set_volume(110.0)
     parted.rest_shape.restore()
@@ -654,7 +654,7 @@ def test_another_mesh_keeps_the_settings_and_drops_the_parts(parted):
     document = parted.store.state.document
     assert (document.method, document.tolerance, document.stiffness) == ("local", 0.01, 0.02)
     assert (document.area_stiffness, document.shear_stiffness) == (10.0, 0.5)
-    assert document.targets == (100.0, None)
+    assert document.percentages == (100.0, None)
     assert [handle.name for handle in document.handles] == ["Handle 1"]
     assert not document.member.any()
     assert parted.store.activity is Activity.IDLE

@@ -31,8 +31,7 @@ from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.session.model.document import opened
-from apd_viewer.session.storage import autosave_writer as backup_module
-from apd_viewer.session.storage import recovery
+from apd_viewer.session.storage import autosave_writer, recovery
 from apd_viewer.session.storage.recovery import LONGEST_KEPT, ago, leftovers, lock_path
 from apd_viewer.session.storage.session_file import open_session, save_session
 
@@ -65,7 +64,7 @@ def session(folder, bar):
     session.show_now(bar)
     session.paint_ends()
     session.settle()
-    backup = session.autosave._backup
+    backup = session.autosave._writer
     session.until(lambda: backup._done == backup._asked)  # or what is written now surprises a test
     yield session
     session.close()
@@ -131,7 +130,7 @@ def test_every_step_is_in_the_file_soon(session, folder):
 
 def test_the_end_of_a_drag_is_kept_before_its_shape_has_settled(session, folder, monkeypatch):
     written = []
-    monkeypatch.setattr(backup_module.Backup, "put", lambda _, copy, __: written.append(copy.state))
+    monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", lambda _, copy, __: written.append(copy.state))
     session.drag(*(pose(k / 50) for k in range(1, 30)))
     assert [state.document for state in written] == [session.store.state.document]
     session.settle()
@@ -200,7 +199,7 @@ def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_writ
         return write(*copy, at_once=at_once)
 
     session.drag(*(pose(k / 50) for k in range(1, 30)))
-    monkeypatch.setattr(backup_module, "save_session", unhurried)
+    monkeypatch.setattr(autosave_writer, "save_session", unhurried)
     session.settle()
     assert begun.wait(SLOW), "the settled shape"
     session.parts.rename_handle(0, "Neck")
@@ -209,13 +208,13 @@ def test_a_step_is_safe_once_it_is_done_though_the_shape_before_it_is_being_writ
 
 def test_a_key_that_is_held_down_waits_for_no_file(session, folder, monkeypatch):
     check_kept(folder, session)
-    awaited, put = [], backup_module.Backup.put
+    awaited, put = [], autosave_writer.AutosaveWriter.put
 
     def noted(backup, copy, patience):
         awaited.append(patience > 0.0)
         put(backup, copy, patience)
 
-    monkeypatch.setattr(backup_module.Backup, "put", noted)
+    monkeypatch.setattr(autosave_writer.AutosaveWriter, "put", noted)
     for k in range(1, 6):
         session.handles.pose(pose(k / 50), 0, "Nudge handle", repeats=True)
     assert awaited[0]
@@ -235,7 +234,7 @@ def test_a_slow_disk_keeps_nobody_waiting_and_gets_the_newest(session, folder, m
         written.append(state.document.handles[0].name)
         return save_session(path, state, view, at_once=at_once)
 
-    monkeypatch.setattr(backup_module, "save_session", slow)
+    monkeypatch.setattr(autosave_writer, "save_session", slow)
     session.parts.rename_handle(0, "first")
     assert entered.wait(SLOW)
     since = time.monotonic()

@@ -8,7 +8,7 @@ from meshes import rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.typed_motion import TypedMotion, amount_of, moved, names_of
+from apd_viewer.session.typed_motion import TypedMotion, amount_of, names_of, pose_after
 
 pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
@@ -96,7 +96,7 @@ def test_a_length_with_a_unit_is_converted_to_the_meshs(bent):
 def test_without_a_base_or_a_handle_it_is_said_what_to_paint(empty):
     empty.show_now(bar())
     with pytest.raises(InputError, match="paint it first"):
-        moved(empty.store.state.document, 0, TypedMotion.TWIST, 1.0)
+        pose_after(empty.store.state.document, 0, TypedMotion.TWIST, 1.0)
 
 
 def test_presses_that_follow_each_other_are_one_step(bent):

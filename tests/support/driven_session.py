@@ -172,4 +172,4 @@ def document(method: str = "paper", at: np.ndarray = BENT) -> Document:
     mesh = Mesh(*box(2, 2, 6))
     base, handle = ends(mesh.V)
     rest = opened(mesh).document.painted(base, BASE).painted(handle, HANDLE)
-    return replace(rest.moved(0, at), method=method)
+    return replace(rest.with_pose(0, at), method=method)

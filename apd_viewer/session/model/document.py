@@ -127,13 +127,13 @@ class Document:
         return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
 
     @property
-    def targets(self) -> tuple[float | None, ...]:
-        """Percentages that were said: of the area, the volume and each region."""
+    def percentages(self) -> tuple[float | None, ...]:
+        """Percentages asked for: of the area, the volume and each region."""
         return self.area, self.volume, *(part.area for part in self.regions)
 
     @property
-    def kept(self) -> tuple[float | None, ...]:
-        """What of the targets the method is asked for: a region has an area once it has a triangle."""
+    def kept_percentages(self) -> tuple[float | None, ...]:
+        """The percentages passed to the method: a region has an area once it has a triangle."""
         method = self.traits
         keeps_area = method.keeps_total_area or (method.may_keep_total_area and self.hold_area)
         only_area = method.keeps_only_total_area
@@ -149,7 +149,7 @@ class Document:
     @property
     def asked(self) -> Asked:
         """The same, with the vertices of the regions."""
-        area, volume, *areas = self.kept
+        area, volume, *areas = self.kept_percentages
         regions = tuple(
             Region(part.name, np.flatnonzero(self.member == k), percent)
             for k, (part, percent) in enumerate(zip(self.regions, areas, strict=True), start=1)
@@ -173,8 +173,8 @@ class Document:
         """Whether both have the very same arrays of paint: labels and regions."""
         return self.labels is other.labels and self.member is other.member
 
-    def says_as(self, other: Document) -> bool:
-        """Whether nothing was said between the two, but for paint that came to be as it had been."""
+    def equals(self, other: Document) -> bool:
+        """Whether all fields are the same, and the paint equal."""
         others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
         if any(getattr(self, name) is not getattr(other, name) for name in others):
             return False
@@ -251,7 +251,7 @@ class Document:
             regions=tuple(regions),
         )
 
-    def moved(self, k: int, pose: np.ndarray) -> Document:
+    def with_pose(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""
         return self.with_handle(k, replace(self.handles[k], pose=frozen(np.array(pose, dtype=np.float64))))
 
@@ -317,7 +317,7 @@ class State:
     def is_at_rest(self) -> bool:
         """Whether the shape is that at rest, no handle is posed and no other percentage is asked for."""
         document = self.document
-        asks = any(percent not in (None, 100.0) for percent in document.targets)
+        asks = any(percent not in (None, 100.0) for percent in document.percentages)
         return self.frame.U is document.mesh.V and not document.posed and not asks
 
     @property
@@ -326,7 +326,7 @@ class State:
         document, rest, now = self.document, self.inspection, self.frame
         within = document.tolerance if document.traits.has_tolerance else MET
         at_rest = rest.area, rest.volume, *document.rest_areas
-        measured = zip(document.kept, at_rest, (now.area, now.volume, *now.regions), strict=True)
+        measured = zip(document.kept_percentages, at_rest, (now.area, now.volume, *now.regions), strict=True)
         return any(
             percent is not None
             and before is not None

@@ -36,7 +36,7 @@ class _Start:
     asked: Document | None
     readings: list[float]
     moment: float
-    let_go: float | None = None
+    released: float | None = None
 
 
 class Trace:
@@ -80,9 +80,9 @@ class Trace:
         return frozen(self._rows[: self._count].copy())
 
     @property
-    def let_go_at(self) -> float | None:
+    def released_at(self) -> float | None:
         """When the hand let go, in seconds since the beginning; None if it did not, or there was none."""
-        moment = self._start.let_go
+        moment = self._start.released
         return None if moment is None else moment - self._start.moment
 
     def begin(self, state: State) -> None:
@@ -94,9 +94,9 @@ class Trace:
         """Begin another trace from ``state``, once there is a frame that answers something else than this."""
         self._next = _Start(asked, _readings(state.document, state.frame), self._clock())
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """The gesture has ended; the shape may yet have to settle."""
-        (self._next or self._start).let_go = self._clock()
+        (self._next or self._start).released = self._clock()
 
     def add(self, document: Document, frame: Frame) -> None:
         """A frame that answers ``document`` has come."""
@@ -131,7 +131,7 @@ class Trace:
 
 def _readings(document: Document, frame: Frame) -> list[float]:
     """The readings of a frame, in the order of the columns from the area on."""
-    wanted = (document.kept[0] or 100.0) / 100.0
+    wanted = (document.kept_percentages[0] or 100.0) / 100.0
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy
     volume, energy = (np.nan if value is None else value for value in known)

@@ -183,7 +183,7 @@ class Solver:
         held = document.constraints()
         key = factored_for(document)
         names = tuple(region.name for region in document.regions)
-        goals = (document.targets, document.hold_area, document.member, names)
+        goals = (document.percentages, document.hold_area, document.member, names)
         poses = tuple(handle.pose for handle in document.handles)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:

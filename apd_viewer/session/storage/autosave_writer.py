@@ -37,7 +37,7 @@ class Copy:
     supersedes: tuple[Leftover, ...] = ()
 
 
-class Backup:
+class AutosaveWriter:
     """Writes the newest Copy whenever it can, and removes the file in the end.
 
     Parameters

@@ -93,7 +93,7 @@ def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> 
 
 def _pulls(document: Document, share: float, tick: Tick) -> Iterator[Held]:
     line = _line(document)
-    sweep = sweep_of(document.moved(0, shifted(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
+    sweep = sweep_of(document.with_pose(0, shifted(share * line)), _STEPS_OF_A_PULL, methods=["paper"])
     handle = document.labels == HANDLE
     for step in sweep.steps(tick):
         away = (step.frame.U[handle] - document.grip[handle]).mean(axis=0)

@@ -116,7 +116,7 @@ class Sweep:
         """The document with its handles at a part of their motion."""
         document = self.document
         for k, path in enumerate(self.paths):
-            document = document.moved(k, path.at(part))
+            document = document.with_pose(k, path.at(part))
         return document
 
     def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[SweepStep]:

@@ -132,7 +132,7 @@ class Help(QObject):
 
     def _holds_area(self) -> bool:
         state = self._session.store.state
-        return state is not None and state.document.kept[0] is not None
+        return state is not None and state.document.kept_percentages[0] is not None
 
     def _close_sheet(self) -> bool:
         if self.sheet.isHidden():

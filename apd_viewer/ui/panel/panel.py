@@ -134,7 +134,7 @@ class Panel(QScrollArea):
         if old is None or old.document.labels is not new.document.labels:
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
-            targets = old is None or old.document.targets != new.document.targets
+            targets = old is None or old.document.percentages != new.document.percentages
             self._show_readings(new, targets or old is None or old.document.method != new.document.method)
 
     def _show_readings(self, state: State, asked_anew: bool) -> None:

@@ -31,7 +31,7 @@ class Hint(QLabel):
 
 
 class StatusBar(QStatusBar):
-    """Hint at the left; errand, pace, size and findings of the mesh at the right.
+    """Hint at the left; job, pace, size and findings of the mesh at the right.
 
     Parameters
     ----------
@@ -51,14 +51,14 @@ class StatusBar(QStatusBar):
         self._hint = Hint()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
-        self._errand, self._pace, self._size = QLabel(), QLabel(), QLabel()
+        self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
         # It gives way: a word less of it is no loss, and the tip has it whole.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
-        for widget in (self._errand, self._cancel, self._pace, self._size, badge):
+        for widget in (self._job, self._cancel, self._pace, self._size, badge):
             self.addPermanentWidget(widget)
         # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
-        self._errand.setText(tr("Starting…"))
+        self._job.setText(tr("Starting…"))
         self._cancel.hide()
 
     def hint(self, text: str) -> None:
@@ -73,10 +73,10 @@ class StatusBar(QStatusBar):
 
     def show_session(self, session: Session) -> None:
         """Show the session's jobs and the solver's activity."""
-        errand, state = session.jobs.current, session.store.state
-        self._errand.setText(tr("{errand}…").format(errand=errand.title) if errand else "")
-        self._errand.setVisible(errand is not None)
-        self._cancel.setVisible(errand is not None and errand.can_be_cancelled)
+        job, state = session.jobs.current, session.store.state
+        self._job.setText(tr("{job}…").format(job=job.title) if job else "")
+        self._job.setVisible(job is not None)
+        self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
         iteration = state.frame.iteration if state else 0

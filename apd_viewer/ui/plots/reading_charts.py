@@ -51,7 +51,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
 
 def _accepted(document: Document) -> tuple[float | None, str]:
     """The relative error of the area that is accepted, and its name; None where the area is free."""
-    if document.kept[0] is None:
+    if document.kept_percentages[0] is None:
         return None, ""
     if document.traits.has_tolerance:
         limit = document.tolerance
@@ -118,7 +118,7 @@ def _seconds(trace: Trace) -> Axis:
 
 def _let_go(trace: Trace) -> tuple[Mark, ...]:
     """Where the hand let go, and the shape began to settle."""
-    moment, last = trace.let_go_at, float(trace["seconds"][-1])
+    moment, last = trace.released_at, float(trace["seconds"][-1])
     return (Mark(moment, tr("released")),) if moment is not None and moment < last else ()
 
 

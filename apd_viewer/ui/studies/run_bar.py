@@ -133,8 +133,8 @@ class RunBar(QWidget):
     def close_all(self) -> None:
         """End the command in progress, and delete unsaved results."""
         if self._job is not None:
-            errand, self._job = self._job, None
-            errand.join()
+            job, self._job = self._job, None
+            job.join()
         self._command.cancel()
         if self._scratch is not None:
             shutil.rmtree(self._scratch, ignore_errors=True)

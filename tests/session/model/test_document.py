@@ -124,17 +124,17 @@ def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
 
 def test_what_comes_out_is_read_only():
     said = document()
-    for each in (said, said.without_handle(0), said.without_region(0), said.moved(1, 2 * np.eye(4))):
+    for each in (said, said.without_handle(0), said.without_region(0), said.with_pose(1, 2 * np.eye(4))):
         arrays = (each.labels, each.member, each.grip, *(handle.pose for handle in each.handles))
         assert not any(array.flags.writeable for array in arrays)
         assert each.labels.dtype == each.member.dtype == np.uint8
 
 
 def test_at_rest_keeps_the_paint_and_what_is_free():
-    said = dataclasses.replace(document(), area=120.0, volume=None).moved(1, 2 * np.eye(4))
+    said = dataclasses.replace(document(), area=120.0, volume=None).with_pose(1, 2 * np.eye(4))
     rest = said.at_rest()
     assert not rest.posed
-    assert rest.targets == (100.0, None, 100.0, 100.0)
+    assert rest.percentages == (100.0, None, 100.0, 100.0)
     assert (rest.labels, rest.member, rest.grip) == (said.labels, said.member, said.mesh.V)
 
 

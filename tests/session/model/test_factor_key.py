@@ -27,7 +27,7 @@ OF_DOCUMENT = {
     "labels": lambda said: said.painted(np.flatnonzero(said.mesh.V[:, 2] == 1.0), 0),
     "grip": lambda said: replace(said, grip=frozen(said.grip + 0.25)),
     "member": lambda said: said.painted_region(np.flatnonzero(said.mesh.V[:, 2] < 5.0), 1),
-    "handles": lambda said: said.moved(0, BENT @ BENT),
+    "handles": lambda said: said.with_pose(0, BENT @ BENT),
     "regions": lambda said: said.with_region(0, NamedRegion("Waist", 90.0)),
     "method": lambda said: replace(said, method="exact" if said.method == "local" else "local"),
     "tolerance": lambda said: replace(said, tolerance=0.1),

@@ -57,7 +57,7 @@ def said():
 
 
 def test_a_drag_counts_nothing_again(said):
-    moved = said.moved(0, 2.0 * np.eye(4)).moved(0, 3.0 * np.eye(4))
+    moved = said.with_pose(0, 2.0 * np.eye(4)).with_pose(0, 3.0 * np.eye(4))
     assert moved.counts is said.counts
     assert moved.centre(0) is said.centre(0)
     assert moved.rest_areas is said.rest_areas

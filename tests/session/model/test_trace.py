@@ -33,7 +33,7 @@ def moved(k):
     """The document as it is asked for at the ``k``-th place of a handle."""
     P = np.eye(4)
     P[0, 3] = 0.01 * k
-    return REST.document.moved(0, P)
+    return REST.document.with_pose(0, P)
 
 
 def frame(iteration=1, total=1, **what):
@@ -92,15 +92,15 @@ def test_when_the_hand_let_go_is_told_from_the_beginning_of_its_own_gesture(cloc
     trace.begin(REST)
     trace.expect(REST.document, REST)
     clock.now += 2.0
-    trace.let_go()  # before the first frame has come
-    assert trace.let_go_at is None
+    trace.release()  # before the first frame has come
+    assert trace.released_at is None
     trace.add(moved(1), frame())
-    assert trace.let_go_at == 2.0
+    assert trace.released_at == 2.0
     trace.expect(moved(1), REST)
-    trace.let_go()  # of a stroke, which nothing answers
-    assert trace.let_go_at == 2.0
+    trace.release()  # of a stroke, which nothing answers
+    assert trace.released_at == 2.0
     trace.begin(REST)
-    assert trace.let_go_at is None
+    assert trace.released_at is None
 
 
 def test_ten_thousand_frames_take_no_more_memory_than_a_thousand(clock):
@@ -171,7 +171,7 @@ def test_a_drag_is_one_trace_and_the_next_one_begins_where_it_ended(session):
     drag(session, *(pose(0.1 * k) for k in range(1, 8)))
     check_leads_to_the_screen(trace, session.store.state.frame)
     assert (len(trace) > 2, trace["area"][0], trace["energy"][0]) == (True, rest.area, 0.0)
-    assert trace.let_go_at >= 7 * 0.02
+    assert trace.released_at >= 7 * 0.02
     before = session.store.state.frame
     drag(session, pose(0.9))
     check_leads_to_the_screen(trace, session.store.state.frame)
@@ -187,7 +187,7 @@ def test_undo_another_method_and_another_mesh_begin_another_trace(session):
     session.settings.set_method("arap")
     session.settle()
     assert trace["volume"][0] == before.volume
-    assert trace.let_go_at is None
+    assert trace.released_at is None
     check_leads_to_the_screen(trace, session.store.state.frame)
     session.gestures.undo()
     session.settle()

@@ -321,7 +321,7 @@ def test_to_ask_never_waits(factoring):
     document = factoring.store.state.document
     slowest = 0.0
     for k in range(200):
-        request = Request(document.moved(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
+        request = Request(document.with_pose(0, pose(0.01 * k)), 99, factoring.U, iterate=True)
         started = time.perf_counter()
         factoring._worker.ask(request)
         slowest = max(slowest, time.perf_counter() - started)

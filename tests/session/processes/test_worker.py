@@ -141,7 +141,7 @@ def test_iterations_count_on_and_only_the_last_reply_is_finished(worker):
 def test_the_same_generation_goes_on_from_where_the_worker_is(worker):
     asked = request("arap")
     last = worker.answers(asked)[-1].frame
-    near = asked.document.moved(0, pose(0.6001, (0.5, 0.0, 0.2)))
+    near = asked.document.with_pose(0, pose(0.6001, (0.5, 0.0, 0.2)))
     first = worker.answers(Request(near, 1, asked.U, iterate=True))[0].frame
     assert np.abs(first.U - last.U).max() < 1e-2
 
@@ -150,7 +150,7 @@ def test_another_generation_starts_from_the_shape_of_the_request(worker):
     """The worker that was elsewhere answers as one that never was: nothing is left of its past."""
     asked = request("arap")
     fresh = {reply.frame.iteration: reply.frame for reply in worker.answers(asked)}
-    elsewhere = asked.document.moved(0, pose(-1.0))
+    elsewhere = asked.document.with_pose(0, pose(-1.0))
     worker.answers(Request(elsewhere, 1, asked.U, iterate=True))
     again = {reply.frame.iteration: reply.frame for reply in worker.answers(replace(asked, generation=2))}
     assert max(again) == max(fresh)

@@ -220,7 +220,7 @@ def test_a_shape_that_is_gripped_where_it_is(session, bar, tmp_path):
 
 def test_a_settled_shape_that_is_not_what_it_says_is_gone_on_with(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
-    moved = state.document.moved(0, pose(0.2))
+    moved = state.document.with_pose(0, pose(0.2))
     for wrong in (
         replace(state, document=moved),
         replace(state, document=replace(state.document, area=110.0)),
@@ -240,7 +240,9 @@ def test_numbers_of_all_sizes_come_back_bit_for_bit(tmp_path):
     P = np.vstack([chance.normal(size=(3, 4)) * 10.0 ** chance.integers(-30, 9, (3, 4)), [[0, 0, 0, 1]]])
     P[0, 0], P[1, 1] = -0.0, 5e-324
     U = frozen(document.mesh.V + chance.normal(size=document.mesh.V.shape) * 1e-9)
-    document = replace(document.moved(0, P), grip=frozen(U + 1e-17), tolerance=0.1 + 0.2, stiffness=1e-7 / 3)
+    document = replace(
+        document.with_pose(0, P), grip=frozen(U + 1e-17), tolerance=0.1 + 0.2, stiffness=1e-7 / 3
+    )
     state = replace(state, document=document, frame=replace(state.frame, U=U, handle_drift=1 / 3))
     save_session(tmp_path / "a.apd", state, VIEW)
     found, _ = open_session(tmp_path / "a.apd")

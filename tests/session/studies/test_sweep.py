@@ -30,7 +30,7 @@ def held_at(document, step):
 
 
 def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
-    swept = list(sweep_of(bar.moved(0, BENT), 4, methods=["arap", "exact"]).steps())
+    swept = list(sweep_of(bar.with_pose(0, BENT), 4, methods=["arap", "exact"]).steps())
     assert [(step.method, step.part) for step in swept] == [
         (method, part) for method in ("arap", "exact") for part in (0.0, 0.25, 0.5, 0.75, 1.0)
     ]
@@ -45,7 +45,7 @@ def test_each_step_holds_the_handle_at_its_part_of_the_motion(bar):
 
 
 def test_the_readings_are_those_of_the_shapes(bar):
-    for step in sweep_of(bar.moved(0, BENT), 3, methods=["arap", "paper"]).steps():
+    for step in sweep_of(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]).steps():
         shape = trimesh.Trimesh(step.frame.U, bar.mesh.F, process=False)
         assert shape.area == pytest.approx(step.frame.area, rel=1e-12)
         assert shape.volume == pytest.approx(step.frame.volume, rel=1e-12)
@@ -53,7 +53,7 @@ def test_the_readings_are_those_of_the_shapes(bar):
 
 
 def test_each_method_does_what_it_is_for(bar):
-    swept = list(sweep_of(bar.moved(0, BENT), 4).steps())
+    swept = list(sweep_of(bar.with_pose(0, BENT), 4).steps())
     error = {
         m: max(abs(s.frame.area_error) for s in swept if s.method == m) for m in ("arap", "paper", "exact")
     }
@@ -67,9 +67,9 @@ def test_each_method_does_what_it_is_for(bar):
 
 def test_a_step_ends_where_it_would_end_from_rest(bar):
     """In so mild a motion there is one shape of least energy, whichever way leads to it."""
-    held = bar.moved(0, BENT).constraints()
+    held = bar.with_pose(0, BENT).constraints()
     direct = deform(bar.mesh.V, bar.mesh.F, held.fixed, held.targets, "arap", handle=held.handles)
-    *_, last = sweep_of(bar.moved(0, BENT), 5, methods=["arap"], iterations=5000).steps()
+    *_, last = sweep_of(bar.with_pose(0, BENT), 5, methods=["arap"], iterations=5000).steps()
     assert last.energy == pytest.approx(direct.energy, rel=1e-4)
 
 
@@ -89,18 +89,22 @@ def test_what_tells_the_steps_apart(bar):
         (shifted([1, 0, 0]) @ BENT, "part"),
         (scaled_about([1, 1, 6], 1.2), "part"),
     ):
-        assert sweep_of(bar.moved(0, pose), 2).abscissa == kind
+        assert sweep_of(bar.with_pose(0, pose), 2).abscissa == kind
 
 
 def test_no_step_takes_more_iterations_than_it_may(bar):
-    swept = list(sweep_of(bar.moved(0, BENT), 3, methods=["exact"], iterations=2).steps())
+    swept = list(sweep_of(bar.with_pose(0, BENT), 3, methods=["exact"], iterations=2).steps())
     assert all(step.frame.iteration <= 2 for step in swept)
     assert not swept[-1].frame.settled
 
 
 def test_ticks_never_go_back_and_can_end_it(bar):
     ticks = []
-    list(sweep_of(bar.moved(0, BENT), 3, methods=["arap", "paper"]).steps(lambda done, _: ticks.append(done)))
+    list(
+        sweep_of(bar.with_pose(0, BENT), 3, methods=["arap", "paper"]).steps(
+            lambda done, _: ticks.append(done)
+        )
+    )
     assert ticks == sorted(ticks)
     assert 0.5 < ticks[-1] <= 1
 
@@ -108,19 +112,22 @@ def test_ticks_never_go_back_and_can_end_it(bar):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        next(sweep_of(bar.moved(0, BENT), 3).steps(stop))
+        next(sweep_of(bar.with_pose(0, BENT), 3).steps(stop))
 
 
 WRONG = {
     "no motion": (lambda bar: sweep_of(bar, 3), "No handle has moved"),
-    "no steps": (lambda bar: sweep_of(bar.moved(0, BENT), 0), "1 to 1000 steps"),
-    "no end": (lambda bar: sweep_of(bar.moved(0, BENT), 3, 0.0), "above 0"),
-    "an end without a number": (lambda bar: sweep_of(bar.moved(0, BENT), 3, float("nan")), "above 0"),
-    "no method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=[]), "at least one"),
-    "a method twice": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["arap"] * 2), "once"),
-    "an unknown method": (lambda bar: sweep_of(bar.moved(0, BENT), 3, methods=["fast"]), "no method fast"),
+    "no steps": (lambda bar: sweep_of(bar.with_pose(0, BENT), 0), "1 to 1000 steps"),
+    "no end": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, 0.0), "above 0"),
+    "an end without a number": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, float("nan")), "above 0"),
+    "no method": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=[]), "at least one"),
+    "a method twice": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=["arap"] * 2), "once"),
+    "an unknown method": (
+        lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=["fast"]),
+        "no method fast",
+    ),
     "half turn": (
-        lambda bar: sweep_of(bar.moved(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
+        lambda bar: sweep_of(bar.with_pose(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),
         "twist of 180deg",
     ),
     "two twists": (lambda bar: sweep_of(bar, 3, twists=[1.0, 1.0]), "1 handles? but 2 twists"),
