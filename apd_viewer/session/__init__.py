@@ -1,1 +1,1 @@
-"""Room 3: what the user has said, and the worker that answers. Threads; no Qt."""
+"""The session: document, history, files and the solver behind them; no Qt."""

@@ -1,4 +1,4 @@
-"""Keeps every finished step in a file, for the case that the program is killed."""
+"""Autosave of every finished step, for recovery after a crash."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MOMENT = 0.25  # s
 
 
 class Autosave:
-    """Hands on every finished step, and once more the shape that has settled after it; at first it is off.
+    """Saves each finished step, and later its settled shape; off without a folder.
 
     Parameters
     ----------
@@ -50,18 +50,18 @@ class Autosave:
         self._frame: Frame | None = None
 
     def keep_in(self, folder: Path, view: Callable[[], View] = View) -> None:
-        """From now on keep what is done in a file in ``folder``; ``view()`` is how it is looked at."""
+        """Start saving to a file in ``folder``; ``view()`` gives the current view."""
         self._view = view
         self._writer = AutosaveWriter(folder, self._listener.wake)
 
     def restore(self, left: Leftover) -> None:
-        """Open what a program has left that was killed, in the background; it counts as unsaved."""
+        """Open the leftover of a killed program, in the background; it counts as unsaved."""
         if left not in self._restored:
             self._restored.append(left)
         self._files.open_with(left.name, left.read, written=False)
 
     def follow(self) -> None:
-        """Look whether there is anything new to keep."""
+        """Save the state if it is new."""
         state = self._store.state
         if self._writer is None or state is None or self._gestures.before is not None:
             return
@@ -75,7 +75,7 @@ class Autosave:
             self._writer.put(Copy(state, self._view(), shown), _MOMENT if is_step else 0.0)
 
     def receive(self) -> None:
-        """Tell what the thread could not do."""
+        """Report failures of the writing thread."""
         if self._writer is not None and (failure := self._writer.take_failure()):
             self._listener.told(failure)
 
@@ -87,7 +87,7 @@ class Autosave:
         return state.document is not self._document or (settled and state.frame is not self._frame)
 
     def close(self) -> None:
-        """Remove the file, and what was restored: this is no crash."""
+        """Remove the file and the restored leftovers: this is no crash."""
         if self._writer is not None:
             self._writer.close()
         for left in self._restored:

@@ -52,7 +52,7 @@ class Files:
         self._written: list[np.ndarray] = []
 
     def open(self, path: str | Path) -> None:
-        """Open a mesh or a session, in the background; what is open stays until the new one is there."""
+        """Open a mesh or a session, in the background; the old one stays until then."""
         path = Path(path)
         saved = path.suffix.lower() == SUFFIX
         self.open_with(path.name, lambda: open_session(path) if saved else opened(open_mesh(path)))
@@ -62,13 +62,13 @@ class Files:
         self.open_with(SAMPLES[name], lambda: opened(*open_sample(name)))
 
     def open_mesh(self, mesh: Mesh) -> None:
-        """Open a mesh that is in memory already."""
+        """Open a mesh from memory."""
         self.open_with(mesh.name, lambda: opened(mesh))
 
     def open_with(
         self, name: str, work: Callable[[], State | tuple[State, View]], written: bool = True
     ) -> None:
-        """Open the result of ``work()``, in the background; ``written``: its shape is in a file."""
+        """Open the result of ``work()``, in the background; ``written``: it is in a file."""
         title = tr("Opening {name}").format(name=name)
         self._jobs.run(title, work, lambda found: self._opened(found, name, written))
 
@@ -97,7 +97,7 @@ class Files:
         self._write(tr("Writing {name}").format(name=path.name), write, state)
 
     def save(self, path: str | Path, view: View, embed: bool = False) -> None:
-        """Save what was said and the shape as a session, in the background; no gesture that is under way."""
+        """Save a session, in the background, without the gesture under way."""
         path, state = Path(path), self._gestures.before or self._store.required()
 
         def write() -> str:
@@ -106,7 +106,7 @@ class Files:
         self._write(tr("Saving {name}").format(name=path.name), write, state)
 
     def load_selection(self, path: str | Path) -> None:
-        """Paint the mesh as a file says, in the background; what was painted gives way."""
+        """Replace the paint by a selection file, in the background."""
         path, mesh = Path(path), self._store.required().document.mesh
 
         def loaded(selection: Selection) -> None:
@@ -121,7 +121,7 @@ class Files:
         )
 
     def save_selection(self, path: str | Path) -> None:
-        """Write what is painted, in the background."""
+        """Write the paint to a selection file, in the background."""
         path, document = Path(path), self._store.required().document
 
         def work() -> str:
@@ -132,7 +132,7 @@ class Files:
         )
 
     def _write(self, title: str, work: Callable[[], str], state: State) -> None:
-        """Do the ``work``, which says what it has done, and remember that the shape is in a file."""
+        """Write in the background; the sentence from ``work()`` is told at the end."""
 
         def written(said: str) -> None:
             self._written.append(state.frame.U)
@@ -142,5 +142,5 @@ class Files:
 
     @property
     def unsaved(self) -> list[Mesh]:
-        """The meshes, on screen or a few undos away, whose latest shape is in no file."""
+        """Meshes, on screen or in the history, with their latest shape in no file."""
         return self._gestures.history.unsaved(self._store.state, self._written)

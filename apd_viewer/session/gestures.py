@@ -1,4 +1,4 @@
-"""What of the user's doings is one step of undo: a stroke, a drag, the sweep of a slider."""
+"""Gestures, each one step of undo: a stroke, a drag, the sweep of a slider."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class Gestures:
         self.history = History()
 
     def begin(self) -> None:
-        """Start what will be one step of undo."""
+        """Begin one step of undo."""
         self.before = self._store.required()
         self._store.begin_trace()
 
     def end(self, name: str) -> None:
-        """Finish it; nothing is remembered where nothing was changed."""
+        """Finish the gesture; it is recorded only if the document changed."""
         before, self.before = self.before, None
         if before is not None:
             self._store.trace.release()
@@ -54,18 +54,18 @@ class Gestures:
             self._remember(name, before)
 
     def cancel(self) -> None:
-        """Go back to where it began."""
+        """Go back to the state before the gesture."""
         if self.before is not None:
             before, self.before = self.before, None
             self._store.jump(before)
 
     def alone(self) -> State:
-        """The state, after going back to where a gesture under way began."""
+        """Cancel the gesture under way, if there is one, and return the state."""
         self.cancel()
         return self._store.required()
 
     def record(self, name: str, before: State, repeats: bool = False) -> None:
-        """Remember the state before a step that has just been made, or the first of those that repeat it."""
+        """Record the state before a step; repeated steps within a second are one."""
         now = time.monotonic()
         follows = now - self._last < _TOGETHER and self.history.next_redo is None
         if repeats and follows and self.history.next_undo == name:
@@ -81,11 +81,11 @@ class Gestures:
         self._listener.status_changed()
 
     def undo(self) -> None:
-        """Take the last step back: the very document and shape that were there before it."""
+        """Undo the last step: the same document and shape objects come back."""
         self._go(self.history.undo)
 
     def redo(self) -> None:
-        """Do again what was undone last."""
+        """Redo the step undone last."""
         self._go(self.history.redo)
 
     def travel(self, steps: int) -> None:

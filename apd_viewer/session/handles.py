@@ -35,13 +35,13 @@ class Handles:
         self._listener = listener
 
     def drag(self, pose: np.ndarray, which: int = 0) -> None:
-        """Put a handle at ``pose`` (4, 4), measured from where it was gripped, within a gesture."""
+        """Set a handle's pose (4, 4), relative to its grip, within a gesture."""
         state = self._store.required()
         if self._gestures.before is not None:  # another mesh may have ended the drag
             self._store.solve(state.document.with_pose(which, pose))
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
-        """Put a handle at ``pose`` (4, 4) at once; what ``repeats`` the step before is part of it."""
+        """Set a handle's pose (4, 4) as one step; ``repeats`` joins it to the last step."""
         state = self._gestures.alone()
         if state.document.problem:
             self._listener.failed(state.document.problem)
@@ -50,7 +50,7 @@ class Handles:
             self._store.solve(state.document.with_pose(which, pose))
 
     def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
-        """Move a handle by a typed amount; ``motion`` names a :class:`TypedMotion`. Raises InputError.
+        """Move a handle by a typed amount along a :class:`TypedMotion`; raises InputError.
 
         ``line`` (2, 3) is the axis of a bend about a line.
         """
@@ -59,7 +59,7 @@ class Handles:
         self.pose(pose_after(state.document, which, kind, amount, line), which, MOTIONS[kind])
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
-        """Have a handle turn about a ``point`` (3,) of where it is now; None is its centre."""
+        """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""
         state = self._gestures.alone()
         handle = state.document.handles[which]
         if point is not None:
@@ -70,5 +70,5 @@ class Handles:
         self._store.set_document(state.document.with_handle(which, replace(handle, pivot=point)))
 
     def reset(self, which: int) -> None:
-        """Put one handle back where it was gripped; the mesh follows."""
+        """Reset one handle to its grip; the mesh follows."""
         self.pose(IDENTITY, which, tr("Reset handle"))

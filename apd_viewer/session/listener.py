@@ -1,4 +1,4 @@
-"""The callbacks of a session, and the parts of it that follow every change."""
+"""The callbacks of a session, and followers of every change within it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.session.model.view import View
 
 @dataclass(frozen=True)
 class Listener:
-    """Whom a session tells what happens. ``wake`` is called on other threads, the rest on the owner's.
+    """Callbacks of a session: ``wake`` on other threads, the rest on the owner's.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class Listener:
     changed : callable
         ``changed(old, new)``: the state was replaced; old is None the first time.
     status_changed : callable
-        Activity, errand or history may differ.
+        Activity, job or history may differ.
     told : callable
         ``told(sentence)``: something the user should read.
     failed : callable
@@ -41,7 +41,7 @@ class Listener:
 
 
 def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:
-    """The listener, with each follower called after it hears of another state or status."""
+    """The listener, with each follower called after a change of state or status."""
 
     def changed(old: State | None, new: State) -> None:
         listener.changed(old, new)

@@ -1,4 +1,4 @@
-"""Painting the base, the handles and the regions: strokes, and parts replaced as a whole."""
+"""Painting of base, handles and regions: strokes, and parts replaced as a whole."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Painting:
-    """Changes which vertices belong to which part.
+    """Assigns vertices to the base, the handles and the regions.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Painting:
             self._store.set_document(state.document.painted(ids, label))
 
     def paint_region(self, ids: np.ndarray, number: int) -> None:
-        """Put the vertices ``ids`` in region ``number``, from 1, within the current gesture; 0 erases.
+        """Put the vertices ``ids`` in region ``number`` (from 1; 0 erases), in a gesture.
 
         One number past the last makes a region: the first stroke needs none to be there.
         """
@@ -48,7 +48,7 @@ class Painting:
             (self._store.solve if document.asks_of_regions else self._store.set_document)(document)
 
     def end_stroke(self, gesture: str) -> None:
-        """Finish painting; under new labels, base and handles are gripped where they are now."""
+        """Finish painting; relabelled base and handles are gripped at the current shape."""
         before, document = self._gestures.before, self._store.required().document
         if before is not None and document.equals(before.document):
             # Replacing a part by itself clears it first; there is nothing to undo.
@@ -59,7 +59,7 @@ class Painting:
             self._store.regrip(before.document, document)
 
     def set_part(self, part: Part, wanted: np.ndarray, gesture: str) -> None:
-        """Have the ``wanted`` vertices, (n,) bool, and no others, in a part: a step of undo."""
+        """Set the members of a part, (n,) bool, as one step of undo."""
         document = part.become(self._gestures.alone().document, wanted)
         self._gestures.begin()
         asks = part.is_region and document.asks_of_regions

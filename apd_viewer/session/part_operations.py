@@ -1,4 +1,4 @@
-"""Changing a painted part as a whole: larger, smaller, smoother, inverted, mirrored."""
+"""Operations on a painted part: grow, shrink, smooth, invert, mirror."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _OPERATIONS: dict[PartOperation, Reshape] = {
 
 
 def reshaped(state: State, part: Part, operation: PartOperation) -> np.ndarray:
-    """The vertices that should be in the part after a change, (n,) bool; it takes none from other parts."""
+    """Members of a part after a change, (n,) bool; none are taken from other parts."""
     document, skin = state.document, state.skin
     member = part.of(document)
     wanted = _OPERATIONS[operation](state, member)

@@ -1,4 +1,4 @@
-"""The handles and the regions: one more, one fewer, another name; each is a step of undo."""
+"""Adding, removing and renaming handles and regions; each is a step of undo."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Parts:
-    """The verbs that change which parts there are.
+    """Adds, removes and renames handles and regions.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Parts:
         self._listener = listener
 
     def add_handle(self) -> int:
-        """One more handle, not painted yet; its number, or that of the last where there can be no more."""
+        """Add a handle without vertices; returns its number, or the last at the limit."""
         state = self._gestures.alone()
         handles = state.document.handles
         if len(handles) >= MOST_HANDLES:
@@ -47,13 +47,13 @@ class Parts:
         return len(handles)
 
     def remove_handle(self, k: int) -> None:
-        """Remove handle ``k``: what it held is free, and the others are gripped where they are now."""
+        """Remove handle ``k`` and free its vertices; the others are gripped anew."""
         state = self._gestures.alone()
         self._gestures.record(tr("Remove handle"), state)
         self._store.regrip(state.document, state.document.without_handle(k))
 
     def rename_handle(self, k: int, name: str) -> None:
-        """Give handle ``k`` a name of its own."""
+        """Rename handle ``k``; a name in use gets a number."""
         handles = self._store.required().document.handles
         name = new_name(name, handles[k].name, [handle.name for handle in handles])
         if name != handles[k].name:
@@ -63,7 +63,7 @@ class Parts:
             self._store.set_document(state.document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
-        """One more region, without a vertex; its number, or that of the last where there can be no more."""
+        """Add a region without vertices; returns its number, or the last at the limit."""
         state = self._gestures.alone()
         regions = state.document.regions
         if len(regions) >= MOST_REGIONS:
@@ -76,14 +76,14 @@ class Parts:
         return len(regions)
 
     def remove_region(self, k: int) -> None:
-        """Remove region ``k``, and what is asked of its area."""
+        """Remove region ``k`` with its target."""
         state = self._gestures.alone()
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
         (self._store.solve if asked else self._store.set_document)(state.document.without_region(k))
 
     def rename_region(self, k: int, name: str) -> None:
-        """Give region ``k`` a name of its own."""
+        """Rename region ``k``; a name in use gets a number."""
         regions = self._store.required().document.regions
         name = new_name(name, regions[k].name, [region.name for region in regions])
         if name != regions[k].name:

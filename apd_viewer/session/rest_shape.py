@@ -34,7 +34,7 @@ class RestShape:
         self._listener = listener
 
     def restore(self) -> None:
-        """Put the handles back and the mesh in its rest shape, asked for 100 % of all; the paint stays."""
+        """Reset handles, shape and percentages to those at rest; the paint stays."""
         state = self._gestures.alone()
         if not state.is_at_rest:
             self._gestures.record(tr("Reset all handles"), state)
@@ -42,7 +42,7 @@ class RestShape:
             self._store.jump(state.at(state.document.at_rest(), rest))
 
     def bake(self) -> None:
-        """Make the shape on screen the rest shape, in the background: its area is 100 % from then on."""
+        """Make the shape on screen the rest shape, in the background."""
         shown = self._gestures.alone()
 
         def done(at_rest: State) -> None:

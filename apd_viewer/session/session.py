@@ -1,4 +1,4 @@
-"""A session: one open mesh with its parts, and the workers behind it. Knows no window.
+"""A session: one open mesh and the workers behind it, without a window.
 
 All methods, of the parts too, are called on one thread.
 """
@@ -68,14 +68,14 @@ class Session:
         followers += [self.shape_checks.follow, self.autosave.follow]
 
     def receive(self) -> None:
-        """Take in the results of the worker and of the background jobs; call it when woken."""
+        """Receive results of the worker and of background jobs; call it when woken."""
         self.jobs.receive()
         self.store.receive()
         self.autosave.receive()
         self.shape_checks.receive()
 
     def wait_idle(self, timeout: float) -> bool:
-        """Receive until nothing is under way any more; False if that took longer than ``timeout`` seconds."""
+        """Receive until all is idle; False after ``timeout`` seconds."""
         until = time.monotonic() + timeout
         while time.monotonic() < until:
             self.receive()
@@ -85,7 +85,7 @@ class Session:
         return False
 
     def close(self) -> None:
-        """Stop the worker; a file that is being written is finished first."""
+        """Stop the worker; a file being written is finished first."""
         self.jobs.close()
         self.autosave.close()
         self.shape_checks.close()

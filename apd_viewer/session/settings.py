@@ -1,4 +1,4 @@
-"""What is asked of the shape, and how: each change is a step of undo, or part of a gesture under way."""
+"""Targets and solver settings; each change is a step of undo or part of a gesture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Settings:
-    """The verbs that change a setting of the document.
+    """Changes the settings of the document.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Settings:
         self._set(tr("Change stiffness"), **{name: x for name, x in given.items() if x is not None})
 
     def set_falloff(self, k: int, falloff: float) -> None:
-        """Have handle ``k`` draw along what lies so near it along the surface, mesh units; 0 is nothing."""
+        """Set the falloff of handle ``k``, a distance along the surface; 0 is none."""
         document = self._store.required().document
         handle = document.handles[k]
         if falloff != handle.falloff:
@@ -72,7 +72,7 @@ class Settings:
             self._set(tr("Change falloff"), handles=handles)
 
     def set_region_area(self, k: int, percent: float | None) -> None:
-        """Ask for an area of region ``k``, in percent of its area at rest; None only measures it."""
+        """Set the target area of region ``k``, percent of rest; None only measures it."""
         document = self._store.required().document
         region = document.regions[k]
         if percent != region.area:

@@ -1,4 +1,4 @@
-"""Has every shape that has come to rest examined, and knows what was found of the one on screen."""
+"""Self-intersection and size checks of every shape at rest."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class ShapeChecks:
-    """Follows the store, and tells the listener when more or less is known.
+    """Checks the shape on screen once it rests, and tells the listener of the result.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ class ShapeChecks:
 
     @property
     def under_way(self) -> bool:
-        """Whether the shape on screen is at rest, and will be known."""
+        """True while the shape on screen is being checked."""
         return self._wanted is not None
 
     def follow(self) -> None:
-        """Look whether there is another shape on screen, and whether it rests."""
+        """Start a check if another shape rests on screen; stop one if it moves."""
         state = self._store.state
         if state is None:
             return
@@ -67,7 +67,7 @@ class ShapeChecks:
             self._listener.examined()
 
     def receive(self) -> None:
-        """Take in what was found."""
+        """Receive the result of a check."""
         answer = self._examiner.take()
         if answer is None or self._mesh is None:
             return
@@ -81,17 +81,17 @@ class ShapeChecks:
         self._listener.examined()
 
     def close(self) -> None:
-        """End what is under way."""
+        """Stop the check under way."""
         self._examiner.close()
 
     def _known(self, U: np.ndarray) -> Examination | None:
-        """What was found of the shape ``U`` (n, 3), if that was the mesh at rest or the last one."""
+        """Result for ``U`` (n, 3), if it is at rest or was checked last."""
         if self._mesh is not None and U is self._mesh.V:
             return self.at_rest
         return self._last[1] if self._last is not None and U is self._last[0] else None
 
     def _ask(self, U: np.ndarray | None) -> None:
-        """Have ``U`` (n, 3) examined, or nothing; before the first one the mesh at rest, to compare with."""
+        """Check ``U`` (n, 3), or nothing; the mesh at rest comes first, for comparison."""
         self._wanted = U
         if U is None or self._mesh is None:
             self._examiner.forget()

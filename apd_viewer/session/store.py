@@ -1,4 +1,4 @@
-"""What is on screen: the state, and the worker that brings its shape to what is asked.
+"""The state on screen, and the solver's work on its shape.
 
 All methods are called on the owner's thread. Whatever happens ends in one replacement of the state, which
 tells the one listener what was and what is; it compares by identity and shows what differs.
@@ -18,7 +18,7 @@ from apd_viewer.session.quantities.units import Unit
 
 
 class Activity(Enum):
-    """What the worker is doing about the shape on screen."""
+    """State of the solver's work on the shape on screen."""
 
     IDLE = "idle"
     REFINING = "refining"
@@ -27,7 +27,7 @@ class Activity(Enum):
 
 
 class Store:
-    """The state that is shown, and what the worker is doing about it.
+    """The state on screen, and the activity of the solver.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Store:
 
     @property
     def preparing(self) -> bool:
-        """Whether the worker has yet to make ready what it was asked for; a large mesh takes seconds."""
+        """True until the solver has factored for the document; seconds on a large mesh."""
         if self._asked is None or self.activity is not Activity.REFINING:
             return False
         return not alike(factored_for(self._asked), self._factored)
@@ -89,26 +89,26 @@ class Store:
         self._ask_and_show(state, iterate=not state.frame.settled)
 
     def set_document(self, document: Document) -> None:
-        """Replace the document by one that has the same shape."""
+        """Replace the document by one with the same shape."""
         self.show(self.required().at(document))
 
     def solve(self, document: Document) -> None:
-        """Replace the document and have the solver answer, unless all is at rest and no target is unmet."""
+        """Replace the document and ask the solver, unless all is at rest."""
         state = self.required().at(document)
         at_rest = state.frame.U is document.mesh.V and not document.posed and not state.lacks
         iterate = self.activity is Activity.REFINING or not at_rest
         self._ask_and_show(state.unsettled() if iterate else state, iterate)
 
     def revert(self, document: Document) -> None:
-        """Go back to a document; the solver needs to hear of it unless it was asked for that one last."""
+        """Go back to a document; the solver is asked unless it was its last request."""
         (self.set_document if document is self._asked else self.solve)(document)
 
     def begin_trace(self) -> None:
-        """Whatever else is asked from now on begins another trace, which leads from here."""
+        """Begin another trace from here with the next change of the document."""
         self.trace.expect(self._asked, self.required())
 
     def regrip(self, before: Document, document: Document) -> None:
-        """Go from one document to another, with base and handles gripped where they are on screen."""
+        """Replace the document, with base and handles gripped at the shape on screen."""
         state = self.required()
         state = state.at(document.regripped(state.frame.U))
         lacks = state.lacks
@@ -121,7 +121,7 @@ class Store:
         self.jump(replace(state, frame=frame))
 
     def receive(self) -> None:
-        """Take in what the worker has left."""
+        """Receive the newest reply of the worker."""
         reply = self._worker.take()
         if reply is not None and reply.news:
             self._factored = ()
@@ -150,7 +150,7 @@ class Store:
         self._listener.status_changed()
 
     def _showing(self, reply: Reply) -> State:
-        """The state with the frame of a reply, whose regions were measured unless they were others."""
+        """The state with the frame of a reply; changed regions are measured anew."""
         state, asked = self.required(), reply.document
         if state.document.member is asked.member and state.document.regions is asked.regions:
             assert reply.frame is not None

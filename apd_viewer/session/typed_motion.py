@@ -1,4 +1,4 @@
-"""Motions of a handle that are typed or nudged: along an axis, about its centre, a twist, a bend."""
+"""Typed motions of a handle: along an axis, about its centre, a twist, a bend."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
 def names_of(state: State) -> dict[str, float]:
-    """Lengths of the mesh by name: its sides X, Y, Z at rest, the longest L, the diagonal D."""
+    """Lengths of the mesh at rest by name: sides X, Y, Z, longest L, diagonal D."""
     size = state.inspection.size
     sides = dict(zip("XYZ", map(float, size), strict=True))
     return {**sides, "L": float(max(size)), "D": float(np.linalg.norm(size))}
 
 
 def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float:
-    """The length, the angle in radians or the factor that was typed; raises InputError with a sentence."""
+    """Typed length, angle in radians or factor; raises InputError with a sentence."""
     names = names_of(state)
     if motion.name.startswith("MOVE"):
         return length(text, unit, names)
@@ -72,7 +72,7 @@ def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float
 def pose_after(
     document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> np.ndarray:
-    """The pose (4, 4) of handle ``k`` after a motion by so much; raises InputError where it cannot be.
+    """Pose (4, 4) of handle ``k`` after a motion; raises InputError if impossible.
 
     ``line`` (2, 3) is what BEND_LINE bends about: from its first point to its second.
     """
@@ -107,7 +107,7 @@ def _about_line(line: np.ndarray | None, angle: float) -> np.ndarray:
 
 
 def _centre(document: Document, k: int) -> np.ndarray:
-    """Where the middle of what a handle holds is now, (3,)."""
+    """Current centre of a handle, (3,)."""
     gripped = document.centre(k)
     assert gripped is not None
     place: np.ndarray = transform(document.handles[k].pose, gripped[None])[0]

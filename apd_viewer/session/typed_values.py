@@ -1,4 +1,4 @@
-"""Vertices, lengths and points typed by the user, read against the mesh that is open."""
+"""Vertices, lengths and points typed by the user, evaluated on the open mesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Vertices and points by what a user types: their ids, or where they are."""
+"""Parsing of vertex selections by ids or conditions, and of points."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _HOW = tr("enter IDs such as 3, 10-20, or conditions such as y > 0.5Y and x < 0"
 
 
 def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
-    """The vertices that a text names, ascending ids.
+    """Vertices selected by a text, ascending ids.
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
     shape on screen, joined by "and" and "or"; lengths may be expressions with the names of
@@ -68,7 +68,7 @@ def _by_ids(text: str, n: int) -> np.ndarray:
 
 
 def _where(condition: str, state: State, unit: Unit) -> np.ndarray:
-    """Where a comparison holds, such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
+    """Mask of a comparison such as ``y > 3`` or ``-1 < x < 1``, (n,) bool."""
     signs, sides = _COMPARED.findall(condition), _COMPARED.split(condition)
     if not signs:
         raise InputError(tr("“{text}” is not a condition; {how}.").format(text=condition.strip(), how=_HOW))
@@ -91,7 +91,7 @@ def _side(text: str, state: State, unit: Unit) -> np.ndarray | float:
 
 
 def place(text: str, state: State, unit: Unit) -> np.ndarray:
-    """The point (3,) whose coordinates a text gives as expressions, parted by semicolons or by commas."""
+    """Point (3,) from three expressions separated by semicolons or commas."""
     parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
     if len(parts) != 3:
         problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")

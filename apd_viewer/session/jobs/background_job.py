@@ -34,7 +34,7 @@ class Job:
         What is being done, for people: "Opening bunny.obj".
     work : callable
     done : callable
-        What the owner does with the value, on the owner's thread. Not called from here.
+        Called by the owner with the value, on the owner's thread.
     deliver : callable
     can_be_cancelled : bool
         Whether the owner may forget it: what writes is to be whole.

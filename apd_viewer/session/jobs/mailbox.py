@@ -25,7 +25,7 @@ class Mailbox(Generic[T]):
         return was_empty
 
     def offer(self, value: T) -> bool:
-        """Leave ``value`` if nothing else is there; True if so."""
+        """Put ``value`` if the mailbox is empty; True if so."""
         with self._filled:
             if self._value is not None:
                 return False
@@ -57,7 +57,7 @@ class Mailbox(Generic[T]):
         return self._value is not None or self._closed
 
     def close(self) -> None:
-        """Wake the taker for good."""
+        """Wake the taker for the last time."""
         with self._filled:
             self._closed = True
             self._filled.notify()

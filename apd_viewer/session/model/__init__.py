@@ -1,1 +1,1 @@
-"""The document, its history and what is derived from it."""
+"""The document, its history and derived values."""

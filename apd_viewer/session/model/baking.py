@@ -1,4 +1,4 @@
-"""The shape on screen taken for the one at rest: what is asked from then on is measured from there."""
+"""Baking: the shape on screen becomes the rest shape, measured as 100 %."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from apd_viewer.session.model.document import State, rest_frame
 
 
 def baked(state: State) -> State:
-    """The state at rest in the shape that it has, with its paint; raises InputError if it has no area."""
+    """The state with its shape as the rest shape; raises InputError if it has no area."""
     mesh = state.document.mesh.baked(state.frame.U)
     inspection = inspect(mesh)
     if inspection.area <= 0.0:

@@ -1,4 +1,4 @@
-"""What the user has said, and the shape that answers it: frozen values, replaced and never edited."""
+"""The document and its shape: frozen values, replaced and never edited."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from apd_viewer.session.model.names import next_name
 
 
 class Asked(NamedTuple):
-    """What is asked of areas and of the volume, as :meth:`Deformation.keep` takes it."""
+    """Targets of areas and volume, as :meth:`Deformation.keep` takes them."""
 
     area: float | None
     volume: float | None
@@ -42,7 +42,7 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """Everything that the user said, nothing derived. Compared by identity; arrays are read-only.
+    """User input only, nothing derived; compared by identity, arrays read-only.
 
     Attributes
     ----------
@@ -87,12 +87,12 @@ class Document:
 
     @property
     def traits(self) -> Method:
-        """The method by which it is deformed."""
+        """The deformation method."""
         return method_named(self.method)
 
     @property
     def problem(self) -> str | None:
-        """What must be painted before a handle can move, as a sentence; None if nothing."""
+        """Sentence about paint missing for moving a handle; None if none is."""
         return memo.problem(self.labels)
 
     @property
@@ -101,21 +101,21 @@ class Document:
         return memo.counts(self.labels)
 
     def centre(self, k: int) -> np.ndarray | None:
-        """Centre of what handle ``k`` was gripped at, (3,); None if it holds nothing."""
+        """Centre of the grip of handle ``k``, (3,); None if it holds nothing."""
         return memo.centre(self.labels, self.grip, HANDLE + k) if self.counts[HANDLE + k] else None
 
     def pivot(self, k: int) -> np.ndarray | None:
-        """What handle ``k`` turns about, where that was gripped, (3,); None if it holds nothing."""
+        """Pivot of handle ``k`` at its grip, (3,); None if it holds nothing."""
         centre, own = self.centre(k), self.handles[k].pivot
         return centre if own is None or centre is None else own
 
     def constraints(self) -> Constraints:
-        """Held vertices and where they are held; raises InputError where ``problem`` says why."""
+        """Held vertices and their targets; raises InputError with ``problem``."""
         return constraints(self.labels, self.grip, [handle.pose for handle in self.handles], self.soft)
 
     @property
     def soft(self) -> Soft:
-        """What the handles draw along, of free vertices."""
+        """Soft constraints of free vertices within the falloff of a handle."""
         falloffs = tuple(handle.falloff for handle in self.handles)
         if not any(falloffs):
             return NO_SOFT
@@ -123,7 +123,7 @@ class Document:
 
     @property
     def posed(self) -> bool:
-        """Whether a handle is to be elsewhere than where it was gripped."""
+        """True if any handle has been moved from its grip."""
         return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
 
     @property
@@ -133,7 +133,7 @@ class Document:
 
     @property
     def kept_percentages(self) -> tuple[float | None, ...]:
-        """The percentages passed to the method: a region has an area once it has a triangle."""
+        """Percentages passed to the method; None for a region without a triangle."""
         method = self.traits
         keeps_area = method.keeps_total_area or (method.may_keep_total_area and self.hold_area)
         only_area = method.keeps_only_total_area
@@ -164,17 +164,17 @@ class Document:
         return memo.rest_areas(self.mesh.V, self.mesh.F, self.member, len(self.regions))
 
     def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
-        """Area of each region at ``U`` (n, 3): of the triangles with all three corners in it."""
+        """Area of each region at ``U`` (n, 3), of the triangles with all corners in it."""
         if U is self.mesh.V or not self.regions:
             return self.rest_areas
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
 
     def painted_like(self, other: Document) -> bool:
-        """Whether both have the very same arrays of paint: labels and regions."""
+        """True if both share the same arrays of labels and regions."""
         return self.labels is other.labels and self.member is other.member
 
     def equals(self, other: Document) -> bool:
-        """Whether all fields are the same, and the paint equal."""
+        """True if all fields are the same objects, and the paint equal."""
         others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
         if any(getattr(self, name) is not getattr(other, name) for name in others):
             return False
@@ -182,7 +182,7 @@ class Document:
 
     @property
     def asks_of_regions(self) -> bool:
-        """Whether the area of any region is asked for."""
+        """True if any region has a target area."""
         return any(region.area is not None for region in self.regions)
 
     # The same document, but for one thing
@@ -200,23 +200,23 @@ class Document:
         )
 
     def regripped(self, U: np.ndarray) -> Document:
-        """The same document, with base and handles gripped where they are at ``U`` (n, 3)."""
+        """The document with base and handles gripped at ``U`` (n, 3)."""
         return replace(self, grip=U, handles=tuple(handle.gripped() for handle in self.handles))
 
     def at_rest(self) -> Document:
-        """The same document with all handles put back, and 100 % where any percentage was said."""
+        """The document with all handles reset, and every percentage at 100."""
         regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
         volume = None if self.volume is None else 100.0
         handles = tuple(replace(handle, pose=IDENTITY) for handle in self.handles)
         return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
-        """The document with the vertices ``ids``, and those at the same places, labelled."""
+        """The document with ``ids`` and their coincident vertices labelled."""
         labels = self._with(self.labels, ids, label)
         return self if labels is self.labels else replace(self, labels=labels)
 
     def painted_region(self, ids: np.ndarray, number: int) -> Document:
-        """The document with ``ids``, and those at the same places, in region ``number``; 0 is none."""
+        """The document with ``ids`` and their coincident vertices in a region; 0 is none."""
         member = self._with(self.member, ids, number)
         return self if member is self.member else replace(self, member=member)
 
@@ -230,7 +230,7 @@ class Document:
 
     @property
     def selection(self) -> Selection:
-        """What is painted, with its names."""
+        """The paint, with the names of its parts."""
         names = [handle.name for handle in self.handles], [region.name for region in self.regions]
         areas = [region.area for region in self.regions]
         return Selection.of(self.labels, self.member, *names, areas)
@@ -264,12 +264,12 @@ class Document:
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
 
     def with_next_region(self) -> Document:
-        """The same document with one more region, whose name is not in use."""
+        """The document with one more region, named anew."""
         name = next_name(tr("Region"), [region.name for region in self.regions])
         return self.with_region(len(self.regions), NamedRegion(name))
 
     def without_handle(self, k: int) -> Document:
-        """The same document without handle ``k``; what it held is free."""
+        """The document without handle ``k``; its vertices are free."""
         left = self.handles[:k] + self.handles[k + 1 :]
         labels = _without(self.labels, HANDLE + k, FREE)
         return replace(self, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
@@ -281,13 +281,13 @@ class Document:
 
 
 def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
-    """The codes with ``instead`` for the one that is gone, and those above counted one down."""
+    """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
     return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A document and the shape that belongs to it: what undo brings back.
+    """A document and its shape: the unit of undo.
 
     Attributes
     ----------
@@ -307,7 +307,7 @@ class State:
 
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
-        """The large arrays that keeping this state keeps; most are shared with other states."""
+        """Large arrays of this state; most are shared with other states."""
         document = self.document
         mesh = document.mesh
         own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
@@ -315,14 +315,14 @@ class State:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the shape is that at rest, no handle is posed and no other percentage is asked for."""
+        """True if the shape is at rest, no handle posed and every percentage 100 or none."""
         document = self.document
         asks = any(percent not in (None, 100.0) for percent in document.percentages)
         return self.frame.U is document.mesh.V and not document.posed and not asks
 
     @property
     def lacks(self) -> bool:
-        """Whether an area or a volume is asked for that the shape does not have."""
+        """True if a target of area or volume is not met."""
         document, rest, now = self.document, self.inspection, self.frame
         within = document.tolerance if document.traits.has_tolerance else MET
         at_rest = rest.area, rest.volume, *document.rest_areas
@@ -336,7 +336,7 @@ class State:
         )
 
     def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
-        """The state with another document or another frame, and the document's regions measured in it."""
+        """The state with another document or frame, and its regions measured anew."""
         before, shown = self.document, self.frame
         document, frame = document or before, frame or shown
         # A handle is moved more often than there is something new to measure.
@@ -346,7 +346,7 @@ class State:
         return State(document, self.inspection, self.skin, frame)
 
     def unsettled(self) -> State:
-        """The state with a shape that is on its way."""
+        """The state with its shape marked as unfinished."""
         return replace(self, frame=replace(self.frame, converged=False, settled=False))
 
 

@@ -1,4 +1,4 @@
-"""The declaration, field by field, of the solver's factorization depending on it or not.
+"""Declaration of the fields on which the solver's factorization depends.
 
 A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
 each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.
@@ -14,7 +14,7 @@ NOT_FACTORED = MappingProxyType({"factored": False})
 
 
 def factored_fields(kind: type) -> tuple[str, ...]:
-    """Names of the fields of a dataclass declared FACTORED; raises TypeError if one declares neither."""
+    """Names of the FACTORED fields; raises TypeError for a field without declaration."""
     undeclared = [each.name for each in fields(kind) if "factored" not in each.metadata]
     if undeclared:
         raise TypeError(f"{kind.__name__}.{undeclared[0]} is neither FACTORED nor NOT_FACTORED")

@@ -19,7 +19,7 @@ class HistoryEntry(NamedTuple):
 
 
 class History:
-    """What can be undone and redone, within a budget of memory.
+    """Undo and redo stacks within a budget of memory.
 
     Parameters
     ----------
@@ -34,36 +34,36 @@ class History:
 
     @property
     def latest(self) -> HistoryEntry | None:
-        """The gesture that undo would take back; the same one while presses of a key are joined to it."""
+        """The next gesture to undo; the same while repeated keys are joined to it."""
         return self._undo[-1] if self._undo else None
 
     @property
     def next_undo(self) -> str | None:
-        """Name of the gesture that undo would take back."""
+        """Name of the next gesture to undo."""
         return self._undo[-1].gesture if self._undo else None
 
     @property
     def next_redo(self) -> str | None:
-        """Name of the gesture that redo would do again."""
+        """Name of the next gesture to redo."""
         return self._redo[-1].gesture if self._redo else None
 
     @property
     def done(self) -> list[str]:
-        """Names of the gestures that can be undone, the oldest first."""
+        """Names of the gestures on the undo stack, oldest first."""
         return [entry.gesture for entry in self._undo]
 
     @property
     def undone(self) -> list[str]:
-        """Names of the gestures that can be done again, the next one first."""
+        """Names of the gestures on the redo stack, next first."""
         return [entry.gesture for entry in reversed(self._redo)]
 
     @property
     def past(self) -> list[State]:
-        """The states that undo leads back to, the oldest first."""
+        """States on the undo stack, oldest first."""
         return [entry.state for entry in self._undo]
 
     def unsaved(self, now: State | None, kept: Sequence[np.ndarray]) -> list[Mesh]:
-        """The meshes, ``now`` or in the past, whose latest shape is neither ``kept`` nor the one at rest."""
+        """Meshes with their latest shape neither ``kept`` nor at rest."""
         states = [*self.past, *([now] if now else [])]
         latest = {id(state.document.mesh): state for state in states}
         return [
@@ -73,7 +73,7 @@ class History:
         ]
 
     def record(self, gesture: str, before: State) -> None:
-        """Remember the state before a gesture that has just been finished."""
+        """Push the state before a finished gesture."""
         self._redo.clear()
         self._undo.append(HistoryEntry(gesture, before))
         while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
@@ -84,7 +84,7 @@ class History:
         return self._swap(self._undo, self._redo, now)
 
     def redo(self, now: State) -> State | None:
-        """The state after the gesture that was undone last; None if there is none."""
+        """The state after the gesture undone last; None if there is none."""
         return self._swap(self._redo, self._undo, now)
 
     @staticmethod
@@ -97,5 +97,5 @@ class History:
 
 
 def _bytes(entries: list[HistoryEntry]) -> int:
-    """Bytes of all the arrays that the entries keep, each counted once."""
+    """Bytes of all arrays of the entries, each counted once."""
     return sum({id(array): array.nbytes for entry in entries for array in entry.state.arrays}.values())

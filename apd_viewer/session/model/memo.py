@@ -1,4 +1,4 @@
-"""What follows from arrays that nobody writes to: found out once, and forgotten with them."""
+"""Values memoised by array identity, released with the arrays."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def once(find: Callable[..., T]) -> Callable[..., T]:
-    """Call ``find`` once for the very same arrays; documents share theirs, and come and go with every event.
+    """Memoise ``find`` by the identity of its arrays, shared between documents.
 
     What it finds is kept until one of the arrays is gone. What else is given counts by its value.
     """
@@ -51,14 +51,14 @@ def counts(labels: np.ndarray) -> np.ndarray:
 
 @once
 def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
-    """Mean of those points of ``X`` (n, 3) that have a label, (3,); there must be one."""
+    """Mean of the points of ``X`` (n, 3) with a label, (3,); there must be one."""
     # One axis at a time: ten times as fast as all at once.
     return frozen(np.array([x.mean() for x in X[labels == label].T]))
 
 
 @once
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
-    """Area of each region at rest: see :func:`apd_viewer.geometry.mesh.region_areas.region_areas`."""
+    """Area of each region at rest."""
     return tuple(region_areas(V, F, member, count).tolist())
 
 
@@ -80,7 +80,7 @@ def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
 def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
-    """How far every vertex is from those with a label, along the edges at rest, (n,)."""
+    """Distance of every vertex from a label along the edges at rest, (n,)."""
     from apd_viewer.geometry.pose.falloff import distances
 
     joined = weld.first[weld.inverse]
@@ -90,7 +90,7 @@ def _away(
 
 @once
 def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
-    """What handles with such falloffs draw along; ``F`` names every place by its first vertex."""
+    """Soft constraints of handles by their falloffs; ``F`` has welded vertices."""
     from apd_viewer.geometry.pose.falloff import softened, strengths
 
     # A falloff that is swept needs a search only where it has doubled.

@@ -1,4 +1,4 @@
-"""The parts of a document that have a name: the handles and the regions."""
+"""Named parts of a document: handles and regions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ IDENTITY = frozen(np.eye(4))
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """A part that is moved as one.
+    """A part moved rigidly as one.
 
     Attributes
     ----------
@@ -34,14 +34,14 @@ class Handle:
     falloff: float = field(default=0.0, metadata=FACTORED)
 
     def gripped(self) -> Handle:
-        """The same handle, gripped where it is now."""
+        """The handle gripped at its current pose."""
         pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
         return replace(self, pose=IDENTITY, pivot=pivot)
 
 
 @dataclass(frozen=True, eq=False)
 class NamedRegion:
-    """A part whose area is measured, and kept if that is asked for.
+    """A part with its area measured, and kept if it has a target.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Names that tell handles and regions apart."""
+"""Unique names of handles and regions."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from apd_viewer.files.selections.selection import numbered
 
 
 def next_name(kind: str, taken: Collection[str], first: int = 1) -> str:
-    """The first of "kind 1", "kind 2" and so on that is not taken."""
+    """The first free name of "kind 1", "kind 2" and so on."""
     return next(name for k in count(first) if (name := numbered(kind, k)) not in taken)
 
 
 def new_name(asked: str, present: str, taken: Collection[str]) -> str:
-    """The name to have instead of the ``present`` one: that one if blank, with a number if others have it."""
+    """New name; the ``present`` one if blank, numbered if taken."""
     asked, others = asked.strip(), set(taken) - {present}
     if asked in others:
         return next_name(asked, others, first=2)

@@ -1,4 +1,4 @@
-"""What is painted: the base, a handle or a region."""
+"""Painted parts: the base, a handle or a region."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Part(NamedTuple):
 
     @property
     def nothing(self) -> int:
-        """The code of what is not painted."""
+        """The code of unpainted vertices."""
         return 0 if self.is_region else FREE
 
     def of(self, document: Document) -> np.ndarray:
-        """Whether a vertex is in it, (n,) bool."""
+        """Membership of the vertices, (n,) bool."""
         return np.asarray(self.codes(document) == self.code)
 
     def become(self, document: Document, wanted: np.ndarray) -> Document:

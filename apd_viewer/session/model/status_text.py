@@ -1,4 +1,4 @@
-"""What is told of files that were opened and written."""
+"""Sentences about files opened and written."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
-    """What is unusual about a mesh that was opened; None if nothing is."""
+    """Sentence about the findings of an opened mesh; None if there are none."""
     if len(findings) > 1:
         n = len(findings)
         return trn(
@@ -30,33 +30,33 @@ def about_findings(findings: Sequence[Finding]) -> str | None:
 
 
 def about_export(name: str, area: float, at_rest: float, unit: Unit) -> str:
-    """What is in a mesh file that was written: the area measured on it."""
+    """Sentence about an exported mesh: the area measured on the file."""
     return tr("Exported {name}: area {area}, {percent:.3f} % of the rest area.").format(
         name=name, area=unit.area(f"{area:.6g}"), percent=100.0 * area / at_rest
     )
 
 
 def about_baking(area: float, before: float, unit: Unit) -> str:
-    """What is 100 % from now on, and what it was of the rest area before."""
+    """Sentence about a new rest area, and its share of the one before."""
     return tr("New rest shape: 100 % is now {area}, {percent} % of before. Undo to go back.").format(
         area=unit.area(f"{area:.6g}"), percent=f"{100.0 * area / before:.3f}"
     )
 
 
 def about_session(name: str, embedded: bool) -> str:
-    """What is in a session file that was written."""
+    """Sentence about a saved session."""
     said = tr("Saved {name}, including a copy of the mesh.") if embedded else tr("Saved {name}.")
     return said.format(name=name)
 
 
 def about_selection(name: str, left_out: Sequence[str]) -> str:
-    """What is in a selection file that was written."""
+    """Sentence about a saved selection."""
     said = tr("Saved {name}, without the {things}.") if left_out else tr("Saved {name}.")
     return said.format(name=name, things=tr(" and the ").join(left_out))
 
 
 def about_loaded_selection(name: str, selection: Selection) -> str:
-    """What a selection file was made for."""
+    """Sentence about a loaded selection."""
     if selection.same_mesh:
         return tr("Selection loaded from {name}.").format(name=name)
     return tr(
@@ -65,13 +65,13 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
 
 
 def about_caps(openings: int) -> str:
-    """How a surface with so many openings was closed to measure its volume."""
+    """Phrase about capped openings in a volume."""
     said = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)
     return said.format(n=openings)
 
 
 def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
-    """What there is to say of the triangles that pass through others; nothing where there are none."""
+    """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):
         return ()
     # Here, because the window shows some of these sentences before it is loaded.

@@ -1,4 +1,4 @@
-"""The readings of a shape on its way: from where a gesture began, or a step was made, to where it settles."""
+"""Measurements of a shape over time, from the start of a step until it settles."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MOST = 512
 
 @dataclass(eq=False)
 class _Start:
-    """Where a trace begins: what was asked for there, its readings, and when that was."""
+    """Start of a trace: the document asked for, its readings and its time."""
 
     asked: Document | None
     readings: list[float]
@@ -40,7 +40,7 @@ class _Start:
 
 
 class Trace:
-    """What was measured of the frames that were shown, in memory that does not grow.
+    """Time series of the frames shown, in bounded memory.
 
     A trace begins with the shape that it leads away from. Once it is full every other sample is left out, and
     from then on every other frame; the latest one is always there.
@@ -67,7 +67,7 @@ class Trace:
         return self._count
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column by its name of ``COLUMNS``, read-only; not a number where nothing is known.
+        """Column by its name in ``COLUMNS``, read-only; NaN where unknown.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
         ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.
@@ -81,25 +81,25 @@ class Trace:
 
     @property
     def released_at(self) -> float | None:
-        """When the hand let go, in seconds since the beginning; None if it did not, or there was none."""
+        """Seconds from the start to the release of the mouse; None without one."""
         moment = self._start.released
         return None if moment is None else moment - self._start.moment
 
     def begin(self, state: State) -> None:
-        """Another trace, which leads away from ``state``."""
+        """Begin another trace from ``state``."""
         self._next = self._total = None
         self._begin(_Start(state.document, _readings(state.document, state.frame), self._clock()))
 
     def expect(self, asked: Document | None, state: State) -> None:
-        """Begin another trace from ``state``, once there is a frame that answers something else than this."""
+        """Begin another trace from ``state`` with the first frame of another document."""
         self._next = _Start(asked, _readings(state.document, state.frame), self._clock())
 
     def release(self) -> None:
-        """The gesture has ended; the shape may yet have to settle."""
+        """Mark the end of the gesture; the shape may not have settled yet."""
         (self._next or self._start).released = self._clock()
 
     def add(self, document: Document, frame: Frame) -> None:
-        """A frame that answers ``document`` has come."""
+        """Append a frame of ``document``."""
         coming = self._next
         if coming is not None and document is not coming.asked:
             self._next = None

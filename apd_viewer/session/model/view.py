@@ -1,4 +1,4 @@
-"""How the user looks at a mesh: plain values, which the window fills in and follows."""
+"""The view of a mesh: plain values, without a window."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Point: TypeAlias = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Standpoint:
-    """Where the camera stands.
+    """Position and direction of the camera.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Standpoint:
 
 @dataclass(frozen=True)
 class View:
-    """What a session file says of the window.
+    """View settings of a session file.
 
     Attributes
     ----------

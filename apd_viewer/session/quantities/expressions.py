@@ -1,4 +1,4 @@
-"""What is typed as a length, an angle or a number, such as ``0.15 L``, ``60deg`` or ``2(1 + 1/3)``.
+"""Expressions for lengths, angles and numbers, such as ``0.15 L`` or ``60deg``.
 
 A bare number is in mesh units where a length is meant and in degrees where an angle is. Factors without a
 sign between them are multiplied from left to right, so that ``1/2 L`` is half of L. Only a unit belongs to
@@ -53,7 +53,7 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """A finite number with the powers of length (mesh units) and of angle (degrees) that it stands for."""
+    """A finite number with its powers of length (mesh units) and of angle (degrees)."""
 
     value: float
     length: float = 0.0
@@ -70,11 +70,11 @@ class Quantity:
 
     @property
     def kind(self) -> str:
-        """What it is, in words."""
+        """Its kind, in words."""
         return _KINDS.get(self.powers, tr("a product of lengths and angles"))
 
     def beside(self, other: Quantity) -> Quantity:
-        """Itself, as what it is next to ``other``: a bare number is of any kind."""
+        """Itself in the kind of ``other``, if it is a bare number."""
         if self.powers == _BARE:
             return replace(other, value=self.value)
         if other.powers in (_BARE, self.powers):
@@ -113,7 +113,7 @@ class Quantity:
 
 
 def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
-    """The length that ``text`` says, in mesh units.
+    """Length in mesh units from a text.
 
     Parameters
     ----------
@@ -132,12 +132,12 @@ def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
 
 
 def angle(text: str, names: Mapping[str, float]) -> float:
-    """The angle that ``text`` says, in radians; a bare number is in degrees. Otherwise as :func:`length`."""
+    """Angle in radians; a bare number is in degrees. Otherwise as :func:`length`."""
     return math.radians(_said(text, names, None, (0.0, 1.0), tr("an angle such as 30 or 30deg")))
 
 
 def number(text: str, names: Mapping[str, float]) -> float:
-    """The number that ``text`` says. Otherwise as :func:`length`."""
+    """Dimensionless number. Otherwise as :func:`length`."""
     return _said(text, names, None, _BARE, tr("a number such as 0.5"))
 
 
@@ -178,7 +178,7 @@ def _tokens(text: str) -> list[str]:
 
 
 class _Reader:
-    """Reads tokens from left to right; each method takes those that are its own."""
+    """Recursive-descent parser of the tokens."""
 
     def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
         self._left = tokens[::-1]
@@ -187,7 +187,7 @@ class _Reader:
         self._nested = 0
 
     def whole(self) -> Quantity:
-        """What all tokens say."""
+        """Value of all tokens."""
         said = self._sum()
         if self._token:
             raise self._misplaced()
@@ -342,7 +342,7 @@ def _number(token: str) -> Quantity:
 
 
 def _called(name: str, values: list[Quantity]) -> Quantity:
-    """The function of that name of the values."""
+    """Value of a named function."""
     first = values[0]
     if name in _OF_MANY:
         for value in values:
@@ -387,6 +387,6 @@ def _to_angle(name: str, value: Quantity) -> Quantity:
 
 
 def _quoted(said: str) -> str:
-    """What was typed, within a sentence: short, and with a code in place of what cannot be seen."""
+    """Typed text for a sentence: shortened, invisible characters as codes."""
     short = said if len(said) <= 20 else f"{said[:19]}…"
     return f"“{short}”" if short.isprintable() else tr("The character U+{code:04X}").format(code=ord(said[0]))

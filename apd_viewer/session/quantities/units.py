@@ -1,4 +1,4 @@
-"""The unit of length that a mesh is in, which its file does not say, and how readings are written in it."""
+"""Units of length, and measurements written in them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Unit(Enum):
         return self._written(number, -1)
 
     def litres(self, volume: float) -> float | None:
-        """A volume in cubic mesh units as litres; None where the unit is not known."""
+        """A volume in cubic mesh units as litres; None without a unit."""
         side = _DECIMETRES.get(self.value)
         return None if side is None else volume * side**3
 

@@ -1,4 +1,4 @@
-"""What a surface is made of, as it was typed, and what it weighs."""
+"""Wall thickness and density as typed, and the mass of a surface."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _HEAVIEST = 100.0  # g/cm³; osmium has 22.6
 
 
 class Wall(NamedTuple):
-    """The wall that a surface stands for.
+    """Thickness and density of a wall, as typed.
 
     The texts are kept as they were typed: 0.3mm stay 0.3 mm when the mesh is said to be in centimetres.
 
@@ -48,7 +48,7 @@ NO_WALL = Wall()
 
 
 def mass(wall: Wall, area: float, unit: Unit) -> float | None:
-    """What a wall of an ``area`` (square mesh units) weighs, in grams; None where nothing was typed.
+    """Mass of a wall of ``area`` square mesh units, grams; None if nothing was typed.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
 
 
 def density(text: str) -> float:
-    """The density that a text says, in g/cm³; raises InputError."""
+    """Density in g/cm³ from a text; raises InputError."""
     parted = _UNIT.fullmatch(text.translate(_SPELLINGS).strip())
     amount, factor = text, 1.0
     if parted is not None and parted["amount"]:

@@ -1,4 +1,4 @@
-"""A file in which the latest step is safe, written on a thread of its own: nobody waits for a slow disk.
+"""Autosave writer: the latest step in a file, written on its own thread.
 
 It is safe from the end of this program as soon as the file is in its place, and from that of the power once
 it has been flushed.
@@ -30,7 +30,7 @@ _FAILED = tr("Autosave failed ({why}); save the session regularly.")
 
 @dataclass(frozen=True, eq=False)
 class Copy:
-    """What is to be in the file, and the leftovers that are needless once it is."""
+    """Content of the file, and the leftovers it replaces."""
 
     state: State
     view: View
@@ -62,7 +62,7 @@ class AutosaveWriter:
         self._thread.start()
 
     def put(self, copy: Copy, patience: float = 0.0) -> None:
-        """Have ``copy`` in the file soon, instead of any other that still waits.
+        """Queue ``copy`` for writing, replacing any other in the queue.
 
         Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
         before took longer than that.
@@ -75,11 +75,11 @@ class AutosaveWriter:
                 self._pace = self._pace if done else patience
 
     def take_failure(self) -> str | None:
-        """The sentence that says why nothing can be written, once; None if all is well."""
+        """Sentence about a write failure, once; None if all is well."""
         return self._failures.take()
 
     def close(self) -> None:
-        """Remove the file: what is in it has been saved, or is not wanted."""
+        """Remove the file."""
         self._mailbox.close()
         self._thread.join(_PATIENCE)
 

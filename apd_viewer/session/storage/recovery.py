@@ -1,4 +1,4 @@
-"""What programs have left that were killed: found at the next start, until it is restored or discarded.
+"""Leftovers of killed programs, found at the next start.
 
 Beside every file lies another one, which is locked while the program lives that writes it, and while another
 one offers it. A process id tells nothing: it may be somebody else's by now.
@@ -29,7 +29,7 @@ _MOST_TRIES = 5
 
 
 class Leftover:
-    """A file of a program that is dead, locked here.
+    """File of a dead program, locked by this one.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Leftover:
         self._lock = lock
 
     def read(self) -> tuple[State, View]:
-        """What is in it; raises InputError if that is damaged, or its mesh is missing."""
+        """Its content; raises InputError if it is damaged or its mesh is missing."""
         try:
             found = open_session(self.path)
         except InputError as error:
@@ -78,7 +78,7 @@ class Leftover:
 
 
 def leftovers(folder: Path) -> list[Leftover]:
-    """What dead programs have left in a folder, the newest first; what is too old is removed."""
+    """Leftovers in a folder, newest first; those too old are removed."""
     try:
         stems = {path.stem for path in folder.iterdir() if _NAME.fullmatch(path.stem)}
     except OSError:
@@ -88,7 +88,7 @@ def leftovers(folder: Path) -> list[Leftover]:
 
 
 def _claimed(path: Path) -> Leftover | None:
-    """The file at ``path``, unless its owner lives, somebody else offers it, or it is none any more."""
+    """The leftover at ``path``; None if its owner lives, or it is claimed or gone."""
     try:
         lock = take(lock_path(path))
     except OSError:
@@ -106,7 +106,7 @@ def _claimed(path: Path) -> Leftover | None:
 
 
 def owned(folder: Path) -> tuple[Path, Lock]:
-    """A path in ``folder`` for this program alone, and the lock that says so; raises OSError."""
+    """A path in ``folder`` for this program alone, and its lock; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     for _ in range(_MOST_TRIES):  # a program that starts just now may look whether this one is dead
         path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
@@ -116,12 +116,12 @@ def owned(folder: Path) -> tuple[Path, Lock]:
 
 
 def lock_path(path: Path) -> Path:
-    """The file beside ``path`` whose lock says that its owner lives."""
+    """The lock file beside ``path``; locked while its owner lives."""
     return path.with_suffix(".lock")
 
 
 def remove(path: Path, lock: Lock) -> None:
-    """Remove a file, what a killed writer of it has left, and at last its lock."""
+    """Remove a file, its temporary files and last its lock."""
     for each in (path, *path.parent.glob(f".{path.name}-*")):
         with contextlib.suppress(OSError):
             each.unlink()
@@ -129,7 +129,7 @@ def remove(path: Path, lock: Lock) -> None:
 
 
 def ago(seconds: float) -> str:
-    """How long ago something was, in the words of people."""
+    """Age of a file in words."""
     days, hours, minutes = (int(max(seconds, 0.0) // size) for size in (_DAY, _HOUR, _MINUTE))
     if days:
         return trn("{n} day ago", "{n} days ago", days).format(n=days)
@@ -141,7 +141,7 @@ def ago(seconds: float) -> str:
 
 
 def _name_of_mesh(path: Path) -> str:
-    """What the file says of its mesh; raises OSError if there is no such file."""
+    """Mesh entry of a session file; raises OSError if there is no such file."""
     try:
         said = Fields.of(Archive(path.read_bytes()).content("session.json"), path.name)
         return PurePath(said.part("mesh").text("name")).name

@@ -1,4 +1,4 @@
-"""Sessions as files: all that the user has said, the shape that answers it, and how it is looked at.
+"""Session files: the document, its shape and the view.
 
 A session is an archive of ``session.json`` and arrays. A program opens every version up to its own; a newer
 one holds what it knows nothing of, and is refused.
@@ -107,7 +107,7 @@ def _program() -> str:
 
 
 def open_session(path: str | Path) -> tuple[State, View]:
-    """Open a session: the very state that was saved, and how it was looked at.
+    """Open a session: the saved state, bit for bit, and its view.
 
     The mesh is looked for where it was, then by the way that leads there from the session, then beside the
     session, then in it.
@@ -134,7 +134,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
 
 @contextmanager
 def _explained(path: Path) -> Iterator[None]:
-    """Turn what is wrong with a session into a sentence."""
+    """Turn errors of reading into an InputError with a sentence."""
     try:
         yield
     except InputError:

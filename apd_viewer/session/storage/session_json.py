@@ -1,4 +1,4 @@
-"""What a document, a frame and a view are in the JSON of a session, and what they are when read from it.
+"""Document, frame and view to and from the JSON of a session.
 
 Numbers come back bit for bit. What is read may be damaged, or written to do harm: whatever makes no sense is
 a ValueError with a phrase.
@@ -59,7 +59,7 @@ def _number(value: float | None) -> float | None:
 
 
 def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
-    """The document again, with its mesh and with its ``labels``, ``member`` and ``grip``."""
+    """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
     handles = tuple(_handle(part) for part in said.parts("handles", MOST_HANDLES))
     regions = tuple(_region(part) for part in said.parts("regions", MOST_REGIONS))
     labels, member, method = arrays["labels"], arrays["member"], said.text("method")
@@ -107,7 +107,7 @@ def _percent(said: Fields, key: str) -> float | None:
 
 
 def frame_said(frame: Frame) -> dict[str, Any]:
-    """What of a frame cannot be measured on its shape."""
+    """The fields of a frame not measured on its shape, as JSON."""
     return {
         "iteration": int(frame.iteration),
         "settled": bool(frame.settled),
@@ -141,7 +141,7 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
 
 
 def view_said(view: View) -> dict[str, Any]:
-    """How the mesh is looked at."""
+    """The view as JSON."""
     eye = view.camera
     camera = eye and {
         **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
@@ -175,7 +175,7 @@ def view_of(said: Fields) -> View:
 
 
 def _wall(said: Fields) -> Wall:
-    """What was typed; an empty field says nothing."""
+    """The wall as typed; null fields are empty."""
     typed = [said.text(name) if said.says(name) else "" for name in Wall._fields]
     if any(len(text) > MOST_CHARACTERS for text in typed):
         raise ValueError(tr("its “wall” is damaged"))

@@ -1,4 +1,4 @@
-"""The same document answered by one method after another, so that they can be compared.
+"""Comparison of methods: the same document solved by one after another.
 
 All methods begin at the rest shape, as :func:`apd_viewer.deform` does: what was done before plays no part.
 They share one process, which ends with the last of them: there may be no room for two large ones at once.
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MethodOutcome:
-    """How far a method has come.
+    """Progress of a method.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Comparison:
         self._generation = 0
 
     def want(self, methods: Sequence[str]) -> None:
-        """Have these methods solved, in this order, and no others; what is solved already stays so."""
+        """Solve these methods in this order, and no others; finished ones stay."""
         self._wanted = tuple(methods)
         if self.under_way is not None and self.under_way not in self._wanted:
             del self.outcomes[self.under_way]
@@ -84,11 +84,11 @@ class Comparison:
 
     @property
     def waiting(self) -> tuple[str, ...]:
-        """What is wanted and has not begun."""
+        """Queued methods."""
         return tuple(method for method in self._wanted if method not in self.outcomes)
 
     def receive(self) -> bool:
-        """Take in what has come; True if that was anything."""
+        """Receive results; True if there were any."""
         reply = self._worker.take() if self._worker is not None else None
         if reply is None:
             return False
@@ -105,7 +105,7 @@ class Comparison:
             self._go_on()
 
     def _go_on(self) -> None:
-        """Turn to the next method; after the last one there is no need of a process any more."""
+        """Begin the next method; after the last one, end the process."""
         if self.under_way is not None:
             return
         if not self.waiting:
@@ -120,7 +120,7 @@ class Comparison:
         self._worker.ask(Request(self._asked, self._generation, self.document.mesh.V, True, accounts=True))
 
     def stop(self) -> None:
-        """End the process; what has not finished stays as far as it has come, and what waits is not begun."""
+        """End the process; unfinished methods keep their last shape."""
         self._wanted = tuple(method for method in self._wanted if method in self.outcomes)
         self.under_way = None
         self._end()

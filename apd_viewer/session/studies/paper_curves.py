@@ -1,4 +1,4 @@
-"""What the paper's tables leave open: ARAP's loss by the angle, and where Eq. 8 puts the handle."""
+"""Curves beside the paper's tables: ARAP's loss by angle, Eq. 8's handle drift."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Loss(NamedTuple):
 
 
 class Held(NamedTuple):
-    """A handle that was asked to be somewhere, and where the paper's method leaves it.
+    """Requested and actual position of a handle under the paper's method.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Held(NamedTuple):
 
 
 def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) -> list[Loss]:
-    """How ARAP changes the area as its handle is twisted by 0 to 180 degrees, in so many steps."""
+    """ARAP's area change for twists of 0 to 180 degrees, in ``steps`` steps."""
     found = []
     held = document.constraints()
     mesh = document.mesh
@@ -78,7 +78,7 @@ def losses(document: Document, steps: int = 18, tick: Tick = lambda *_: None) ->
 
 
 def holds(document: Document, steps: int = 12, tick: Tick = lambda *_: None) -> list[Held]:
-    """Where the paper's method leaves a handle that is twisted by 0 to 180 degrees, pulled and pushed."""
+    """Handle drift of the paper's method in twists up to 180 degrees, pulls, pushes."""
     found = []
     height = float(np.linalg.norm(_line(document)))
     twist = sweep_of(document, steps, methods=["paper"], twists=[np.radians(_WIDEST)])
@@ -102,7 +102,7 @@ def _pulls(document: Document, share: float, tick: Tick) -> Iterator[Held]:
 
 
 def _line(document: Document) -> np.ndarray:
-    """From the centre of the base to that of the handle, and as long as the mesh is in that direction."""
+    """Vector from base to handle centre, as long as the mesh in this direction."""
     base, handle = (document.grip[document.labels == label].mean(axis=0) for label in (BASE, HANDLE))
     axis = (handle - base) / np.linalg.norm(handle - base)
     whole: np.ndarray = axis * np.ptp(document.mesh.V @ axis)

@@ -57,7 +57,7 @@ def replay(
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
-    """Whether the shape has settled as it says: what is held is in place, and what is asked for is met."""
+    """True if the shape is settled: held vertices in place, targets met."""
     frame, document = state.frame, state.document
     if not frame.settled or (frame.converged and state.lacks):
         return False
@@ -70,7 +70,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
 
 
 def _drift(held: Constraints, U: np.ndarray) -> float:
-    """How far the centre of a handle is from where it was put; the largest of several handles."""
+    """Distance of a handle's centre from its target; the largest of all handles."""
     places = [np.searchsorted(held.fixed, ids) for ids in held.handles]
     away = U[held.fixed] - held.targets
     return max(float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places)

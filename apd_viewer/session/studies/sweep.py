@@ -1,4 +1,4 @@
-"""A sweep: the handles' motion in steps, by several methods, each shape starting from the one before."""
+"""Sweeps: a motion in steps by several methods, each shape starting from the last."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class SweepStep(NamedTuple):
 
     @property
     def volume_error(self) -> float | None:
-        """Relative change of the volume; None where there is none."""
+        """Relative change of the volume; None without a volume."""
         if self.frame.volume is None or not self.volume_rest:
             return None
         return self.frame.volume / self.volume_rest - 1.0
@@ -70,7 +70,7 @@ class SweepStep(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """What is to be swept.
+    """Parameters of a sweep.
 
     Attributes
     ----------
@@ -93,12 +93,12 @@ class Sweep:
 
     @property
     def leading(self) -> int:
-        """The first handle that moves."""
+        """The first moving handle."""
         return next(k for k, path in enumerate(self.paths) if _moves(path))
 
     @property
     def abscissa(self) -> str:
-        """What tells the steps apart best: "degrees" of a turn, the "way" of a shift, or the "part"."""
+        """Kind of abscissa: "degrees" of a turn, the "way" of a shift, or the "part"."""
         path = self.paths[self.leading]
         if sum(map(_moves, self.paths)) > 1 or path.stretched:
             return "part"
@@ -174,7 +174,7 @@ def sweep_of(
     twists: Sequence[float] = (),
     iterations: int = DEFAULT_ITERATIONS,
 ) -> Sweep:
-    """The sweep of the motion that the handles of a document have, or of ``twists`` in its place.
+    """Sweep of the poses of a document's handles, or of ``twists`` instead.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def sweep_of(
 
 
 def twist_of(text: str) -> float:
-    """The angle, in radians, that was written for a twist; raises InputError with a sentence."""
+    """Angle of a twist in radians from a text; raises InputError with a sentence."""
     return angle(text, {})
 
 
@@ -247,7 +247,7 @@ def _twisting(document: Document, twists: Sequence[float]) -> tuple[ScrewPath | 
 
 
 def _line(document: Document, k: int, base: np.ndarray) -> np.ndarray:
-    """From the centre of the base to that of handle ``k``."""
+    """Vector from the centre of the base to that of handle ``k``."""
     centre = document.centre(k)
     if centre is None:
         raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))

@@ -141,7 +141,7 @@ def test_a_cancelled_opening_does_not_arrive_in_place_of_the_next(session, cube_
     assert len(session.U) == len(mesh.V)
 
 
-def test_a_second_errand_is_refused_and_the_first_arrives(session, cube_file, gate, tmp_path):
+def test_a_second_job_is_refused_and_the_first_arrives(session, cube_file, gate, tmp_path):
     session.files.open(cube_file)
     first = session.jobs.current
     session.files.open_mesh(bar())
@@ -333,7 +333,7 @@ def test_sessions_leave_no_thread_and_no_worker():
     assert [ref() for ref in workers if ref() is not None] == []
 
 
-def test_input_errors_of_errands_are_sentences_without_a_traceback(session, tmp_path, capfd):
+def test_input_errors_of_jobs_are_sentences_without_a_traceback(session, tmp_path, capfd):
     session.files.open(tmp_path / "none.stl")
     finish(session)
     assert capfd.readouterr().err == ""
