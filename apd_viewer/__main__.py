@@ -1,4 +1,4 @@
-"""The command line. Only ``apd-viewer [FILE]`` opens a window; the commands need no display."""
+"""Command line; only ``apd-viewer [FILE]`` opens a window and needs a display."""
 
 from __future__ import annotations
 

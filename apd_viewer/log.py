@@ -89,7 +89,7 @@ def folder() -> Path:
 
 
 def current_file() -> Path | None:
-    """File of this process's log, created by its first record; None outside of recording."""
+    """File of this process's log, created with its first record, or None."""
     return next((Path(each.baseFilename) for each in _LOGGER.handlers if isinstance(each, LogFile)), None)
 
 
@@ -126,7 +126,7 @@ def _shortened(match: re.Match[str], roots: list[str]) -> str:
 
 
 class _Redacting(logging.Formatter):
-    """Formatter that names no folder of the user."""
+    """Formatter without names of the user's folders."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Format the record, exception included."""
@@ -180,7 +180,7 @@ def _add_handlers(undo: ExitStack, file: str, level: str | None) -> None:
 
 
 def _enable_faulthandler(undo: ExitStack, file: str) -> None:
-    """Have a crash written to a file beside the log, unless whoever runs us reports crashes already."""
+    """Write crashes to a file beside the log, unless faulthandler is in use."""
     if faulthandler.is_enabled():
         return
     with suppress(OSError):
@@ -217,7 +217,7 @@ def _add_hooks(undo: ExitStack) -> None:
 
 
 def _hook(undo: ExitStack, owner: object, name: str, listener: Callable[..., None]) -> None:
-    """Call the listener before the function that the owner has by this name."""
+    """Call the listener before the owner's own hook."""
     before = getattr(owner, name)
 
     def both(*arguments: Any) -> None:

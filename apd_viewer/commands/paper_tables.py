@@ -1,4 +1,4 @@
-"""The paper's tables, re-run on the sample bottle and duck [Li & Hui, Tables 1 and 2]."""
+"""Tables 1 and 2 of Li & Hui, re-run on the sample bottle and duck."""
 
 from __future__ import annotations
 

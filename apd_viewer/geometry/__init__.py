@@ -1,4 +1,4 @@
-"""Room 1: what is true of meshes. Depends on nothing else in the package."""
+"""Meshes: operators, energies, solvers and analysis."""
 
 import os
 

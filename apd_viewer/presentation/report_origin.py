@@ -36,7 +36,7 @@ _LIBRARIES = (
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Measurements that take long.
+    """Slow measurements for a report.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Report blocks: handles, regions and what was asked for."""
+"""Report blocks: handles, regions and targets."""
 
 from __future__ import annotations
 

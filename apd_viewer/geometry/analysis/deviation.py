@@ -71,7 +71,7 @@ class Deviation:
         return found
 
     def bending(self, U: np.ndarray) -> np.ndarray:
-        """Mean curvature less that at rest, (n,), 1 / mesh units, positive if convex."""
+        """Mean curvature less that at rest, (n,), 1 / mesh units; convex positive."""
         with cores_for(len(U)):
             return self._curvature(U) - self._rest_curvature
 

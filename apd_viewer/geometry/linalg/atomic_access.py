@@ -1,4 +1,4 @@
-"""Loads and stores that order memory between processes: acquire and release."""
+"""Acquire loads and release stores of counters shared by processes."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def _store(_: Any, _address: Any, _value: Any) -> Any:
 
 @njit(cache=True)
 def load_acquire(address: int) -> int:
-    """Return the int64 at an address; nothing that follows is done before."""
+    """Load the int64 at an address before all that follows."""
     return _load(address)
 
 
 @njit(cache=True)
 def store_release(address: int, value: int) -> None:
-    """Set the int64 at an address; all that precedes is done before."""
+    """Store the int64 at an address after all that precedes."""
     _store(address, value)

@@ -26,7 +26,7 @@ _ONE_AT_A_TIME = threading.RLock()
 
 
 def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Compile a parallel kernel that one thread at a time may run.
+    """Compile a parallel kernel, run by one thread at a time.
 
     The lock costs less than a microsecond a call, of 20 that a kernel takes. Other kernels cannot call it.
 
@@ -51,7 +51,7 @@ def parallel(**options: Any) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 @contextmanager
 def cores_for(n: int) -> Iterator[None]:
-    """Run several parallel kernels on a mesh of ``n`` vertices, on as many cores as are worth waking."""
+    """Limit the parallel kernels within to the cores useful for ``n`` vertices."""
     with _ONE_AT_A_TIME:
         before = numba.get_num_threads()
         numba.set_num_threads(before if n >= _WORTH_WAKING else 1)

@@ -121,7 +121,7 @@ def constraints(
 
 
 def what_is_missing(labels: np.ndarray) -> str | None:
-    """What to paint next, as a sentence; None if handles can move."""
+    """Next thing to paint, as a sentence; None if handles can move."""
     if not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
     if not (labels >= HANDLE).any():

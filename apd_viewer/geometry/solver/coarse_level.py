@@ -74,11 +74,11 @@ class CoarseLevel:
 
     @property
     def converged(self) -> bool:
-        """Whether further iterations would show next to nothing."""
+        """True if further iterations would show next to nothing."""
         return self._solver.stuck or bool(self._solver.converged)
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
-        """Meet these goals of the fine surface from now on, as far as a coarse one can tell."""
+        """Meet these goals of the fine surface, as far as a coarse one can."""
         self._solver.keep(self._own(goals))
 
     def restart(self, U: np.ndarray) -> None:
@@ -96,7 +96,7 @@ class CoarseLevel:
         self._set_reference()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw its vertices where the ``targets`` (k + s, 3) of the fine surface say."""
+        """Hold and draw vertices at the fine surface's ``targets`` (k + s, 3)."""
         self._solver.aim(targets[self._which])
 
     def iterate(self, iterations: int) -> None:
@@ -185,7 +185,7 @@ def _difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
 @parallel()
 def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """For each row of ``near`` and ``weight`` (n, 4) the weighted mean of the quaternions ``q`` (c, 4)."""
+    """Weighted mean quaternions (n, 4) of ``q`` (c, 4) by ``near`` and ``weight``."""
     out = np.empty((len(near), 4))
     for i in prange(len(near)):
         w = x = y = z = 0.0
@@ -211,7 +211,7 @@ def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
 def _carried(
     U: np.ndarray, near: np.ndarray, weight: np.ndarray, q: np.ndarray, X: np.ndarray, D: np.ndarray
 ) -> np.ndarray:
-    """``u_i + sum_k w_ik (R_k (u_i - x_k) - (u_i - x_k) + d_k)`` for the vertices k near each, (n, 3)."""
+    """Skinned ``u_i + sum_k w_ik (R_k (u_i - x_k) - (u_i - x_k) + d_k)``, (n, 3)."""
     out = np.empty_like(U)
     for i in prange(len(U)):
         x = y = z = 0.0
@@ -228,7 +228,7 @@ def _carried(
 
 @njit(cache=True, nogil=True)
 def _gathered(b: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray, c: int) -> np.ndarray:
-    """``P^T b``, (c, 3), for ``b`` (f, 3) and the ``rows`` (f,) of the interpolation P."""
+    """``P^T b`` (c, 3) for ``b`` (f, 3) and the ``rows`` (f,) of P."""
     out = np.zeros((c, 3))
     for f in range(len(rows)):
         for k in range(near.shape[1]):

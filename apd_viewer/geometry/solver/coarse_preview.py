@@ -44,11 +44,11 @@ class Preview:
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at ``U``."""
+        """True if all goals are met at ``U``."""
         return self._projection.met
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """A smooth answer of the free vertices to forces, both (f, 3): the directions to meet goals along."""
+        """Smooth response (f, 3) to forces ``b_f`` (f, 3), for meeting goals."""
         return self._coarse.give_way(b_f)
 
     def follow(self, targets: np.ndarray) -> None:

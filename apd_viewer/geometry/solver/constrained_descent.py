@@ -87,7 +87,7 @@ class ConstrainedDescent:
 
     @property
     def ready(self) -> bool:
-        """Whether a step has nothing to wait for."""
+        """True if a step has nothing to wait for."""
         return self.elastic.factor.ready
 
     @property
@@ -97,7 +97,7 @@ class ConstrainedDescent:
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at ``U``."""
+        """True if all goals are met at ``U``."""
         return self._projection.met
 
     @property
@@ -107,11 +107,11 @@ class ConstrainedDescent:
 
     @property
     def converged(self) -> bool | None:
-        """Whether further steps would gain next to nothing; None of plain iterations."""
+        """True if further steps would gain next to nothing; None of plain iterations."""
         return None if self._plain else self._at_minimum or self.stalls(self._tolerance)
 
     def stalls(self, tolerance: float) -> bool:
-        """Whether the last steps together reduced the energy by at most this part of it."""
+        """True if the last steps reduced the energy by at most this part."""
         E = self._energies
         return len(E) > _WINDOW and E[0] - E[-1] <= tolerance * E[-1]
 
@@ -143,7 +143,7 @@ class ConstrainedDescent:
         self.restart(shapes[0])
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
+        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
         self.held = targets
         self._reset()
 
@@ -174,7 +174,7 @@ class ConstrainedDescent:
             self._energies.append(self._quasi_newton.energy)
 
     def iterate(self) -> None:
-        """Do a plain iteration: a global step, the projection onto the goals, and the local step."""
+        """Do a global step, the projection onto the goals, and the local step."""
         if self.stuck:
             return
         elastic, projection = self.elastic, self._projection

@@ -89,7 +89,7 @@ def deform(
     regions: Sequence[Region] = (),
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
-    """Deform a mesh so that the ``fixed`` vertices reach their ``targets``.
+    """Deform a mesh until the ``fixed`` vertices are at their ``targets``.
 
     Parameters
     ----------

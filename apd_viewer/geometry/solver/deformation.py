@@ -179,7 +179,7 @@ class Deformation:
 
     @property
     def tolerance(self) -> float:
-        """Relative error of the total area that "paper" accepts."""
+        """Relative error of the total area accepted by "paper"."""
         return self._tolerance
 
     @tolerance.setter
@@ -273,12 +273,12 @@ class Deformation:
 
     @property
     def ready(self) -> bool:
-        """Whether an iteration has nothing to wait for, such as a factor."""
+        """True if an iteration has nothing to wait for, such as a factor."""
         return self._solver.ready
 
     @property
     def settled(self) -> bool:
-        """Whether nothing more comes of iterating."""
+        """True if iterating further changes nothing."""
         return self._solver.stuck or (self._solver.met and self._still())
 
     def frame(self) -> Frame:

@@ -26,7 +26,7 @@ _FADED = 2.0
 
 
 class Yielding(Protocol):
-    """A surface that gives way to forces: all that a projection needs of it."""
+    """Surface deformed by forces, as seen by a projection."""
 
     @property
     def U(self) -> np.ndarray:
@@ -34,7 +34,7 @@ class Yielding(Protocol):
 
     @property
     def free(self) -> np.ndarray:
-        """Vertices that may move, (f,) int array."""
+        """Free vertices, (f,) int array."""
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response of the free vertices to the forces ``b_f``, both (f, 3)."""
@@ -70,7 +70,7 @@ class Projection:
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at the positions found or looked at last."""
+        """True if all goals are met at the last positions."""
         return self.worst <= MET
 
     @property
@@ -80,7 +80,7 @@ class Projection:
 
     @property
     def worn(self) -> bool:
-        """Whether the directions are no longer good ones."""
+        """True if the directions are outdated."""
         return _worn(self._inverse, self._inverse_at_first)
 
     def evaluate(self, U: np.ndarray) -> None:
@@ -89,7 +89,7 @@ class Projection:
         self.values = np.array([goal.value_and_gradient(U, g) for goal, g in both])
 
     def refresh(self, U: np.ndarray) -> None:
-        """The same, with the directions that are best there."""
+        """The same with directions computed there."""
         self.evaluate(U)
         free = self._elastic.free
         for y, g in zip(self._y, self.g, strict=True):
@@ -111,7 +111,7 @@ class Projection:
         return np.array(slopes).reshape(2 * (len(self.goals),))
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
-        """Lagrange multipliers (g,) that cancel ``G`` (f, 3) along the directions."""
+        """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""
         free = self._elastic.free
         along = [parallel_ops.dots(parallel_ops.taken(y, free)[None], G)[0] for y in self._y]
         if not along:
@@ -119,7 +119,7 @@ class Projection:
         return np.linalg.lstsq(self._slopes().T, np.array(along), rcond=1e-10)[0]
 
     def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The positions near ``U`` (n, 3) that meet the goals, if there are any, and how far along each way.
+        """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
         step has brought [Broyden 1965]: values cost less than gradients. Such a step leaves of a miss about
@@ -165,7 +165,7 @@ class Projection:
 
 @njit(cache=True, nogil=True)
 def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """The inverse slopes that would have asked for this ``step`` to make such a ``change``."""
+    """Broyden update of the inverse slopes by a ``step`` and its ``change``."""
     g = len(step)
     expected, pulled = np.zeros(g), np.zeros(g)
     for i in range(g):
@@ -184,7 +184,7 @@ def _learned(inverse: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.nd
 
 @njit(cache=True, nogil=True)
 def _worn(inverse: np.ndarray, at_first: np.ndarray) -> bool:
-    """Whether a goal has to go much farther along its own direction than at first."""
+    """True if a goal needs much larger steps than at first."""
     faded = False
     for i in range(len(inverse)):
         faded |= inverse[i, i] > _FADED * at_first[i, i]

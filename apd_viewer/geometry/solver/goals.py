@@ -102,7 +102,7 @@ class Goal:
 
 
 def patch_of(rest: RestMesh, region: Region) -> Patch:
-    """The triangles that belong to a region, in vertices of the solve."""
+    """Triangles of a region, in vertices of the solve."""
     if not isinstance(region, Region) or not region.name:
         raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
     vertices = whole_numbers(

@@ -1,4 +1,4 @@
-"""Protocols of the solvers, so that one can hold another."""
+"""Protocols of the solvers, for solvers composed of others."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class IterativeSolver(Protocol):
 
     @property
     def held(self) -> np.ndarray:
-        """Positions of the held vertices, then the targets of the soft ones, (k + s, 3) float array."""
+        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
 
     @property
     def values(self) -> np.ndarray:
@@ -36,7 +36,7 @@ class IterativeSolver(Protocol):
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at ``U``."""
+        """True if all goals are met at ``U``."""
 
     @property
     def energy(self) -> float | None:
@@ -44,25 +44,25 @@ class IterativeSolver(Protocol):
 
     @property
     def hides(self) -> bool:
-        """Whether ``U`` is not the shape that is iterated."""
+        """True if ``U`` is not the iterated shape."""
 
     @property
     def ready(self) -> bool:
-        """Whether a step has nothing to wait for, such as a factor."""
+        """True if a step has nothing to wait for, such as a factor."""
 
     @property
     def stuck(self) -> bool:
-        """Whether the goals have been given up; ``U`` is then the best shape found, and stays."""
+        """True once the goals are given up; ``U`` is then the best shape, for good."""
 
     @property
     def converged(self) -> bool | None:
-        """Whether further steps would gain next to nothing; None if only their lengths can tell."""
+        """True if further steps gain next to nothing; None if only lengths tell."""
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
+        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
@@ -72,10 +72,10 @@ class IterativeSolver(Protocol):
 
 
 class Level(IterativeSolver, Protocol):
-    """A solver whose shapes, down to the coarsest level, can be saved and restored."""
+    """Solver with shapes, down to the coarsest level, to save and restore."""
 
     def shapes(self) -> list[np.ndarray]:
-        """The shape that is iterated, then those of the coarser levels."""
+        """Iterated shape, then those of the coarser levels."""
 
     def restore(self, shapes: list[np.ndarray]) -> None:
         """Continue from the result of an earlier :meth:`shapes`."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class LiHui:
-    """Area-preserving deformation [Li & Hui, Area-preserving Deformation of 3D Objects].
+    """Area-preserving deformation of Li & Hui.
 
     A round is (i) ARAP iterations with the handle at h, giving a shape of area A; (ii) free
     vertices scaled about the base's centroid B_c by ``s = sqrt(A0 / A)`` (Eqs. 2 and 6), the handle
@@ -56,17 +56,17 @@ class LiHui:
 
     @property
     def ready(self) -> bool:
-        """Whether a step has nothing to wait for."""
+        """True if a step has nothing to wait for."""
         return self.elastic.factor.ready and self._blend.ready
 
     @property
     def energy(self) -> float:
-        """The energy of ``U``, which is not the shape that minimises it."""
+        """Energy of ``U``, a shape beside its minimiser."""
         return self.elastic.energy_at(self.U)
 
     @property
     def met(self) -> bool:
-        """Whether the area of ``U`` is close enough to what it should be."""
+        """True if the area of ``U`` is within the tolerance."""
         return abs(self._area.miss(float(self.values[0]))) <= self._area.tolerance * self._wanted
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
@@ -81,12 +81,12 @@ class LiHui:
         self.U = U
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the base at its ``targets``, and start the handles from their ``targets`` (k, 3)."""
+        """Hold the base at ``targets`` (k, 3), and start the handles from theirs."""
         self._h = self.held = targets
         self._iteration = 0
 
     def step(self) -> None:
-        """One ARAP iteration, corrected and blended; at the end of a round the handle may move."""
+        """Do an ARAP iteration, corrected and blended; end a round when due."""
         self.elastic.iterate(self._h)
         self._correct_and_blend()
         self._iteration += 1

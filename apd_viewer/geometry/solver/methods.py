@@ -134,7 +134,7 @@ OFFERED = ("arap", "paper", "exact", "local")
 
 
 def method_named(name: str) -> Method:
-    """Return the method of that name; raises InputError if there is none."""
+    """Method by its name; raises InputError if there is none."""
     if not isinstance(name, str) or name not in METHODS:
         raise InputError(
             tr("Unknown method {method!r}; choose one of {methods}.").format(
@@ -145,7 +145,7 @@ def method_named(name: str) -> Method:
 
 
 def check_method(name: str, handle_of: np.ndarray) -> Method:
-    """The method of that name; raises InputError if there is none, or too little is held for it."""
+    """Method by its name; raises InputError if unknown or too little is held."""
     method = method_named(name)
     if len(handle_of) == 0:
         raise InputError(tr("No vertices are held; give the vertices of the base and the handles."))
@@ -165,7 +165,7 @@ def check_tolerance(tolerance: float) -> None:
 
 
 def material_of(method: Method, stiffness: float, area_stiffness: float, shear_stiffness: float) -> Material:
-    """The weights of the energy that a method minimises; raises InputError if one is no stiffness."""
+    """Weights of the method's energy; raises InputError on invalid stiffness."""
     for weight, otherwise in (
         (stiffness, tr("The stiffness must be a number of at least 0.")),
         (area_stiffness, tr("The area stiffness must be a number of at least 0.")),

@@ -1,4 +1,4 @@
-"""Multilevel descent: coarse surfaces lead a fine one near its minimum, where it descends alone."""
+"""Multilevel descent: coarse levels lead, the fine one finishes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MOST_AHEAD = 8
 
 
 def gains_from_coarse(elastic: Elastic) -> bool:
-    """Whether a surface is fine enough to converge sooner with a coarse level than alone."""
+    """True if a surface converges sooner with a coarse level."""
     if len(elastic.free) < _ALONE:
         return False
     # Thousands of loose triangles cannot be decimated, and the held vertices may leave the coarse mesh no
@@ -37,7 +37,7 @@ def gains_from_coarse(elastic: Elastic) -> bool:
 
 
 def multilevel(elastic: Elastic, goals: tuple[Goal, ...], tolerance: float = TOLERANCE) -> Multilevel:
-    """A solver of a surface with all the coarse levels that it gains from."""
+    """Solver of a surface with all useful coarse levels."""
     return Multilevel(ConstrainedDescent(elastic, goals, tolerance), CoarseLevel(elastic, goals, _coarse))
 
 
@@ -48,7 +48,7 @@ def _coarse(elastic: Elastic, goals: tuple[Goal, ...]) -> Level:
 
 
 def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
-    """Compute the decimations that every deformation of a mesh needs, and keep them with it.
+    """Compute and keep the decimations common to all deformations of a mesh.
 
     They take longest of all that does not depend on the held vertices. With these thinnings another
     :class:`RestMesh` of the mesh need not compute them.
@@ -64,12 +64,12 @@ def make_ready(rest: RestMesh) -> tuple[Thinning, ...]:
 
 
 def _shrinks(rest: SolveMesh) -> bool:
-    """Whether decimation removes at least half of the vertices."""
+    """True if decimation removes at least half of the vertices."""
     return len(rest.thinning.vertices) < len(rest.V) / 2
 
 
 class Multilevel:
-    """Steps that follow a coarse level until that has converged, and then descend on the fine one.
+    """Steps led by a coarse level until it converges, then fine descent.
 
     Each step ends with the goals met and the held vertices in place, just as without a coarse level.
 
@@ -102,7 +102,7 @@ class Multilevel:
 
     @property
     def held(self) -> np.ndarray:
-        """Positions of the held vertices, then the targets of the soft ones, (k + s, 3) float array."""
+        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
         return self.fine.held
 
     @property
@@ -112,7 +112,7 @@ class Multilevel:
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at ``U``."""
+        """True if all goals are met at ``U``."""
         return (self._preview or self.fine).met
 
     @property
@@ -122,26 +122,26 @@ class Multilevel:
 
     @property
     def hides(self) -> bool:
-        """Whether ``U`` is not the shape that is iterated."""
+        """True if ``U`` is not the iterated shape."""
         return self._preview is not None
 
     @property
     def ready(self) -> bool:
-        """Whether a step has nothing to wait for."""
+        """True if a step has nothing to wait for."""
         return (self._previews and not self.coarse.converged) or self.fine.ready
 
     @property
     def stuck(self) -> bool:
-        """Whether the goals have been given up."""
+        """True once the goals are given up."""
         return self.fine.stuck
 
     @property
     def converged(self) -> bool | None:
-        """Whether further steps would gain next to nothing."""
+        """True if further steps would gain next to nothing."""
         return self.coarse.converged and not self._previews and self.fine.converged
 
     def stalls(self, tolerance: float) -> bool:
-        """Whether the last steps, on the fine level, reduced the energy by at most this part of it."""
+        """True if the last fine steps reduced the energy by at most this part."""
         return self.coarse.converged and self.fine.stalls(tolerance)
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
@@ -152,7 +152,7 @@ class Multilevel:
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
+        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
         self.coarse.aim(targets)
         self.fine.aim(targets)
         self._reset()
@@ -185,7 +185,7 @@ class Multilevel:
         self._previews = self.elastic.factor.elsewhere
 
     def step(self) -> None:
-        """Turn as the coarse level has turned; once that has converged, descend."""
+        """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):
             self._advance_coarse()
             self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)

@@ -22,7 +22,7 @@ _HALVINGS = 12
 
 
 class QuasiNewton:
-    """Quasi-Newton steps of an elastic surface whose goals are met.
+    """Quasi-Newton steps of an elastic surface on the goals' manifold.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class QuasiNewton:
         self.energy = elastic.energy
 
     def step(self, held: np.ndarray) -> bool:
-        """One step with the held vertices at ``held`` (k, 3), where they are; False if nothing is lower."""
+        """One step for ``held`` (k, 3) as already placed; False at a minimum."""
         elastic, projection = self._elastic, self._projection
         projection.evaluate(elastic.U)
         if projection.worn:

@@ -28,14 +28,14 @@ _SAME = 5e-3
 
 
 def minimizer(elastic: Elastic, goals: tuple[Goal, ...]) -> IterativeSolver:
-    """The solver that finds the lowest minimum: with coarse levels and restarts where they help."""
+    """Solver with coarse levels and restarts as useful."""
     if gains_from_coarse(elastic):
         return Restarts(multilevel(elastic, goals))
     return ConstrainedDescent(elastic, goals)
 
 
 class Restarts:
-    """A multilevel solver that is restarted from each minimum that it converges to.
+    """Multilevel solver restarted from each of its minima.
 
     Parameters
     ----------
@@ -59,17 +59,17 @@ class Restarts:
 
     @property
     def held(self) -> np.ndarray:
-        """Positions of the held vertices, then the targets of the soft ones, (k + s, 3) float array."""
+        """Positions of held vertices, then targets of soft ones, (k + s, 3)."""
         return self._inner.held
 
     @property
     def values(self) -> np.ndarray:
-        """Values of the goals at the shape that is iterated, (g,) float array."""
+        """Values of the goals at the iterated shape, (g,)."""
         return self._inner.values
 
     @property
     def met(self) -> bool:
-        """Whether all goals are met at the shape that is iterated."""
+        """True if all goals are met at the iterated shape."""
         return self._inner.met
 
     @property
@@ -79,22 +79,22 @@ class Restarts:
 
     @property
     def hides(self) -> bool:
-        """Whether ``U`` is not the shape that is iterated."""
+        """True if ``U`` is not the iterated shape."""
         return self._on_trial or self._inner.hides
 
     @property
     def ready(self) -> bool:
-        """Whether a step has nothing to wait for."""
+        """True if a step has nothing to wait for."""
         return self._inner.ready
 
     @property
     def stuck(self) -> bool:
-        """Whether the goals have been given up."""
+        """True once the goals are given up."""
         return self._inner.stuck
 
     @property
     def converged(self) -> bool | None:
-        """Whether no further restart promises a lower minimum."""
+        """True if no further restart promises a lower minimum."""
         return self._done
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
@@ -104,7 +104,7 @@ class Restarts:
         self._reset()
 
     def aim(self, targets: np.ndarray) -> None:
-        """Hold the fixed vertices at ``targets`` (k + s, 3) from now on, and draw the soft ones there."""
+        """Hold and draw vertices at ``targets`` (k + s, 3) from now on."""
         self._end_trial()
         self._inner.aim(targets)
         self._reset()
@@ -121,7 +121,7 @@ class Restarts:
         self._on_trial = self._done = False
 
     def step(self) -> None:
-        """Do a step of the multilevel solver, and restart it where it has converged."""
+        """Do a step of the multilevel solver, and restart it at convergence."""
         inner = self._inner
         inner.step()
         energy = self.elastic.energy if self._on_trial else np.inf
@@ -137,7 +137,7 @@ class Restarts:
 
     @property
     def _leads_nowhere(self) -> bool:
-        """Whether the coarse level has converged to the shape that it was restarted from."""
+        """True if the coarse level converged to its starting shape."""
         coarse = self._inner.coarse
         if not coarse.converged:
             return False
@@ -145,14 +145,14 @@ class Restarts:
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
     def _fails(self, energy: float) -> bool:
-        """Whether a trial has converged, and no other one is worth beginning."""
+        """True if the trial has converged and is the last one worth it."""
         if not (self._inner.converged or self._inner.stalls(_TRIAL_TOLERANCE)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > _PATIENCE
 
     def _begin_trial(self) -> None:
-        """Follow the coarse level from the minimum that was found; the best shape is shown meanwhile."""
+        """Follow the coarse level from the minimum; show the best shape meanwhile."""
         inner, energy, best, minima = self._inner, self.elastic.energy, self._best, self._minima
         if energy < best[0]:
             best = energy, inner.shapes(), inner.fine.multipliers

@@ -124,7 +124,7 @@ class Jobs:
         self._changed()
 
     def cancel(self) -> None:
-        """Forget the job in progress and report so; one that writes is finished."""
+        """Forget the job in progress and report so; a write is finished."""
         cancelled = self.current
         if cancelled is not None and cancelled.can_be_cancelled:
             self.current = None
@@ -144,7 +144,7 @@ class Jobs:
             self._changed()
 
     def close(self) -> None:
-        """Stop waking the owner; wait for a job that writes."""
+        """Stop waking the owner; wait for a pending write."""
         self._closed = True
         if self.current is not None and not self.current.can_be_cancelled:
             self.current.join(timeout=10.0)

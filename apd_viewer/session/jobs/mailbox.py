@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """At most one value. Each must be complete, so that overwriting one loses nothing."""
+    """Mailbox of one complete value; a newer one replaces it without loss."""
 
     def __init__(self) -> None:
         self._filled = threading.Condition()
@@ -53,7 +53,7 @@ class Mailbox(Generic[T]):
 
     @property
     def waiting(self) -> bool:
-        """Whether there is a value, or the mailbox is closed."""
+        """True if there is a value, or the mailbox is closed."""
         return self._value is not None or self._closed
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Declaration of the fields on which the solver's factorization depends.
+"""Declaration of the fields in the key of the solver's factorization.
 
 A factorization that is kept although it depends on what has changed gives a wrong shape without a word. So
 each field of a document and of a handle declares it in its metadata, and the key is made of the declarations.

@@ -1,4 +1,4 @@
-"""Operations on a painted part as a whole, named without loading what computes them."""
+"""Operations on a painted part, named without loading their code."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class Trace:
         return self._count
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Column by its name in ``COLUMNS``, read-only; NaN where unknown.
+        """Column by its name in ``COLUMNS``, read-only; NaN for unknown values.
 
         Seconds and iterations since the beginning; areas in square lengths; ``area_error`` relative to rest,
         ``area_miss`` to what is asked for; the rest as in :class:`apd_viewer.geometry.pose.frame.Frame`.

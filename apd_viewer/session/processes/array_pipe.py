@@ -1,4 +1,4 @@
-"""Messages between two processes that preserve the identity of arrays and meshes.
+"""Messages between processes, with the identity of arrays and meshes kept.
 
 The solver knows by the identity of meshes and arrays what it need not do again. So every mesh and every array
 travels once, under a number, and is only named from then on, until a message comes that does not mention it.

@@ -15,7 +15,7 @@ _DEATH_OF_THE_PARENT = 1  # of prctl(2)
 
 
 def set_up() -> None:
-    """Prepare this process to serve its owner; called before anything large is imported."""
+    """Prepare this process to serve its owner, before large imports."""
     faulthandler.enable()
     # Ctrl+C ends the owner, and this process only with it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

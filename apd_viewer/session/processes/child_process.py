@@ -53,7 +53,7 @@ class Process(Protocol):
 
 
 class ChildProcess:
-    """A process that exchanges messages with its owner.
+    """Process with messages to and from its owner.
 
     The exit code and the last lines of the standard error of one that fails are logged.
 

@@ -10,7 +10,7 @@ _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
 
 
 def keep_freed_memory() -> None:
-    """Keep freed memory for the next frame, where the C library is glibc.
+    """Keep freed memory for the next frame, on glibc.
 
     By default it depends on the order of what came before whether all that a frame needs is given back and
     fetched anew: for 164,000 vertices 16,000 pages, and a third of the time of the frame.

@@ -60,7 +60,7 @@ class Message(NamedTuple):
 
 
 def packed(message: Message | LogRecord) -> bytes:
-    """Pickle a message, a reply's document by the number of its order alone: the owner has it."""
+    """Pickle a message; a reply's document is replaced by its order's number."""
     buffer = io.BytesIO()
     _Pickler(buffer, message.number if isinstance(message, Message) else None).dump(message)
     return buffer.getvalue()

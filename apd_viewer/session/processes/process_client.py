@@ -177,4 +177,4 @@ class Child:
 
 
 def _nothing() -> None:
-    """Tell nobody that a reply has been looked at."""
+    """Ignore a displayed reply."""

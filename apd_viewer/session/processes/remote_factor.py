@@ -1,4 +1,4 @@
-"""Factorization in a process of its own, which ends once the factor is useless."""
+"""Factorization in a process of its own, ended once useless."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FarFactor:
 
     @property
     def ready(self) -> bool:
-        """Whether :meth:`solve` returns without waiting for the factorization."""
+        """True if :meth:`solve` would not wait for the factorization."""
         self.begin()
         return not self._factors
 

@@ -86,13 +86,13 @@ _OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)
 
 
 def factored_for(document: Document) -> tuple[object, ...]:
-    """Key of a factorization: where any of it differs, another one is needed."""
+    """Key of a document's factorization; another key needs another factor."""
     of_handles = (getattr(handle, name) for handle in document.handles for name in _OF_HANDLE)
     return (*(getattr(document, name) for name in _OF_DOCUMENT), *of_handles)
 
 
 def alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
-    """Whether two tuples are equal; arrays only if they are the very same."""
+    """True if two tuples are equal, arrays by identity."""
     return len(a) == len(b) and all(
         x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
     )

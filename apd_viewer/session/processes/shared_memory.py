@@ -128,12 +128,12 @@ class Tray:
 
     @property
     def free(self) -> bool:
-        """Whether the last shape has been copied."""
+        """True if the last shape has been copied."""
         return self._counters.load(_COPIED) == self._counters.load(_PUT)
 
     @property
     def seen(self) -> bool:
-        """Whether the last shape has been displayed."""
+        """True if the last shape has been displayed."""
         return self._counters.load(_SEEN) == self._counters.load(_PUT)
 
     def put(self, U: np.ndarray) -> int:
@@ -146,7 +146,7 @@ class Tray:
     # The owner's side
 
     def carry(self, number: int) -> np.ndarray:
-        """Copy the shape with that number, so that the tray is free again."""
+        """Copy the shape of that number and free the tray."""
         while self._counters.load(_PUT) < number:  # its message may overtake the store
             time.sleep(0.0)
         U = self._U.copy()
@@ -154,12 +154,12 @@ class Tray:
         return U
 
     def look(self, number: int) -> None:
-        """Note that the shape with that number has been displayed."""
+        """Note the display of the shape of that number."""
         self._counters.store(_SEEN, number)
 
 
 def leave_blocks_to_their_owner() -> None:
-    """Remove no block at the end that was only opened, as Python before 3.13 does."""
+    """Keep blocks opened, not created, here at exit, as Python 3.13 does."""
     if sys.version_info < (3, 13):
         resource_tracker.register = lambda *_: None
 

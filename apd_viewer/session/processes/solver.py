@@ -209,7 +209,7 @@ class Solver:
         return self._factors[-1]
 
     def _have_factored(self) -> None:
-        """Begin the factorizations: after the first shape, which is more urgent."""
+        """Begin the factorizations, after the more urgent first shape."""
         for factor in self._factors:
             factor.begin()
 

@@ -50,7 +50,7 @@ class Teller:
 
 
 class _Forwarder(QueueHandler):
-    """Log handler that forwards records to the owner."""
+    """Log handler forwarding records to the owner."""
 
     def __init__(self, tell: Teller) -> None:
         super().__init__(queue=None)  # type: ignore[arg-type]

@@ -80,7 +80,7 @@ class Worker:
         self._thread.start()
 
     def ask(self, request: Request) -> None:
-        """Turn to ``request`` next instead of any other that is queued. Never blocks."""
+        """Queue ``request`` in place of any other; never blocks."""
         self._requests.put(request)
 
     def take(self) -> Reply | None:
@@ -126,7 +126,7 @@ class Worker:
         return self._requests.wait()
 
     def _give_up(self, error: Exception) -> None:
-        """Drop a request that cannot be sent, and end the process."""
+        """Drop an unsendable request, and end the process."""
         _log.exception("A request cannot be sent to the solver")
         request, self._turned_to = self._turned_to, None
         if self._child is not None:

@@ -1,4 +1,4 @@
-"""Window sizes limited to the screen, so that buttons stay visible."""
+"""Window sizes limited to the screen: buttons stay visible."""
 
 from __future__ import annotations
 
