@@ -42,12 +42,14 @@ def _of_the_system() -> list[str]:
     """Languages set in Windows or macOS, without environment variables."""
     try:
         if sys.platform == "win32":
+            # Here: only Windows needs them, and each is loaded before the first words.
             import ctypes
             import locale
 
             number = ctypes.windll.kernel32.GetUserDefaultUILanguage()
             return [locale.windows_locale[number]] if number in locale.windows_locale else []
         if sys.platform == "darwin":
+            # Here: only macOS needs it.
             import plistlib
 
             with _MAC.expanduser().open("rb") as stream:

@@ -63,6 +63,7 @@ def _paper(options: argparse.Namespace) -> None:
 
 
 def _write_curves(folder: Path, progress: Progress) -> None:
+    # Here: matplotlib is slow to import, and this function alone needs it.
     from apd_viewer.figures.papers import draw_holds, draw_losses
 
     document = opened(*open_sample("bottle")).document

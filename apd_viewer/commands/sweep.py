@@ -19,7 +19,7 @@ from apd_viewer.commands.sweep_output import (
     write_sweep_film,
 )
 from apd_viewer.errors import InputError
-from apd_viewer.figures.shapes import no_pictures
+from apd_viewer.figures.shapes import keep_shape, no_pictures
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
@@ -91,6 +91,7 @@ def sweep_parser() -> Parser:
 
 
 def _sweep(options: argparse.Namespace) -> None:
+    # Here: Pillow is slow to import, and a film alone needs it.
     from apd_viewer.figures.films import check_film
 
     if options.animation:
@@ -113,6 +114,7 @@ def _sweep(options: argparse.Namespace) -> None:
         lines = [row_of(step) for step in steps]
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
+        # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
         from apd_viewer.figures.sweeps import draw_sweep
 
         draw_sweep(steps, sweep.abscissa, folder)
@@ -166,8 +168,6 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
 
 def _run(sweep: Sweep, progress: Progress, folder: Path | None, kept: Path | None) -> list[SweepStep]:
     """Run the sweep; write shapes to files on request, and keep none."""
-    from apd_viewer.figures.shapes import keep_shape
-
     mesh, steps = sweep.document.mesh, []
     nothing = mesh.V[:0]
 

@@ -66,6 +66,7 @@ def write_sweep_film(
     progress: Progress,
 ) -> bool:
     """Draw the shapes of all methods side by side as a film; False without OpenGL."""
+    # Here: Pillow is slow to import, and a film alone needs it.
     from apd_viewer.figures.films import write_film
 
     count, methods = len(sweep.parts), sweep.methods

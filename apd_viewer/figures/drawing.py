@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyvista as pv
+from matplotlib.colors import LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.color_maps import DIVERGING
@@ -43,14 +45,10 @@ def main(job: str) -> None:
 
 def _color_map() -> Colormap:
     """Colour map of local area change, as in the window."""
-    from matplotlib.colors import LinearSegmentedColormap
-
     return LinearSegmentedColormap.from_list("change", np.array(DIVERGING.knots) / 255.0)
 
 
 def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np.ndarray]) -> None:
-    import pyvista as pv
-
     count, size = len(said["pictures"][0]["shapes"]), said["size"]
     plotter = pv.Plotter(off_screen=True, shape=(1, count), border=False, window_size=size, lighting=None)
     plotter.set_background("white")
@@ -79,8 +77,6 @@ def _draw(said: dict[str, Any], F: np.ndarray, rest: np.ndarray, shapes: list[np
 
 
 def _show(plotter: Any, F: np.ndarray, U: np.ndarray, scalars: np.ndarray, **looks: Any) -> None:
-    import pyvista as pv
-
     surface = pv.PolyData.from_regular_faces(U, F)
     shade(plotter.add_mesh(surface, scalars=scalars, smooth_shading=True, show_scalar_bar=False, **looks))
 

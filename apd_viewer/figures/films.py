@@ -32,6 +32,7 @@ def check_film(path: Path) -> None:
         )
     if path.suffix.lower() == ".mp4":
         try:
+            # Here: an optional library, needed for MP4 alone.
             import imageio_ffmpeg  # noqa: F401
         except ImportError:
             raise InputError(
@@ -67,6 +68,7 @@ def _write_gif(pictures: list[Path], seconds: list[float], path: Path) -> None:
 
 
 def _write_mp4(pictures: list[Path], seconds: list[float], path: Path) -> None:
+    # Here: an optional library, needed for MP4 alone.
     import imageio_ffmpeg
 
     rate = 25

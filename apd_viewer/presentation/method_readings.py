@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from apd_viewer.files.tables import write_table
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import length, raised, signed, significant
 from apd_viewer.presentation.readings import volumes
@@ -129,8 +130,6 @@ def _error(value: float) -> str:
 
 def write_outcomes(path: Path, state: State, outcomes: Sequence[tuple[str, MethodOutcome]]) -> None:
     """Write the measurements by method as CSV; raises InputError."""
-    from apd_viewer.files.tables import write_table
-
     rows = [(method, readings(state, outcome)) for method, outcome in outcomes if outcome.frame is not None]
     names = list(rows[0][1]) if rows else []
     write_table(path, ["method", *names], [[method, *found.values()] for method, found in rows])

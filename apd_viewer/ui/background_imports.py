@@ -36,8 +36,8 @@ class BackgroundImports(QObject):
             self._thread.join()
 
     def _run(self) -> None:
-        # All slow imports are made here, behind the first picture; an installed library may still be broken.
         try:
+            # All slow imports are made here, behind the first picture; an installed library may be broken.
             import apd_viewer.ui.workbench  # noqa: F401
             from apd_viewer.geometry.picking import surface_index
 

@@ -24,7 +24,8 @@ def packed_volume(points: np.ndarray) -> float:
     No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
     along the axes.
     """
-    from scipy.optimize import minimize  # here, because few runs of the program come this way
+    # Here: few runs of the program come this way, and the first picture does not wait for scipy.
+    from scipy.optimize import minimize
     from scipy.spatial import ConvexHull, QhullError
     from scipy.spatial.transform import Rotation
 
@@ -51,6 +52,7 @@ def packed_volume(points: np.ndarray) -> float:
 
 def _principal(corners: np.ndarray) -> np.ndarray:
     """Rotation vector from the principal axes of ``corners`` (3, k) to x, y, z."""
+    # Here, as above.
     from scipy.spatial.transform import Rotation
 
     axes = np.linalg.eigh(corners @ corners.T)[1].T

@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,9 +14,7 @@ from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
-
-if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.falloff import Graph
+from apd_viewer.geometry.pose.falloff import Graph, distances, edge_graph, softened, strengths
 
 T = TypeVar("T")
 
@@ -71,8 +69,6 @@ def triangle_areas(V: np.ndarray, F: np.ndarray) -> np.ndarray:
 @once
 def _graph(V: np.ndarray, F: np.ndarray) -> Graph:
     """Lengths of the edges, (n, n)."""
-    from apd_viewer.geometry.pose.falloff import edge_graph  # loads what the first picture must not wait for
-
     return edge_graph(V, F)
 
 
@@ -81,8 +77,6 @@ def _away(
     V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, label: int, reach: float
 ) -> np.ndarray:
     """Distance of every vertex from a label along the edges at rest, (n,)."""
-    from apd_viewer.geometry.pose.falloff import distances
-
     joined = weld.first[weld.inverse]
     start = np.unique(joined[labels == label])
     return frozen(distances(_graph(V, F), start, reach)[joined])
@@ -91,8 +85,6 @@ def _away(
 @once
 def soft(V: np.ndarray, F: np.ndarray, weld: Weld, labels: np.ndarray, falloffs: tuple[float, ...]) -> Soft:
     """Soft constraints of handles by their falloffs; ``F`` has welded vertices."""
-    from apd_viewer.geometry.pose.falloff import softened, strengths
-
     # A falloff that is swept needs a search only where it has doubled.
     reaches = [2.0 ** np.ceil(np.log2(r)) if r > 0.0 else 0.0 for r in falloffs]
     strength = np.zeros((len(falloffs), len(labels)))

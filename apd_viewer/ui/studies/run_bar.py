@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.background_job import Job, JobOutcome
 from apd_viewer.ui.studies.command_process import CommandProcess
@@ -187,8 +188,6 @@ class RunBar(QWidget):
         results, target = self._results, _free(folder, self._name)
 
         def work() -> Path:
-            from apd_viewer.files.storage.atomic_folder import filling
-
             with filling(target) as scratch:
                 shutil.copytree(results, scratch, dirs_exist_ok=True)
             return target
