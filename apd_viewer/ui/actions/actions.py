@@ -131,7 +131,7 @@ class Actions:
         edit.addActions([self.reset, self.bake])
         bar.addMenu(tr("&Tools")).addActions(list(self.tools.values()))
         self.select.fill(bar.addMenu(tr("&Select")))
-        self.pose.fill(bar.addMenu(tr("&Handle")))
+        self.pose.fill(bar.addMenu(tr("H&andle")))
         self.view.fill(bar.addMenu(tr("&View")), self.looks)
         bar.addMenu(tr("&Help")).addActions(self.help)
 

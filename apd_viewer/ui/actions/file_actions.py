@@ -73,7 +73,7 @@ class FileActions:
         )
         self.report = make(
             "report",
-            tr("&Report…"),
+            tr("Repor&t…"),
             "report",
             tr("Save pictures, measurements and settings as an HTML page"),
             "Ctrl+Shift+E",
@@ -105,7 +105,7 @@ class FileActions:
         """Put all of them into a menu."""
         menu.addAction(self.open)
         self.recent = menu.addMenu(tr("Open &recent"))
-        menu.addMenu(tr("Open &sample")).addActions(self.samples)
+        menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
         menu.addSeparator()
         menu.addActions([self.save, self.save_as, self.export])
         menu.addSeparator()

@@ -12,7 +12,7 @@ from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
-_MENUS = tr("&File"), tr("&Edit"), tr("&Tools"), tr("&Select"), tr("&Handle"), tr("&View"), tr("&Help")
+_MENUS = tr("&File"), tr("&Edit"), tr("&Tools"), tr("&Select"), tr("H&andle"), tr("&View"), tr("&Help")
 _TOOLS = [tool.words.icon for tool in Tool]
 # Icons, in groups; the tests compare them with the real tool bar.
 _BAR = ["open", "export"], _TOOLS, ["undo", "redo", "reset"], ["frame"]

@@ -118,7 +118,7 @@ class PoseActions:
             ),
             make(
                 "centre_pivot",
-                tr("Pivot at &centre"),
+                tr("&Pivot at centre"),
                 "pivot",
                 tr("Rotate about the centre of the handle"),
                 "Shift+P",

@@ -113,7 +113,7 @@ class SelectActions:
         larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
         self.sizes = [
             make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),
-            make("smaller", tr("S&maller brush"), "shrink", tr("Make the brush smaller"), "[", smaller),
+            make("smaller", tr("Smalle&r brush"), "shrink", tr("Make the brush smaller"), "[", smaller),
             make(
                 "type_brush",
                 tr("Brush si&ze…"),
@@ -136,7 +136,7 @@ class SelectActions:
         self.files = [
             maker.make(
                 "load_selection",
-                tr("&Load selection…"),
+                tr("L&oad selection…"),
                 "open",
                 tr("Load base, handles and regions from a file"),
                 None,

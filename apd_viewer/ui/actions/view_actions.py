@@ -56,7 +56,7 @@ class ViewActions:
         )
         self.findings = maker.make(
             "findings",
-            tr("Mesh &check"),
+            tr("Mesh chec&k"),
             "warning",
             tr("List the issues found in the mesh and show where they are"),
             "Ctrl+I",
@@ -94,7 +94,7 @@ class ViewActions:
         menu.addSeparator()
         menu.addActions([self.edges, self.smooth, self.findings])
         menu.addSeparator()
-        self._menu, self._appearance = menu, menu.addMenu(tr("&Appearance"))
+        self._menu, self._appearance = menu, menu.addMenu(tr("A&ppearance"))
         self._appearance.addActions(list(self.schemes.values()))
 
     def add_panels(self, actions: list[QAction]) -> None:
