@@ -806,7 +806,7 @@ def test_a_missing_library_of_the_window_is_a_sentence(command, monkeypatch):
     monkeypatch.setitem(sys.modules, "apd_viewer.ui.application", None)
     status, out, err = command()
     assert (status, out) == (2, "")
-    assert re.fullmatch(r"error: The window needs a library that is missing .+README.+\n", err)
+    assert re.fullmatch(r"error: A library that the window needs is missing .+README.+\n", err)
 
 
 DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")

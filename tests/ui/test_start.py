@@ -140,4 +140,4 @@ def test_a_library_that_is_missing_behind_the_first_picture_is_a_sentence_too(li
         timeout=60,
     )
     assert done.returncode == 2
-    assert re.fullmatch(rf"error: The window needs a library that is missing .*{library}.+\n", done.stderr)
+    assert re.fullmatch(rf"error: A library that the window needs is missing .*{library}.+\n", done.stderr)

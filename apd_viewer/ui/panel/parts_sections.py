@@ -69,13 +69,12 @@ class HandleSection(Section):
             accessibleName=tr("Add handle"),
             toolTip=tr("Add another handle"),
         )
-        self.back = QPushButton(
-            tr("Reset handle"), toolTip=tr("Return the active handle to its rest position")
-        )
-        self.back.setAccessibleName(tr("Reset the active handle"))
+        self.back = QPushButton(tr("Reset"), toolTip=tr("Return the active handle to its rest position"))
+        self.back.setAccessibleName(tr("Reset handle"))
         self.reset = QPushButton(
-            tr("Reset all handles"), toolTip=tr("Reset all handles and return the mesh to its rest shape")
+            tr("Reset all"), toolTip=tr("Reset all handles and return the mesh to its rest shape")
         )
+        self.reset.setAccessibleName(tr("Reset all handles"))
         self.add.clicked.connect(self.added)
         self.back.clicked.connect(self.put_back_asked)
         self.reset.clicked.connect(self.reset_asked)
