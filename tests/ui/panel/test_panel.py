@@ -36,7 +36,7 @@ def shown(window):
         "target": window.panel.area.target,
         "stiffness": section.stiffness,
     }
-    return {name for name, field in fields.items() if field.isVisibleTo(window)}
+    return {name for name, field in fields.items() if field.isVisibleTo(window.shell)}
 
 
 def test_the_readings_are_those_of_the_frame(qtbot, bottle):
@@ -203,7 +203,7 @@ def test_what_is_out_of_reach_is_said(qtbot, bottle):
     assert not panel.area.unreached.isHidden()
     assert "Out of reach" in panel.area.unreached.text()
     assert panel.area.activity.text() == "out of reach"
-    assert "asked for −80 %" in panel.area.verdict.text()
+    assert "target −80 %" in panel.area.verdict.text()
     panel.area.target.back.click()
     assert panel.area.unreached.isHidden()
 
