@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
 _LIMIT = 10.0  # percent; the colours end here
 _INK, _QUIET = "#1d2129", "#5a6270"
-_ABOVE, _BELOW = 0.10, 0.17  # of the height: what the words need
+_ABOVE, _BELOW = 0.10, 0.17  # of the height, for the words
 _MARGIN = 1.04
-_LETTERS = 44  # titles, in points, go into the height of a picture in pixels
+_LETTERS = 44  # title sizes in points per picture height in pixels
 
 
 def main(job: str) -> None:
     """Draw the pictures of a job and print a line for each."""
     if sys.platform.startswith("linux"):
-        # VTK would try the X server first, complain where there is none, and die where it is broken.
+        # VTK would try the X server first, warn if there is none, and crash if it is broken.
         os.environ["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
     folder = Path(job)
     said = json.loads((folder / "job.json").read_text(encoding="utf-8"))
@@ -105,7 +105,7 @@ def _legend(plotter: Any, title: str, wide: float) -> None:
         return
     high = plotter.window_size[1]
     letters = 0.66 * high / _LETTERS
-    left = (0.03 * high + 1.5 * letters) / wide  # the bar is as far in as the first number needs
+    left = (0.03 * high + 1.5 * letters) / wide  # indented by half the first number
     plotter.add_text(
         title,
         position=(0.03 * high, 0.11 * high),

@@ -62,7 +62,7 @@ def _write_gif(pictures: list[Path], seconds: list[float], path: Path) -> None:
     for picture in pictures:
         with Image.open(picture) as image:
             frames.append(image.convert("RGB").quantize(_COLORS, dither=Image.Dither.NONE))
-    # Hundredths of a second are what the format knows.
+    # The format counts in hundredths of a second.
     times = [10 * round(100 * second) for second in seconds]
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=times, loop=0)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.studies.paper_curves import Held, Loss
 
 _LOSS_SIZE, _HANDLE_SIZE = (9.0, 4.4), (9.0, 3.9)
-# From few iterations to many: one hue, ever darker.
+# From few iterations to many: one hue, increasingly dark.
 _SHADES = ("#f7b9a0", "#ee8f6a", VERMILION, "#9c3f00", "#5c2400")
 
 

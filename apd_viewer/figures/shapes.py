@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.geometry.mesh.mesh import Mesh
 
-# Not -m: what lies in the current folder is not imported.
+# Not -m: it would import from the current folder.
 _START = """
 import sys
 sys.path[:] = sys.argv[2:]
@@ -147,7 +147,7 @@ def _run(folder: Path, count: int, drawn: Callable[[int], object]) -> bool:
             assert process.stdout is not None
             for done, _ in enumerate(process.stdout, start=1):
                 drawn(done)
-        except BaseException:  # whoever has seen enough, too
+        except BaseException:  # also on an interruption
             process.kill()
             raise
     return process.returncode == 0 and all((folder / f"{number}.png").exists() for number in range(count))

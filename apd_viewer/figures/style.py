@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 INK, QUIET, LINE = "#1d2129", "#5a6270", "#dcdfe4"
-# Okabe and Ito's, of which those of neighbouring curves differ in lightness too.
+# Okabe and Ito's palette, ordered so that neighbouring curves differ in lightness too.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7"
-# Colour, dashes and marker of a method: any one of them tells it.
+# Colour, dashes and marker of a method: each of them identifies it.
 METHOD_LOOKS: dict[str, dict[str, Any]] = {
     "arap": {"color": VERMILION, "linestyle": (0, (5, 1.5)), "marker": "s"},
     "paper": {"color": ORANGE, "linestyle": (0, (1, 1)), "marker": "^"},

@@ -100,7 +100,7 @@ class Page:
 def write_page(path: Path, page: Page) -> None:
     """Write a page to a file, whole or not at all; raises InputError."""
     with replacing(path) as scratch:
-        # What no encoding knows, such as half of a character in the name of a file, is a question mark.
+        # Characters without an encoding, such as lone surrogates in file names, become question marks.
         scratch.write_text(html_of(page), encoding="utf-8", errors="replace", newline="\n")
 
 

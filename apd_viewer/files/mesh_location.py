@@ -18,11 +18,11 @@ from apd_viewer.geometry.mesh.arrays import check_mesh, frozen
 from apd_viewer.geometry.mesh.mesh import Baked, Mesh
 from apd_viewer.language import tr
 
-# Beside a copy in an archive there is nothing, and nobody is to look there.
+# A copy in an archive has no neighbouring files.
 _NOWHERE = Path(os.devnull)
 _ARRAYS = ("V", "F")
-_REST = "rest.npy"  # the rest positions, where they are not those of the file
-# What the files of meshes were when they were last found to hold them; to read a large one takes a second.
+_REST = "rest.npy"  # rest positions, if different from the file's
+# State of mesh files when last verified; reading a large one takes a second.
 _found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
 
 
@@ -49,7 +49,7 @@ def is_there(mesh: Mesh) -> bool:
     try:
         status = mesh.path.stat()
         stamp = status.st_mtime_ns, status.st_size, status.st_ino
-        # A .gltf may have its numbers in another file.
+        # A .gltf may keep its arrays in another file.
         if _found.get(mesh) != stamp or mesh.path.suffix.lower() == ".gltf":
             if open_mesh(mesh.path).digest != mesh.digest:
                 return False
@@ -65,7 +65,7 @@ def copy_of(mesh: Mesh) -> dict[str, bytes]:
         return {**copy_of(mesh.origin.mesh), _REST: npy(mesh.V)}
     if mesh.origin is not None:
         name = f"mesh{mesh.origin.suffix}"
-        # Some files cannot be written, and a glTF may need others beside it.
+        # Some formats cannot be written, and a glTF may need files beside it.
         with contextlib.suppress(ValueError):
             content = mesh.origin.rewritten(mesh, mesh.V)
             if read_mesh(_NOWHERE / name, content).digest == mesh.digest:

@@ -16,10 +16,7 @@ from apd_viewer.files.storage.reading import in_one_line
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# In which any mesh can be written; a glTF only where it came from one.
-
-
-_ROUNDING = 1e-4  # of what is written, relative to its size: beyond that it is another shape
+_ROUNDING = 1e-4  # of the written shape, relative to its size: beyond it the shape is different
 
 
 def check_target(path: str | Path) -> Path:
@@ -98,7 +95,7 @@ def save_mesh(mesh: Mesh, U: np.ndarray, path: str | Path) -> Written:
         raise InputError(
             tr("A position of {largest:.3g} is too large; nothing was written.").format(largest=largest(U))
         )
-    from apd_viewer.geometry.mesh.operators import area  # loads what the first picture must not wait for
+    from apd_viewer.geometry.mesh.operators import area  # too slow to import for the first picture
 
     content = _content(mesh, U, path)
     try:
@@ -131,7 +128,7 @@ def _content(mesh: Mesh, U: np.ndarray, path: Path) -> bytes:
             return mesh.origin.rewritten(mesh, U)
         except InputError as error:
             raise InputError(f"{path.name}: {error}") from error
-        except ValueError as error:  # normals, which nobody has looked at yet
+        except ValueError as error:  # normals, still unchecked
             raise InputError(
                 tr("{name} has normals that cannot be updated ({reason}); choose another format.").format(
                     name=mesh.name, reason=in_one_line(error)

@@ -19,10 +19,11 @@ from apd_viewer.files.storage.reading import in_one_line
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
+# Formats for writing any mesh; .gltf only for a mesh read from one.
 WRITTEN = (".obj", ".ply", ".stl", ".off", ".glb")
 FORMATS = (*WRITTEN, ".gltf", ".3mf")
 _NAMES = tr("OBJ, PLY, STL, OFF, GLB, glTF or 3MF")
-LARGEST = 1e38  # coordinate: single precision holds no larger ones, and areas of larger ones overflow
+LARGEST = 1e38  # coordinate: larger ones exceed single precision, and their areas overflow
 _READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off, ".3mf": read_3mf}
 
 
@@ -88,7 +89,7 @@ def check_readable(path: Path, also: tuple[str, ...] = ()) -> None:
 
     What ends in one of ``also`` is no mesh, but can be opened too.
     """
-    # os.path and not Path: it says no where Path raises, as for a name that is too long.
+    # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():

@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.files.formats.parsed import Parsed
 from apd_viewer.language import tr
 
-_MOST = 1 << 31  # bytes; beyond that an archive is broken, or meant to do harm
+_MOST = 1 << 31  # bytes; a larger archive is broken or malicious
 
 
 def read_3mf(content: bytes) -> Parsed:
@@ -44,6 +44,6 @@ def read_3mf(content: bytes) -> Parsed:
                 count += len(part.vertices)
     except MemoryError:
         raise
-    except Exception as error:  # it raises whatever it stumbles over
+    except Exception as error:  # it raises many kinds of errors
         raise ValueError(tr("the contents of its archive are damaged")) from error
     return Parsed(np.vstack(V), np.vstack(F), None)

@@ -35,7 +35,7 @@ def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
                 line=error.lineno, column=error.colno
             )
         ) from None
-    except ValueError:  # a number of thousands of digits
+    except ValueError:  # numbers of thousands of digits
         raise ValueError(tr("its JSON has a number out of range")) from None
     except RecursionError:
         raise ValueError(tr("its JSON is nested too deeply")) from None
@@ -77,7 +77,7 @@ def buffer_of(told: dict[str, Any], blob: bytes | None, path: Path) -> bytes:
         except ValueError:
             raise ValueError(tr("its embedded coordinates are damaged")) from None
     beside = path.parent / unquote(uri)
-    # os.path and not Path: it says no where Path raises.
+    # os.path: Path raises on names that are too long.
     if not os.path.isfile(beside):  # noqa: PTH113
         raise ValueError(tr("the file {uri} is missing from its folder").format(uri=uri))
     return beside.read_bytes()
@@ -88,7 +88,7 @@ def positions_of(document: dict[str, Any], buffers: list[Any], accessor: object)
     array = array_of(document, buffers, accessor, 3)
     if one(document, "accessors", accessor).get("normalized") and array.dtype.kind in "iu":
         return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
-    with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+    with np.errstate(invalid="ignore"):  # NaN is refused later
         return array.astype(np.float64)
 
 

@@ -20,7 +20,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"
-# A line end in front is looked for much faster than the begin of a line.
+# Searching for a preceding line end is much faster than for a line start.
 _VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
 _POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
 _ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
@@ -123,7 +123,7 @@ def _faces_alike(text: bytes) -> np.ndarray | None:
         return None
     joined = b"".join(faces).replace(b"/", b" ").replace(b"\nf", b"")
     values = len(_NUMBER.findall(corners[0]))
-    # Numbers that are too large for it end up as the largest, and no file has so many vertices.
+    # Overflowing numbers become the largest one, and no file has that many vertices.
     return np.fromstring(joined, np.int64, sep=" ")[::values].reshape(-1, len(corners)) - 1
 
 

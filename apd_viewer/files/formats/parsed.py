@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.mesh import Origin
 from apd_viewer.geometry.mesh.normals import turned_normals
 
-_LONGEST = 1e30  # of a normal; beyond that its square overflows
+_LONGEST = 1e30  # of a normal; the square of a longer one overflows
 
 
 class Parsed(NamedTuple):

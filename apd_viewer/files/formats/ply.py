@@ -97,7 +97,7 @@ class PlyFile:
         if not element.has_lists:
             table = np.frombuffer(self.content, element.table(self.order), element.rows, start)
             columns = np.empty((element.rows, len(names)))
-            with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+            with np.errstate(invalid="ignore"):  # NaN is refused later
                 for k, name in enumerate(names):
                     columns[:, k] = table[name]
             return columns

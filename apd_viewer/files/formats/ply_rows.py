@@ -19,7 +19,7 @@ INDICES = ("vertex_indices", "vertex_index")
 _WORD = re.compile(rb"\S+")
 
 
-_MOST_CORNERS = 1 << 16  # of a face; more is a broken file
+_MOST_CORNERS = 1 << 16  # per face; more is a broken file
 
 
 def read_faces(content: bytes, start: int, element: Element, order: str) -> tuple[Polygons, int]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from apd_viewer.language import tr
 
-# Faces with more corners than that are left as fans, however they look.
+# Faces with more corners than this stay fans.
 _MOST_TO_CLIP = 100
-# Corners that are tried as ears, of all faces together; then the rest are left as fans too.
+# Total number of ears tried; after that the rest stay fans too.
 _MOST_TRIES = 100_000
 
 
@@ -61,7 +61,7 @@ class Polygons(NamedTuple):
             tries = 0
             for folded in np.unique(face[_folds(V[self.corner], T, face)]):
                 a, b = self.start[folded], self.start[folded + 1]
-                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # more that fold are a broken file
+                if b - a <= _MOST_TO_CLIP and tries < _MOST_TRIES:  # more folded faces are a broken file
                     ears, tried = _ears(V[self.corner[a:b]])
                     T[first[folded] : first[folded + 1]] = a + ears
                     tries += tried

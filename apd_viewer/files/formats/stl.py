@@ -14,7 +14,7 @@ from apd_viewer.language import tr
 
 _HEAD = 84  # bytes before the first facet of a binary file; the last four are the number of facets
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_LINE = rb"(?im)^[ \t]*"  # a solid may be named after any word
+_LINE = rb"(?im)^[ \t]*"  # a solid may have any word as its name
 _VERTEX = re.compile(_LINE + rb"vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
 _NORMAL = re.compile(_LINE + rb"facet[ \t]+normal[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
 _FACETS, _VERTICES = (re.compile(_LINE + word + rb"\b") for word in (b"facet", b"vertex"))
@@ -43,7 +43,7 @@ class StlFile:
             corners = U.reshape(-1, 3, 3)
             facets["corners"][moved] = corners[moved]
             had = moved & facets["normal"].any(axis=1)
-            # Of the corners as they are written.
+            # From the corners as written.
             facets["normal"][had] = _normals(facets["corners"][had].astype(np.float64))
             return bytes(body)
         text, edits = plain(self.content), Edits(self.content)
@@ -79,12 +79,12 @@ def read_stl(content: bytes) -> Parsed:
     ValueError
         If the file cannot be understood or ends too early.
     """
-    # Some binary files begin with "solid" too; their length cannot lie.
+    # Some binary files begin with "solid" too, but only a binary one has this length.
     m = int.from_bytes(content[_HEAD - 4 : _HEAD], "little")
     is_binary = len(content) >= _HEAD and len(content) == _HEAD + m * _FACET.itemsize
     if is_binary:
         V = np.empty((3 * m, 3))
-        with np.errstate(invalid="ignore"):  # some that are no numbers; refused later
+        with np.errstate(invalid="ignore"):  # NaN is refused later
             V.reshape(-1, 3, 3)[...] = np.frombuffer(content, _FACET, offset=_HEAD)["corners"]
     else:
         V = _text(plain(content))

@@ -9,7 +9,7 @@ import numpy as np
 from apd_viewer.language import tr
 
 _BOM = b"\xef\xbb\xbf"
-_LONGEST = 40  # characters of what is shown of a file
+_LONGEST = 40  # characters quoted from a file
 
 
 def plain(content: bytes) -> bytes:

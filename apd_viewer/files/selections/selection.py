@@ -15,9 +15,9 @@ from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 MOST_REGIONS = 8
-# Percent; what geometry.goals takes.
+# Percent, as accepted by geometry.solver.goals.
 LEAST_AREA, MOST_AREA = 1.0, 1000.0
-# Control characters and halves of characters, which no text should hold.
+# Control characters and lone surrogates.
 _UNFIT = ("Cc", "Cs")
 
 

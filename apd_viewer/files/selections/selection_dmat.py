@@ -20,7 +20,7 @@ from apd_viewer.language import tr
 
 _HEAD = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})[ \t]*(?:\r\n|\n|\r)")
 _FREE = -1
-_LARGEST = 2.0**31  # beyond it there are no groups, but something went wrong
+_LARGEST = 2.0**31  # more groups than this are an error
 
 
 def dmat_of(labels: np.ndarray) -> bytes:

@@ -131,7 +131,7 @@ def write_selection(path: str | Path, mesh: Mesh, selection: Selection) -> tuple
 def _is_file_of(mesh: Mesh, path: Path) -> bool:
     try:
         return mesh.path is not None and path.samefile(mesh.path)
-    except OSError:  # one of them is not there
+    except OSError:  # one of them is missing
         return False
 
 

@@ -95,7 +95,7 @@ def _loaded(content: bytes) -> object:
         raise ValueError(tr("it is not text in UTF-8")) from None
     except json.JSONDecodeError as error:
         raise ValueError(tr("line {line:,} is not valid JSON").format(line=error.lineno)) from None
-    except (ValueError, RecursionError):  # a number of thousands of digits, brackets in brackets
+    except (ValueError, RecursionError):  # numbers of thousands of digits, deeply nested brackets
         raise ValueError(tr("it is not valid JSON")) from None
 
 
@@ -166,7 +166,7 @@ def _ids(runs: object, n: int) -> np.ndarray:
         )
     first, last = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     lengths = last - first + 1
-    if lengths.sum() > n:  # before what they name takes more memory than there is
+    if lengths.sum() > n:  # before the ids exhaust the memory
         raise InputError(tr("One of its parts lists a vertex twice; correct it."))
     ends = np.cumsum(lengths)
     return np.arange(lengths.sum()) + np.repeat(last + 1 - ends, lengths)

@@ -57,7 +57,7 @@ def _arrays(content: bytes, most: int) -> dict[str, np.ndarray]:
         if size <= most:
             with np.load(io.BytesIO(content), allow_pickle=False) as file:
                 return {key: np.asarray(file[key]) for key in _KEYS if key in file.files}
-    except Exception as error:  # zipfile and NumPy raise whatever they stumble over
+    except Exception as error:  # zipfile and NumPy raise many kinds of errors
         raise ValueError(tr("it is not an NPZ archive, or it is damaged")) from error
     raise ValueError(tr("it would unpack to {size:,} bytes").format(size=size))
 
@@ -67,7 +67,7 @@ def _names(arrays: dict[str, np.ndarray], key: str) -> list[str]:
     if names.dtype.kind != "U" or names.ndim != 1 or len(names) > _MOST_NAMES:
         raise ValueError(tr("its “{key}” are not a list of names").format(key=key))
     codes = np.frombuffer(names.astype(names.dtype.newbyteorder("<")).tobytes(), "<u4")
-    if codes.max(initial=0) > sys.maxunicode:  # Python would make broken texts of them
+    if codes.max(initial=0) > sys.maxunicode:  # Python would decode them to invalid text
         raise ValueError(tr("its “{key}” are damaged").format(key=key))
     return [str(name) for name in names]
 

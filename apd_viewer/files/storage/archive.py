@@ -17,10 +17,10 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr
 
 _KINDS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-# What zipfile raises, as the damage may be.
+# Errors raised by zipfile, depending on the damage.
 _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, OverflowError, OSError)
-# A member that would be larger, and so many times as large as the whole archive, is meant to do harm:
-# neither meshes nor shapes can be packed so tightly.
+# A member larger than this, and this many times larger than the whole archive, is malicious:
+# neither meshes nor shapes compress so well.
 _LARGE, _TIGHTEST = 1 << 26, 200  # bytes, times
 _MAGIC = b"\x93NUMPY\x01\x00"
 _HEADER = re.compile(

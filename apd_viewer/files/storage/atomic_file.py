@@ -38,7 +38,7 @@ def replacing(path: Path, at_once: bool = False) -> Iterator[Path]:
     path = Path(os.path.realpath(path))  # a link stays a link
     try:
         _clear_away(path)
-        # The suffix is kept because writers choose the format by it.
+        # The suffix is kept: writers choose the format by it.
         suffix = _PART + path.suffix
         handle, name = tempfile.mkstemp(prefix=_prefix(path), suffix=suffix, dir=path.parent)
         scratch = Path(name)

@@ -11,7 +11,7 @@ from apd_viewer.language import tr
 
 T = TypeVar("T")
 
-# A number beyond that is none that anybody meant, and its powers overflow.
+# Larger numbers are errors, and their powers overflow.
 _LARGEST = 1e60
 _LONGEST = 10_000  # characters
 

@@ -42,7 +42,7 @@ class Lock:
 
     def remove(self) -> None:
         """Let go of it and remove the file."""
-        if sys.platform == "win32":  # which removes no file that is open
+        if sys.platform == "win32":  # Windows removes no open file
             self._stream.close()
         with contextlib.suppress(OSError):
             self.path.unlink()
@@ -68,12 +68,12 @@ def take(path: Path) -> Lock | None:
     lock = Lock(path, stream)
     if lock.stands:
         return lock
-    lock.release()  # whoever had it until now has removed it
+    lock.release()  # the previous holder has removed it
     return None
 
 
 def _lock(descriptor: int) -> None:
-    # Not fcntl.lockf: those locks go when any other part of the program has looked at the file.
+    # Not fcntl.lockf: its locks are lost when another part of the program closes the file.
     if sys.platform == "win32":
         msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
     else:

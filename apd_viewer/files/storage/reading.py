@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from pathlib import Path
 
-_LONGEST = 160  # characters of what an error says
+_LONGEST = 160  # characters of an error message
 
 
 def content_of(path: Path) -> bytes:

@@ -17,16 +17,16 @@ from numba import njit, prange
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import frozen
 
-# Bins an octave of c; the octaves reach from 2^_LOWEST, which is nothing but rounding, to 2^_HIGHEST.
+# Bins per octave of c; the octaves reach from 2^_LOWEST, mere rounding, to 2^_HIGHEST.
 _STEPS = 64
 _LOWEST, _HIGHEST = -40, 10
 _BINS = (_HIGHEST - _LOWEST) * _STEPS
-# The bits of a number, down to those that tell the bin in its octave, count the bins from another beginning.
+# The leading bits of a float, down to those of the bin in its octave, number the bins with an offset.
 _BELOW_STEPS = 52 - int(math.log2(_STEPS))
 _BEFORE = (1023 + _LOWEST) * _STEPS - 1
 _AT_ONCE = 512  # triangles
 _PARTS = 4
-# The area of a triangle this much smaller than the mean is nothing but rounding.
+# Triangle areas below this part of the mean are rounding.
 _SLIVER = 1e-9
 
 
@@ -104,8 +104,8 @@ def _sort_in(
         found[p] = _sort_part(U, F[own], rest[own], least, parts[p])
 
 
-# In three passes over some triangles, of which the second is nothing but arithmetic: three times as fast as
-# in one. Not inlined: among parallel loops it would be one that is not vectorized.
+# In three passes over a block of triangles, the second mere arithmetic: three times as fast as
+# in one. Not inlined: inside a parallel loop it would not be vectorized.
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sort_part(
     U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float, weights: np.ndarray

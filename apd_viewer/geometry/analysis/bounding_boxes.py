@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-# The smallest box is looked for from so many orientations, and then nearer and nearer to the best of them.
+# The search for the smallest box starts from this many orientations and refines the best of them.
 _ORIENTATIONS, _BEST = 200, 4
 _NEAR = 0.05  # radians
 # Corners of the convex hull that are enough to tell one orientation from another.

@@ -9,7 +9,7 @@ from numba import njit
 
 from apd_viewer.geometry.mesh.union_find import join, root
 
-# Faces at one edge that are compared with each other.
+# Faces at one edge compared with each other.
 _MOST_AT_AN_EDGE = 64
 
 

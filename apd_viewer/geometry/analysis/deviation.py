@@ -24,9 +24,9 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 
-# Below so much of the mean area of a vertex, its area says nothing.
+# Vertex areas below this part of the mean are rounding.
 _SLIVER = 1e-12
-# Vertices between two looks at whether somebody still wants to know.
+# Vertices between two checks for cancellation.
 _PORTION = 8192
 
 
@@ -85,7 +85,7 @@ class Deviation:
             if enough():
                 return None
             part = slice(first, first + _PORTION)
-            with cores_for(len(U)):  # not for all: the window may want the cores in between
+            with cores_for(len(U)):  # block by block: the window may need the cores in between
                 distances(U[part], self._V[part], self._V, boxes.F, boxes.corners, boxes.level, found[part])
         found[self._bare] = np.nan
         return found

@@ -54,7 +54,7 @@ def edge_strain(
     out = np.empty(len(named))
     for v in prange(len(named)):
         w = named[v]
-        # Squares of the largest and the smallest ratio: one logarithm a vertex is enough.
+        # Squared largest and smallest ratio: one logarithm a vertex is enough.
         most, least = 0.0, np.inf
         for e in range(start[w], start[w + 1]):
             for j in (second[e], third[e]):

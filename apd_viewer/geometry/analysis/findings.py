@@ -13,15 +13,15 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import TOLERANCE
 from apd_viewer.language import tr, trn
 
-# A needle's longest edge is so many times its height.
+# Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
 
 
-# Sizes that are more likely a wrong unit than meant, in whatever unit.
+# Sizes more likely a wrong unit than intended, in any unit.
 _TINY, _HUGE = 1e-3, 1e6
 
 
-# So many sizes away from the origin, single precision has lost three digits.
+# This many sizes from the origin, single precision has lost three digits.
 _FAR = 1e3
 
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 
-# What is nearer than that, in sizes of the mesh, touches; and what of a determinant is rounding.
+# Distances below this, in sizes of the mesh, are contact; and the rounding of a determinant.
 _TOUCH = 1e-12
 _ROUNDING = 1e-14
-# Pairs that are looked at together: enough for numpy, and few for the memory.
+# Pairs per batch: enough for numpy, little memory.
 _PORTION = 200_000
 
 
@@ -59,7 +59,7 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
         Ascending. None where the library is missing, which is not made for every machine.
     """
     try:
-        import ipctk  # here, because few runs of the program come this way
+        import ipctk  # Here: few runs of the program need it.
     except ImportError:
         return None
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
@@ -69,7 +69,7 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     X = _of_size_one(U, F)
     edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
-    near = tree.detect_edge_face_candidates()  # without those that have a vertex in common
+    near = tree.detect_edge_face_candidates()  # without pairs sharing a vertex
     pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)
     crossing = np.zeros(len(F), dtype=bool)
     for first in range(0, len(pairs), _PORTION):

@@ -9,7 +9,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.picking.bounding_hierarchy import FAN
 
 _BITS = 3  # of FAN
-# Points that a core takes on at once.
+# Points per task of a core.
 _PORTION = 128
 
 
@@ -42,9 +42,9 @@ def distances(
             px, py, pz = points[i, 0], points[i, 1], points[i, 2]
             x, y, z = px - on[i, 0], py - on[i, 1], pz - on[i, 2]
             best = x * x + y * y + z * z
-            if last >= 0:  # neighbours are near the same triangle
+            if last >= 0:  # neighbouring points share the nearest triangle
                 best = min(best, _squared(px, py, pz, V, F[last, 0], F[last, 1], F[last, 2]))
-            # Boxes are walked through without a stack: behind a box comes the largest that begins there.
+            # Stackless traversal: after a box comes the largest one starting behind it.
             b, size = 0, top
             while b < count:
                 k = level[size] + (b >> (_BITS * size))
@@ -74,7 +74,7 @@ def _squared(px: float, py: float, pz: float, V: np.ndarray, i: int, j: int, k: 
     dx, dy, dz = px - V[i, 0], py - V[i, 1], pz - V[i, 2]
     nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     nn = nx * nx + ny * ny + nz * nz
-    # Barycentric coordinates of the foot, times nn.
+    # Barycentric coordinates of the projection, times nn.
     b1 = (dy * bz - dz * by) * nx + (dz * bx - dx * bz) * ny + (dx * by - dy * bx) * nz
     b2 = (ay * dz - az * dy) * nx + (az * dx - ax * dz) * ny + (ax * dy - ay * dx) * nz
     if nn > 0.0 and b1 >= 0.0 and b2 >= 0.0 and b1 + b2 <= nn:

@@ -17,11 +17,11 @@ from apd_viewer.geometry.linalg.rotations import LANES, ROWS, fit_lanes
 from apd_viewer.geometry.linalg.threads import parallel
 
 FLAT = np.empty((0, 3, 3))
-# Vertices that a core takes on at once.
+# Vertices per task of a core.
 _PORTION = 32 * LANES
 
 
-# Called, it would count references to every array for every vertex, which costs three times its work.
+# Inlined: a call would count references to every array at every vertex, three times the cost of its work.
 @njit(inline="always")
 def _load_cell(
     X: np.ndarray,

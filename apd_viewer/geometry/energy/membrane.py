@@ -20,24 +20,24 @@ from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
 from apd_viewer.geometry.mesh.measures import Patch
 
-# A needle's deformation gradient is all rounding; its cells of Eq. 1 hold it together.
+# A sliver's deformation gradient is all rounding; the cells of Eq. 1 hold it together.
 _NEEDLE = 1e4
 _NEWTON_STEPS = 20
-# Triangles that a core takes on at once.
+# Triangles per task of a core.
 _PORTION = 512
 
 
 @njit(inline="always")
 def _larger_stretch(s1: float, s2: float) -> float:
     """Minimiser ``p >= 1`` of ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
-    # From here Newton goes straight to the root: the slope's own slope is positive on the way.
+    # From here Newton's method converges monotonically: the second derivative is positive on the way.
     p = max(s1, 1.0)
     for _ in range(_NEWTON_STEPS):
         q = 1.0 / p
         slope = p - s1 - (q - s2) * q * q
         step = slope / (1.0 + (3.0 * q - 2.0 * s2) * q * q * q)
         p -= step
-        # Convergence is quadratic: what is left of such a step is rounding.
+        # Convergence is quadratic: after such a step only rounding is left.
         if abs(step) < 1e-8 * p:
             break
     return p
@@ -48,14 +48,14 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
     """``T = shear R + area P``; return ``shear |D - R|^2 + area |D - P|^2``."""
     x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
     a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
-    # D^T D = m I + r [[c, s], [s, -c]], where (c, s) is the direction of the larger stretch, turned twice.
+    # D^T D = m I + r [[c, s], [s, -c]]; (c, s) is the larger stretch's direction at twice its angle.
     m, h = 0.5 * (a + d), 0.5 * (a - d)
     r = np.sqrt(h * h + b * b)
     s1 = np.sqrt(m + r)
     z0, z1, z2 = x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
     s2 = np.sqrt(z0 * z0 + z1 * z1 + z2 * z2) / s1 if s1 > 0.0 else 0.0
     if s2 <= 1e-12 * s1:
-        # Collapsed: there is no plane to open it into. Keeping it is a subgradient.
+        # Collapsed: there is no plane to open it into. Zero is a subgradient.
         for i in range(3):
             T[i, 0], T[i, 1] = (shear + area) * D[i, 0], (shear + area) * D[i, 1]
         return 0.0

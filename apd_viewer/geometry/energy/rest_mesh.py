@@ -19,7 +19,7 @@ from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
-# The area of a triangle this much smaller than the mean is nothing but rounding.
+# Triangle areas below this part of the mean are rounding.
 _SLIVER = 1e-9
 
 

@@ -24,7 +24,7 @@ from apd_viewer.geometry.mesh.operators import border_vertices, vertex_areas
 _RATIO = 2.5
 _MOST = 40_000
 FEWEST = 500
-# A vertex with next to no area around it, among needles, would outweigh the bends of all others.
+# A vertex with almost no area around it, among slivers, would outweigh the bending of all others.
 _SMALLEST_AREA = 1e-2
 
 
@@ -105,7 +105,7 @@ class SolveMesh:
     @cached_property
     def graph(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``start, neighbour, weight`` of the edges, for the kernels."""
-        # Without a sign numba need not ask of every one whether it counts from the end.
+        # Unsigned, so that numba need not check every index for wraparound.
         return self.W.indptr.astype(np.uint32), self.W.indices.astype(np.uint32), self.W.data
 
     def energy(self, U: np.ndarray) -> float:

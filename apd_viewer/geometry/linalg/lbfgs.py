@@ -27,7 +27,7 @@ class QuasiNewtonMemory:
     def __init__(self, count: int, length: int) -> None:
         self._steps = np.empty((length, count, 3))
         self._changes = np.empty((length, count, 3))
-        # steps . changes, by their places in the arrays.
+        # Inner products of steps and changes, by slot.
         self._products = np.empty((length, length))
         self._order: list[int] = []
 

@@ -15,7 +15,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# Rows that a core takes on at once.
+# Rows per task of a core.
 _PORTION = 2048
 
 

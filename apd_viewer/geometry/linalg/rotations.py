@@ -17,26 +17,26 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-# Matrices that are worked on at once: twice as many doubles as the widest registers hold, so that the one
-# half goes on while the other waits for a division.
+# Matrices side by side: twice as many doubles as the widest registers hold, so that one
+# half proceeds while the other waits for a division.
 LANES = 16
 # Of a lane: S, quaternion, square of half the last step.
 ROWS = 14
 _NEWTON_STEPS = 8
-# Half a step, squared. Steps shrink to their cubes: after one of 1e-5 the error is at rounding level.
+# Half a step, squared. Convergence is cubic: after a step of 1e-5 the error is at rounding level.
 _SHORT_STEP = 0.25e-10
 _UNCERTIFIED = -1.0
-# Below this the maximum is nearly ambiguous and Newton's linear systems lose their digits.
+# Below this the maximum is nearly ambiguous, and Newton's linear systems lose their digits.
 _POSITIVE = 1e-6
 _JACOBI_SWEEPS = 12
-# Jacobi sweeps converge quadratically too: what is left at this size cannot change a digit.
+# Jacobi sweeps converge quadratically too: off-diagonals of this size cannot change a digit.
 _JACOBI_DONE = 1e-20
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _newton_step(X: np.ndarray) -> None:
     """One Newton step on all lanes of ``X``; uncertified lanes are unchanged."""
-    # No branches, no calls, one flat array with constant distances: the compiler then does all lanes at once.
+    # No branches, no calls, one flat array with constant strides: the compiler vectorizes over lanes.
     for i in range(LANES):
         s00, s01, s02 = X[i], X[LANES + i], X[2 * LANES + i]
         s10, s11, s12 = X[3 * LANES + i], X[4 * LANES + i], X[5 * LANES + i]
@@ -69,7 +69,7 @@ def _newton_step(X: np.ndarray) -> None:
         d2 = m00 + m11 - l2 * h02 - l3 * l3 * d1
         certified = (d0 > floor) & (d1 > floor) & (d2 > floor)
 
-        # The rotation vector that solves H t = axial(M), by the Cayley map from the right.
+        # Solve H t = axial(M); apply the Cayley map of t from the right.
         t0 = m21 - m12
         t1 = m02 - m20 - l1 * t0
         t2 = m10 - m01 - l2 * t0 - l3 * t1

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     P = ParamSpec("P")
     R = TypeVar("R")
 
-# Below so many vertices a second core takes longer to wake than it saves.
+# Below this many vertices a second core takes longer to wake than it saves.
 _WORTH_WAKING = 8000
 _ONE_AT_A_TIME = threading.RLock()
 

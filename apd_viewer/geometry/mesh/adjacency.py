@@ -7,7 +7,7 @@ from numba import njit
 
 ALONE = -1  # an edge of one triangle
 CROWDED = -2  # an edge of more than two, or of a triangle that has a corner twice
-# Twice the area of a triangle that has none, against the squares of its edges.
+# Doubled area of a degenerate triangle, relative to its squared edges.
 _NO_AREA = 1e-9
 
 
@@ -93,7 +93,7 @@ def filled(F: np.ndarray, opposite: np.ndarray, U: np.ndarray, face: int, crease
     """
     reached, member = np.zeros(len(F), dtype=np.bool_), np.zeros(len(U), dtype=np.bool_)
     front, normals = np.empty(len(F), dtype=np.int32), np.empty((len(F), 3))
-    least = np.cos(min(crease, np.pi)) - 1e-12  # rounding makes no crease
+    least = np.cos(min(crease, np.pi)) - 1e-12  # rounding is no crease
     reached[face], front[0], head, count = True, face, 0, 1
     normals[face] = _normal(U, F, face)
     while head < count:

@@ -23,7 +23,7 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
     (n,) int array
         Equal for two vertices exactly if a path of edges joins them.
     """
-    # Not scipy's connected_components: it holds the interpreter, and with it a window, while it works.
+    # Not scipy's connected_components: it holds the interpreter lock, and so blocks the window.
     parent = np.arange(n)
     for t in range(F.shape[0]):
         for c in range(2):
@@ -33,6 +33,6 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
         if parent[v] == v:
             number[v] = count
             count += 1
-        else:  # towards a lower vertex, whose number is known
+        else:  # towards a lower vertex with a known label
             number[v] = number[parent[v]]
     return number

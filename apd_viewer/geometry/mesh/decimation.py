@@ -8,9 +8,9 @@ import fast_simplification
 import numpy as np
 from scipy.spatial import KDTree
 
-# Vertices of the thinned mesh that one of the full mesh goes with.
+# Coarse vertices per fine vertex in the prolongation.
 _NEAREST = 4
-# The two sides of a thin wall are as far apart as their normals say: so many edges.
+# Opposite sides of a thin wall count as this many edges apart, by their normals.
 _ACROSS = 2.0
 
 
@@ -49,7 +49,7 @@ def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.nd
         By the places of their corners among ``vertices``.
     """
     proper = F[(F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0])]
-    if len(proper) <= 2 * count:  # loose triangles: nothing to gain
+    if len(proper) <= 2 * count:  # disconnected triangles: nothing to gain
         vertices, T = np.unique(proper, return_inverse=True)
         return vertices, T.reshape(-1, 3)
     origin = V[proper[:, 0]].mean(axis=0)
@@ -57,7 +57,7 @@ def thinned(V: np.ndarray, F: np.ndarray, count: int) -> tuple[np.ndarray, np.nd
         (V - origin).astype(np.float32), proper.astype(np.int32), target_count=2 * count
     )
     used, triangles = np.unique(triangles, return_inverse=True)
-    # Back to the vertices themselves: what is held needs no interpolation then.
+    # Snap to vertices of the mesh: held ones then need no interpolation.
     nearest = KDTree(V - origin).query(points[used])[1]
     vertices, merged = np.unique(nearest, return_inverse=True)
     T = merged[triangles.reshape(-1, 3)]

@@ -10,7 +10,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.operators import odd_edges, volume
 
-# Of the cube of the diagonal: what is less is the rounding of a sheet that is flat.
+# Part of the diagonal's cube: a smaller volume is the rounding of a flat sheet.
 _FLAT = 1e-9
 
 

@@ -23,15 +23,15 @@ def cotangents(V: np.ndarray, F: np.ndarray) -> np.ndarray:
     return cot
 
 
-# Joins what the clamped weights leave unjoined, too weakly to be seen in the shape.
+# Connects vertices left unconnected by clamped weights, too weakly to be visible in the shape.
 _WEIGHT_FLOOR = 1e-6
 
 
-# Slivers: a weight this large is already rigid to eight digits; a larger one costs the others theirs.
+# Slivers: a weight this large is rigid to eight digits; a larger one would cost the others their digits.
 _STEEPEST = 1e8
 
 
-# Where cotangents are squared, half as many digits are left.
+# Squared cotangents leave half the digits.
 _NEEDLE = 1e4
 
 
@@ -65,7 +65,7 @@ def edge_weights(V: np.ndarray, F: np.ndarray) -> sp.csr_array:
     positive.eliminate_zeros()
     part = sp.csgraph.connected_components(positive, directed=False)[1]
     row = np.repeat(np.arange(n), np.diff(W.indptr))
-    # The median: the mean of a mesh with one needle is the needle's.
+    # The median: one sliver would dominate the mean.
     usual = np.median(positive.data) if positive.nnz else 1.0
     W.data[part[row] != part[W.indices]] = _WEIGHT_FLOOR * usual
     return W

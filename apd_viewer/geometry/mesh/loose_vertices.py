@@ -22,7 +22,7 @@ class UnreferencedVertices:
     def __init__(self, V: np.ndarray, F: np.ndarray, loose: np.ndarray) -> None:
         corners = V[F]
         frames = triangle_frames(corners)
-        good = np.flatnonzero(frames.any(axis=(1, 2)))  # nothing can be fastened to what has no sides
+        good = np.flatnonzero(frames.any(axis=(1, 2)))  # degenerate triangles have no frame to fasten to
         self._loose, self._V = loose, V
         self._corners = F[good[KDTree(corners[good].mean(axis=1)).query(V[loose])[1]]]
         at = V[self._corners]

@@ -10,7 +10,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Triangles that a core takes on at once.
+# Triangles per task of a core.
 _PORTION = 1024
 
 

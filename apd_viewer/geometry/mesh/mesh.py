@@ -55,7 +55,7 @@ class Mesh:
 
     def __post_init__(self) -> None:
         V, F = self.V, self.F
-        if self.origin is None:  # what is read from a file is as it should be, and nobody else has it
+        if self.origin is None:  # arrays read from a file are valid and unshared
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
         check_mesh(V, F)
         object.__setattr__(self, "V", frozen(V))

@@ -116,7 +116,7 @@ def odd_edges(F: np.ndarray, n: int) -> tuple[int, int, int]:
                 start[min(F[t, c], F[t, (c + 1) % 3]) + 1] += 1
     for v in range(n):
         start[v + 1] += start[v]
-    # By its lower end; where it is passed the other way round the upper end is told apart by its sign.
+    # Edges by their lower end; the sign of the upper end tells the direction.
     following, upper = start[:-1].copy(), np.empty(start[n], dtype=np.int64)
     for t in range(len(F)):
         if F[t, 0] != F[t, 1] and F[t, 1] != F[t, 2] and F[t, 2] != F[t, 0]:

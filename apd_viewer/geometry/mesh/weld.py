@@ -8,7 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 
-# Vertices at a border that lie closer than that, in diagonals of the bounding box, are joined.
+# Boundary vertices closer than this, in bounding-box diagonals, are welded.
 TOLERANCE = 1e-7
 
 

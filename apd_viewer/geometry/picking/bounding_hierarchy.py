@@ -9,11 +9,11 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 
-FAN = 8  # triangles in a box, boxes in a larger box
-FAN_BITS = 3  # of FAN
+FAN = 8  # triangles per box, boxes per larger box
+FAN_BITS = 3  # log2 of FAN
 _SLACK = 1e-8  # around a box, relative: rounding must not let a ray miss the triangles in it
 
-# Cells along the longest side of the mesh by which triangles are sorted, as a power of two.
+# log2 of the sorting cells along the longest side of the mesh.
 _CELL_BITS = 10
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-BLOCK = 128  # triangles in a box; neighbours in a file are mostly neighbours in space
-_SLACK = 1e-9  # rounding must not let a ray miss the box of a triangle that it meets
+BLOCK = 128  # triangles per box; neighbours in a file are mostly neighbours in space
+_SLACK = 1e-9  # margin: rounding must not let a ray miss the box of a triangle it hits
 
 
 @njit(cache=True, nogil=True)

@@ -174,7 +174,7 @@ def _drape(
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        # Rounded before they are summed up: sums in double precision would be rounded at every triangle.
+        # Rounded before summation: double-precision sums would be rounded at every triangle.
         nx, ny, nz = (
             np.float32(ay * bz - az * by),
             np.float32(az * bx - ax * bz),

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from apd_viewer.geometry.picking.vertex_paths import _walk
 
-# Smoothing changes nothing that is more rings away from the border.
+# Smoothing changes nothing beyond this many rings from the border.
 RINGS = 5
 _ROUNDING = 1e-9
 
@@ -81,7 +81,7 @@ def _settled(
         if abs(share[v] - 0.5) > _ROUNDING:
             out[v] = share[v] > 0.5
         share[v] = out[v]
-    # An even zigzag spreads to one half all along. Who asks its neighbours after the last one did settles it.
+    # A regular zigzag averages to one half everywhere: updating in place breaks the tie.
     for v in near:
         around = _mean_around(start, neighbour, U, share, v)
         if abs(around - 0.5) > _ROUNDING:
@@ -101,7 +101,7 @@ def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share:
     """Mean ``share`` of the neighbours of ``v``, weighted by inverse edge length."""
     total = weights = 0.0
     for e in range(start[v], start[v + 1]):
-        # A neighbour at the same place outweighs all others, and the sum stays finite.
+        # A coincident neighbour outweighs all others, and the sum stays finite.
         weight = 1.0 / max(_length(U, v, neighbour[e]), 1e-290)
         total += weight * share[neighbour[e]]
         weights += weight
@@ -139,7 +139,7 @@ def mirrored(
     reach = 0.5 * _mean_edge(start, neighbour, U, mine)
     low, high = images.min(axis=0) - reach.max(), images.max(axis=0) + reach.max()
     others = np.flatnonzero(named & ((low <= U) & (high >= U)).all(axis=1))
-    # Neither balanced nor compact: one question is too few to be worth it.
+    # Neither balanced nor compact: not worth it for a single query.
     tree = KDTree(U[others], balanced_tree=False, compact_nodes=False)
     distance, which = tree.query(images, workers=-1)
     out[others[which[distance <= reach]]] = True

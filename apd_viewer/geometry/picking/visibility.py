@@ -13,9 +13,9 @@ from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.picking.bounding_hierarchy import FAN, FAN_BITS, Boxes
 
 _EDGE = 1e-9  # beyond an edge: rounding must not let a ray pass between two neighbours
-# So near to a vertex, against its distance from the eye, nothing hides it.
+# Triangles this close to a vertex, relative to its distance from the eye, do not hide it.
 TOUCHING = 1e-6
-# A triangle is seen edge-on, and hides nothing, if it fills so little of the view.
+# A triangle covering less of the view than this is edge-on and hides nothing.
 _EDGE_ON = 1e-12
 
 
@@ -61,7 +61,7 @@ def _see(
         v = ids[i]
         dx, dy, dz = U[v, 0] - ox, U[v, 1] - oy, U[v, 2] - oz
         ix, iy, iz = _inverse(dx), _inverse(dy), _inverse(dz)
-        # Boxes are walked through without a stack: behind a box comes the largest that begins there.
+        # Stackless traversal: after a box comes the largest one starting behind it.
         b, size, hidden = 0, top, False
         while b < count and not hidden:
             k = level[size] + (b >> (FAN_BITS * size))

@@ -29,7 +29,7 @@ def edge_graph(V: np.ndarray, F: np.ndarray) -> Graph:
     low, high = np.minimum(a, b), np.maximum(a, b)
     key = np.unique((low * len(V) + high)[low != high])
     low, high = key // len(V), key % len(V)
-    # An edge of no length would be none to the search.
+    # The graph search ignores edges of zero length.
     length = np.maximum(np.linalg.norm(V[high] - V[low], axis=1), np.finfo(float).tiny)
     graph: Graph = coo_array((length, (low, high)), shape=(len(V), len(V))).tocsr()
     return graph

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# To what part of its value at rest an area or a volume that is asked for is met; the paper's method has a
-# tolerance.
+# Relative accuracy of area and volume targets; the paper's method has a
+# tolerance of its own.
 MET = 1e-9
 
 

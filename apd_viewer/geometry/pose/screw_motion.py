@@ -17,9 +17,9 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.transforms import decomposed, linear_about, shifted, turned_about
 from apd_viewer.language import tr
 
-# Radians. Nearer to half a turn than this, rounding decides which way round it goes.
+# Radians. Closer to half a turn than this, rounding decides the sense of rotation.
 _HALF_TURN = 1e-6
-# Of the largest stretch: what is smaller flattens what it moves.
+# Relative to the largest stretch: a smaller one flattens the object.
 _FLAT = 1e-9
 # Radians.
 _STRAIGHT = 1e-9
@@ -53,7 +53,7 @@ class ScrewPath(NamedTuple):
     def at(self, part: float) -> np.ndarray:
         """Pose (4, 4) at ``part`` of the path: 0 is rest, 1 the end."""
         stretch = linear_about(self.pivot, (self.directions * self.stretches**part) @ self.directions.T)
-        # The arc of the pivot. Where nothing turns it is straight, and its centre would be at infinity.
+        # The arc of the pivot; without rotation it is straight, its centre at infinity.
         half = self.angle / 2
         share = np.sin(part * half) / np.sin(half) if half > _STRAIGHT else part
         arc = share * turned_about(np.zeros(3), self.axis, (part - 1.0) * half)[:3, :3] @ self.across

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
-# Of the coordinates: the difference of two centres that are nearer is rounding, and so is its direction.
+# Relative to the coordinates: for closer centres the direction between them is rounding.
 _APART = 1e-12
 
 
@@ -82,7 +82,7 @@ def decomposed(pose: np.ndarray, centre: npt.ArrayLike) -> RigidMotion:
     w, *xyz = _quaternion(R)
     half = np.array(xyz)
     axis = _direction(half) if half.any() else np.array([0.0, 0.0, 1.0])
-    # (R - I) c is small where little turns; R c is not, and its rounding would be shown as a displacement.
+    # (R - I) c is small for small angles; R c is not, and its rounding would show as a displacement.
     displacement = (R - np.eye(3)) @ start + pose[:3, 3]
     return RigidMotion(displacement, axis, float(2.0 * np.arctan2(half @ axis, w)))
 

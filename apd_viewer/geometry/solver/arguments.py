@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.pose.constraints import Soft
 
 
-# What vertices are named for: what they are called as an array, and what is said where one is not there.
+# Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
     "held": (tr("The held vertices"), tr("A held vertex does not exist: ids run from 0 to {last:,}.")),
     "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids run from 0 to {last:,}.")),

@@ -23,7 +23,7 @@ from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import Level
 
-# A held vertex so many coarse edges away from any that the coarse mesh holds needs one of its own.
+# A held vertex this many coarse edges from all held coarse vertices gets one of its own.
 _UNHEARD = 1.5
 
 
@@ -191,7 +191,7 @@ def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
         w = x = y = z = 0.0
         for k in range(near.shape[1]):
             j, share = near[i, k], weight[i, k]
-            # q and -q are one rotation: that on the side of the first counts.
+            # q and -q are one rotation: take the sign of the first.
             f = near[i, 0]
             side = q[f, 0] * q[j, 0] + q[f, 1] * q[j, 1] + q[f, 2] * q[j, 2] + q[f, 3] * q[j, 3]
             share = share if side >= 0.0 else -share

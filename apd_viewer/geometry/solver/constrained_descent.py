@@ -22,12 +22,12 @@ from apd_viewer.geometry.solver.goal_projection import MET, Projection
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 
-# The directions y age as the shape turns: made anew after so many iterations.
+# The directions y become outdated as the shape rotates: recomputed after this many iterations.
 _REFRESH = 100
-# The gradients lag up to so many iterations behind, unless the pressure of the multipliers is above _CALM.
+# Gradients are reused for this many iterations, unless the pressure of the multipliers is above _CALM.
 _LAG = 8
 _CALM = 0.1
-# They lag one behind in any case: beyond this pressure a whole step would overshoot.
+# They are one iteration old in any case: above this pressure a full step would overshoot.
 _STEADY = 0.5
 # What it takes to meet the goals far from rest says little about the end; and the multipliers of goals that
 # nearly contradict each other would grow without bound.
@@ -223,7 +223,7 @@ class ConstrainedDescent:
             self._projection.evaluate(self.elastic.U)
 
 
-# Kernels, small as they are: every iteration needs them.
+# Kernels although small: every iteration needs them.
 
 
 @njit(cache=True, nogil=True)

@@ -21,7 +21,7 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.language import tr
 
-# Wrinkles of fine meshes can creep on for ever; a run without a given count ends here, unconverged.
+# Wrinkles of fine meshes can creep on indefinitely; a run without a given count ends here, unconverged.
 MOST_ITERATIONS = 10_000
 
 

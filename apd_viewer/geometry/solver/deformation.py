@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 
 # Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
-# all those to come together will move none by more than _REMAINING, guessed from how fast the steps
+# the remaining ones together will move none by more than _REMAINING, extrapolated from how fast the steps
 # have become shorter over the last _MEMORY iterations. Wrinkles of fine meshes creep on with ever
-# smaller steps for thousands of iterations: below _CREEP nobody would see them go.
+# smaller steps for thousands of iterations: below _CREEP they are invisible.
 _STILL = 1e-5
 _REMAINING = 1e-3
 _MEMORY = 10
@@ -306,7 +306,7 @@ class Deformation:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
         spread = self.rest.spread(U, self._solve_ids)
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            spread[self.fixed] = self._targets  # what is joined with a tolerance is held without
+            spread[self.fixed] = self._targets  # vertices welded with a tolerance are held exactly
         return spread
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
@@ -345,7 +345,7 @@ class Deformation:
     @property
     def missed(self) -> str | None:
         """Goals not met by the last frame, and their values; None if all are met."""
-        # Li & Hui's method comes nearer round by round: that it is not there yet is no news.
+        # Li & Hui's method approaches the target round by round: a miss in between is no failure.
         if self._traits.has_tolerance:
             return None
         missed = [

@@ -14,14 +14,14 @@ from numba import njit
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.solver.goals import Goal
 
-# Relative to the value at rest; one order better than is promised.
+# Relative to the value at rest; ten times better than promised.
 MET = 1e-10
 _NEWTON_STEPS = 8
-# By how much of itself a miss, relative to the value at rest, changes the slopes: about 1, measured.
+# Relative change of the slopes by a relative miss: about 1, measured.
 _CURVED = 4.0
-# A step that brought less than this part of what it should have, or the contrary, teaches nothing.
+# A step with less than this part of its expected change, or the opposite sign, is not learned from.
 _PLAUSIBLE = 0.1
-# Directions are made anew once a goal has to go so much farther along its own as at first.
+# Directions are recomputed once a goal needs steps so many times longer than at first.
 _FADED = 2.0
 
 
@@ -96,13 +96,13 @@ class Projection:
             y[free] = self._elastic.solve(g[free])
         slopes = self._slopes()
         movable = np.flatnonzero(np.diag(slopes) > 0.0)
-        # A goal that depends on nothing that is free cannot be moved, and is not waited for.
+        # A goal without free vertices cannot change, and is not waited for.
         self._reach = np.full(len(self.goals), np.inf)
         self._reach[movable] = self._unit[movable]
         scale = np.sqrt(np.diag(slopes)[movable])
         scales, block = np.outer(scale, scale), np.ix_(movable, movable)
         self._inverse = self._inverse_at_first = np.zeros_like(slopes)
-        # Goals that ask for the same are met as well as they can be.
+        # Dependent goals are met in the sense of least squares.
         self._inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
 
     def _slopes(self) -> np.ndarray:

@@ -15,9 +15,9 @@ from apd_viewer.geometry.mesh.measures import Patch
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.language import tr
 
-# Beyond these a target is a slip of the hand.
+# Targets beyond these are typing errors.
 _LEAST, _MOST = 1.0, 1000.0
-# For the names of goals; those of regions are the user's.
+# Names of the goals; those of regions are the user's.
 _WORDS = {"the area": tr("the area"), "the volume": tr("the volume")}
 
 
@@ -94,7 +94,7 @@ class Goal:
     def shortfall(self, value: float) -> str:
         """Sentence about a value short of the target."""
         reached, wanted = 100.0 * value / self.rest, 100.0 * self.target / self.rest
-        # With as many digits as it takes to see that they differ.
+        # With enough digits to show the difference.
         digits = next((d for d in range(4, 17) if f"{reached:.{d}g}" != f"{wanted:.{d}g}"), 17)
         return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
             name=_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted

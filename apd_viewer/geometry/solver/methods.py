@@ -129,7 +129,7 @@ METHODS = {
         plain_only=True,
     ),
 }
-# Those that the window offers and studies compare, from the one that keeps least of the area.
+# Methods offered by the window and compared in studies, in the order of their area error.
 OFFERED = ("arap", "paper", "exact", "local")
 
 

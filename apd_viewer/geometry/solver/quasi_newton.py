@@ -16,7 +16,7 @@ from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 from apd_viewer.geometry.solver.goal_projection import Projection
 
 _REMEMBERED = 5
-# What a step must bring of what its slope promises [Armijo 1966].
+# Least part of the decrease predicted by the slope [Armijo 1966].
 _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
 

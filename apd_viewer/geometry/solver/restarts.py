@@ -23,7 +23,7 @@ _GAIN = 1e-3
 _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
-# Coarse shapes that differ by no more than that of their size are the same: there is nothing to be led to.
+# Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
 
@@ -125,7 +125,7 @@ class Restarts:
         inner = self._inner
         inner.step()
         energy = self.elastic.energy if self._on_trial else np.inf
-        # Once it is shown it stays: to and fro would flicker.
+        # Once shown it stays: switching back would flicker.
         self._on_trial = self._on_trial and not energy < (1.0 - _GAIN) * self._best[0]
         if self._on_trial and (inner.stuck or self._leads_nowhere or self._fails(energy)):
             self._end_trial()
