@@ -8,108 +8,16 @@ the number before it, and ``10mm/5mm`` is 2; but ``1/2 in`` is half an inch.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.quantities.expression_reader import ExpressionReader
+from apd_viewer.session.quantities.quantity import BARE
+from apd_viewer.session.quantities.tokens import SPELLINGS, tokens_of
 from apd_viewer.session.quantities.units import Unit
 
 MOST_CHARACTERS = 200
-# Deeper than anyone nests, and far from Python's own limit.
-_MOST_NESTED = 30
-_SPELLINGS = str.maketrans(
-    dict.fromkeys("−–‐‑", "-")
-    | dict.fromkeys("×·⋅∙∗", "*")
-    | dict.fromkeys("÷∕⁄", "/")
-    | dict.fromkeys("µμ", "u")
-    | {"²": "^2 ", "³": "^3 ", "°": " deg ", "π": " pi "}
-)
-_TOKEN = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[^\W\d_]\w*|\*\*|[-+*/^%(),]"
-_AMONG_ARGUMENTS = re.compile(rf"\s*({_TOKEN})")
-_ELSEWHERE = re.compile(rf"\s*([0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?|{_TOKEN})")
-# Half the world reads a thousand and more.
-_THOUSANDS = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
-
-_MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
-_DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}
-_OF_ANGLES: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.cos, "tan": math.tan}
-_TO_ANGLES: dict[str, Callable[[float], float]] = {"asin": math.asin, "acos": math.acos, "atan": math.atan}
-_OF_MANY: dict[str, Callable[..., float]] = {"min": min, "max": max}
-_FUNCTIONS = ("sqrt", *_OF_ANGLES, *_TO_ANGLES, "abs", *_OF_MANY)
-# Beyond a right angle by no more than its rounding.
-_NO_COSINE = 1e-15
-
-_BARE = (0.0, 0.0)
-_KINDS = {
-    _BARE: tr("a number"),
-    (1.0, 0.0): tr("a length"),
-    (2.0, 0.0): tr("an area"),
-    (3.0, 0.0): tr("a volume"),
-    (0.0, 1.0): tr("an angle"),
-}
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A finite number with its powers of length (mesh units) and of angle (degrees)."""
-
-    value: float
-    length: float = 0.0
-    angle: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not math.isfinite(self.value):
-            raise InputError(tr("The result is too large; enter smaller numbers."))
-
-    @property
-    def powers(self) -> tuple[float, float]:
-        """The powers of length and angle: thrice a third is one."""
-        return round(self.length, 9), round(self.angle, 9)
-
-    @property
-    def kind(self) -> str:
-        """Its kind, in words."""
-        return _KINDS.get(self.powers, tr("a product of lengths and angles"))
-
-    def beside(self, other: Quantity) -> Quantity:
-        """Itself in the kind of ``other``, if it is a bare number."""
-        if self.powers == _BARE:
-            return replace(other, value=self.value)
-        if other.powers in (_BARE, self.powers):
-            return self
-        raise InputError(
-            tr("This adds or compares {kind} and {other}; use one kind for both.").format(
-                kind=self.kind, other=other.kind
-            )
-        )
-
-    def __add__(self, other: Quantity) -> Quantity:
-        return replace(self.beside(other), value=self.value + other.value)
-
-    def __mul__(self, other: Quantity) -> Quantity:
-        return Quantity(self.value * other.value, self.length + other.length, self.angle + other.angle)
-
-    def __truediv__(self, other: Quantity) -> Quantity:
-        if other.value == 0.0:
-            raise InputError(tr("This divides by zero; enter another divisor."))
-        return Quantity(self.value / other.value, self.length - other.length, self.angle - other.angle)
-
-    def __pow__(self, other: Quantity) -> Quantity:
-        if other.powers != _BARE:
-            raise InputError(tr("An exponent cannot be {kind}; enter a number.").format(kind=other.kind))
-        try:
-            value = self.value**other.value
-        except ZeroDivisionError:
-            raise InputError(
-                tr("This divides by zero: 0 has no negative power; enter another exponent.")
-            ) from None
-        except OverflowError:
-            value = math.inf
-        if isinstance(value, complex):
-            raise InputError(tr("A negative number has no such root; enter a positive one."))
-        return Quantity(value, self.length * other.value, self.angle * other.value)
 
 
 def length(text: str, unit: Unit, names: Mapping[str, float]) -> float:
@@ -138,255 +46,20 @@ def angle(text: str, names: Mapping[str, float]) -> float:
 
 def number(text: str, names: Mapping[str, float]) -> float:
     """Dimensionless number. Otherwise as :func:`length`."""
-    return _said(text, names, None, _BARE, tr("a number such as 0.5"))
+    return _said(text, names, None, BARE, tr("a number such as 0.5"))
 
 
 def _said(
     text: str, names: Mapping[str, float], unit: Unit | None, powers: tuple[float, float], wanted: str
 ) -> float:
-    text = text.translate(_SPELLINGS).strip()
+    text = text.translate(SPELLINGS).strip()
     if not text:
         raise InputError(tr("Nothing was entered; enter {wanted}.").format(wanted=wanted))
     if len(text) > MOST_CHARACTERS:
         raise InputError(
             tr("The entry is too long; enter at most {most} characters.").format(most=MOST_CHARACTERS)
         )
-    said = _Reader(_tokens(text), names, unit).whole()
-    if said.powers not in (_BARE, powers):
+    said = ExpressionReader(tokens_of(text), names, unit).whole()
+    if said.powers not in (BARE, powers):
         raise InputError(tr("This is {kind}; enter {wanted}.").format(kind=said.kind, wanted=wanted))
     return said.value
-
-
-def _tokens(text: str) -> list[str]:
-    tokens: list[str] = []
-    # Of each parenthesis that is open, whether commas part arguments in it; elsewhere they are decimal.
-    lists = [False]
-    at = 0
-    while at < len(text):
-        found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
-        if not found:
-            raise InputError(
-                tr("{text} is not allowed here; remove it.").format(text=_quoted(text[at:].lstrip()[0]))
-            )
-        token, at = found[1], found.end()
-        if token == "(":
-            lists.append(tokens[-1:] != [] and tokens[-1] in _OF_MANY)
-        elif token == ")" and len(lists) > 1:
-            lists.pop()
-        tokens.append(token)
-    return tokens
-
-
-class _Reader:
-    """Recursive-descent parser of the tokens."""
-
-    def __init__(self, tokens: list[str], names: Mapping[str, float], unit: Unit | None) -> None:
-        self._left = tokens[::-1]
-        self._names = names
-        self._unit = unit
-        self._nested = 0
-
-    def whole(self) -> Quantity:
-        """Value of all tokens."""
-        said = self._sum()
-        if self._token:
-            raise self._misplaced()
-        return said
-
-    @property
-    def _token(self) -> str:
-        """The next token; empty at the end."""
-        return self._left[-1] if self._left else ""
-
-    def _take(self) -> str:
-        return self._left.pop() if self._left else ""
-
-    def _sum(self) -> Quantity:
-        total = self._product()
-        while self._token in ("+", "-"):
-            sign = Quantity(1.0 if self._take() == "+" else -1.0)
-            total += sign * self._product()
-        return total
-
-    def _product(self) -> Quantity:
-        product = self._signed() * self._unit_behind()
-        while self._token in ("*", "/", "(") or self._token[:1].isalpha():
-            divides = self._token == "/"
-            if self._token in ("*", "/"):
-                self._take()
-            factor, unit = self._signed(), self._unit_behind()
-            if not divides:
-                product *= factor * unit
-            elif product.powers == _BARE:
-                product = product / factor * unit
-            else:
-                product /= factor * unit
-        return product
-
-    def _signed(self) -> Quantity:
-        self._nested += 1
-        if self._nested > _MOST_NESTED:
-            raise InputError(tr("Too many nested parentheses; use fewer."))
-        sign = 1.0
-        while self._token in ("+", "-"):
-            sign *= 1.0 if self._take() == "+" else -1.0
-        power = self._raised(self._single())
-        self._nested -= 1
-        return Quantity(sign) * power
-
-    def _raised(self, root: Quantity) -> Quantity:
-        if self._token not in ("^", "**"):
-            return root
-        self._take()
-        return root ** self._signed()
-
-    def _single(self) -> Quantity:
-        if self._token == "(":
-            self._take()
-            value = self._sum()
-            self._close()
-        elif _is_number(self._token):
-            value = _number(self._take())
-        elif self._token in _FUNCTIONS and self._token not in self._names:
-            value = _called(self._take(), self._arguments())
-        elif self._token[:1].isalpha():
-            value = self._named(self._take())
-        else:
-            raise self._misplaced()
-        while self._token == "%":
-            self._take()
-            value /= Quantity(100.0)
-        return value
-
-    def _arguments(self) -> list[Quantity]:
-        if self._take() != "(":
-            raise InputError(tr("A function needs parentheses, as in sqrt(2)."))
-        values = [self._sum()]
-        while self._token == ",":
-            self._take()
-            values.append(self._sum())
-        self._close()
-        return values
-
-    def _close(self) -> None:
-        if self._token and self._token != ")":
-            raise self._misplaced()
-        if not self._take():
-            raise InputError(tr("A parenthesis is not closed; close it."))
-
-    def _unit_behind(self) -> Quantity:
-        """The unit behind a number; 1 if there is none."""
-        if self._token in self._names or self._token not in (*_MICROMETRES, *_DEGREES):
-            return Quantity(1.0)
-        return self._raised(self._named(self._take()))
-
-    def _named(self, word: str) -> Quantity:
-        if word in self._names:
-            return Quantity(self._names[word], length=1.0)
-        if word == "pi":
-            return Quantity(math.pi)
-        if word in _DEGREES:
-            return Quantity(_DEGREES[word], angle=1.0)
-        if word in _MICROMETRES:
-            return self._unit_of_length(word)
-        raise InputError(
-            tr(
-                "{text} is unknown; use {names}, a unit such as mm or deg, or a function such as sqrt."
-            ).format(text=_quoted(word), names=", ".join([*self._names, "pi"]))
-        )
-
-    def _unit_of_length(self, word: str) -> Quantity:
-        if self._unit is None:
-            raise InputError(
-                tr("{text} is a unit of length, which is not allowed here; remove it.").format(
-                    text=_quoted(word)
-                )
-            )
-        if self._unit is Unit.NONE:
-            raise InputError(
-                tr("The unit of the mesh is not set; choose it before entering a length in {word}.").format(
-                    word=word
-                )
-            )
-        return Quantity(_MICROMETRES[word] / _MICROMETRES[self._unit.value], length=1.0)
-
-    def _misplaced(self) -> InputError:
-        if not self._token:
-            return InputError(tr("The expression is incomplete; complete it."))
-        if _is_number(self._token):
-            return InputError(
-                tr("An operator is missing before {text}; enter one such as * or +.").format(
-                    text=_quoted(self._token)
-                )
-            )
-        return InputError(
-            tr("{text} is not expected here; remove it or complete the expression.").format(
-                text=_quoted(self._token)
-            )
-        )
-
-
-def _is_number(token: str) -> bool:
-    return token[:1].isdecimal() or token[:1] == "."
-
-
-def _number(token: str) -> Quantity:
-    point = token.replace(",", ".")
-    if _THOUSANDS.fullmatch(token):
-        raise InputError(
-            tr("“{token}” could mean {point} or {other}; enter it without the comma.").format(
-                token=token, point=point, other=token.replace(",", "")
-            )
-        )
-    return Quantity(float(point))
-
-
-def _called(name: str, values: list[Quantity]) -> Quantity:
-    """Value of a named function."""
-    first = values[0]
-    if name in _OF_MANY:
-        for value in values:
-            first = first.beside(value)
-        return replace(first, value=_OF_MANY[name](value.value for value in values))
-    if len(values) != 1:
-        raise InputError(
-            tr("{name} takes one value, not {n}, as in {name}(1).").format(name=name, n=len(values))
-        )
-    if name == "abs":
-        return replace(first, value=abs(first.value))
-    if name == "sqrt":
-        return first ** Quantity(0.5)
-    return _of_angle(name, first) if name in _OF_ANGLES else _to_angle(name, first)
-
-
-def _of_angle(name: str, value: Quantity) -> Quantity:
-    if value.powers not in (_BARE, (0.0, 1.0)):
-        raise InputError(
-            tr("{name} does not accept {kind}; enter an angle, as in {name}(30deg).").format(
-                name=name, kind=value.kind
-            )
-        )
-    turn = math.radians(value.value)
-    if name == "tan" and abs(math.cos(turn)) < _NO_COSINE:
-        raise InputError(tr("The tangent of a right angle is infinite; enter another angle."))
-    return Quantity(_OF_ANGLES[name](turn))
-
-
-def _to_angle(name: str, value: Quantity) -> Quantity:
-    if value.powers != _BARE:
-        raise InputError(
-            tr("{name} does not accept {kind}; enter a number, as in {name}(0.5).").format(
-                name=name, kind=value.kind
-            )
-        )
-    if name != "atan" and abs(value.value) > 1.0:
-        raise InputError(
-            tr("{name} accepts only numbers from -1 to 1; enter one of these.").format(name=name)
-        )
-    return Quantity(math.degrees(_TO_ANGLES[name](value.value)), angle=1.0)
-
-
-def _quoted(said: str) -> str:
-    """Typed text for a sentence: shortened, invisible characters as codes."""
-    short = said if len(said) <= 20 else f"{said[:19]}…"
-    return f"“{short}”" if short.isprintable() else tr("The character U+{code:04X}").format(code=ord(said[0]))

@@ -1,0 +1,52 @@
+"""Tokens of an expression."""
+
+from __future__ import annotations
+
+import re
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.functions import OF_MANY
+
+SPELLINGS = str.maketrans(
+    dict.fromkeys("−–‐‑", "-")
+    | dict.fromkeys("×·⋅∙∗", "*")
+    | dict.fromkeys("÷∕⁄", "/")
+    | dict.fromkeys("µμ", "u")
+    | {"²": "^2 ", "³": "^3 ", "°": " deg ", "π": " pi "}
+)
+_TOKEN = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[^\W\d_]\w*|\*\*|[-+*/^%(),]"
+_AMONG_ARGUMENTS = re.compile(rf"\s*({_TOKEN})")
+_ELSEWHERE = re.compile(rf"\s*([0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?|{_TOKEN})")
+
+
+def tokens_of(text: str) -> list[str]:
+    """Tokens of a text, left to right; raises InputError."""
+    tokens: list[str] = []
+    # Of each parenthesis that is open, whether commas part arguments in it; elsewhere they are decimal.
+    lists = [False]
+    at = 0
+    while at < len(text):
+        found = (_AMONG_ARGUMENTS if lists[-1] else _ELSEWHERE).match(text, at)
+        if not found:
+            raise InputError(
+                tr("{text} is not allowed here; remove it.").format(text=quoted(text[at:].lstrip()[0]))
+            )
+        token, at = found[1], found.end()
+        if token == "(":
+            lists.append(tokens[-1:] != [] and tokens[-1] in OF_MANY)
+        elif token == ")" and len(lists) > 1:
+            lists.pop()
+        tokens.append(token)
+    return tokens
+
+
+def is_number(token: str) -> bool:
+    """True if a token begins like a number."""
+    return token[:1].isdecimal() or token[:1] == "."
+
+
+def quoted(said: str) -> str:
+    """Typed text for a sentence: shortened, invisible characters as codes."""
+    short = said if len(said) <= 20 else f"{said[:19]}…"
+    return f"“{short}”" if short.isprintable() else tr("The character U+{code:04X}").format(code=ord(said[0]))
