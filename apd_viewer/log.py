@@ -11,7 +11,6 @@ import faulthandler
 import logging
 import os
 import platform
-import re
 import sys
 import threading
 import warnings
@@ -25,6 +24,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 import platformdirs
 
 from apd_viewer.errors import InputError
+from apd_viewer.redaction import redacted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -45,11 +45,6 @@ _LIBRARIES = (
     "scipy",
     "numba",
     "cholespy",
-)
-# Absolute paths, also below the user's home folder: quoted as Python quotes them, or without spaces.
-_PATH = re.compile(
-    r"""(?P<quote>["'])(?P<quoted>(?:[A-Za-z]:|~)?[\\/][^"'\n]*)(?P=quote)"""
-    r"""|(?<![\w.:/\\])(?P<bare>(?:[A-Za-z]:[\\/]|~[\\/]|[\\/](?=[^\s\\/"']+[\\/]))[^\s"']*)"""
 )
 
 
@@ -100,29 +95,6 @@ def versions() -> list[str]:
         with suppress(PackageNotFoundError):
             lines.append(f"{name} {version(name)}")
     return lines
-
-
-def redacted(text: str) -> str:
-    """Reduce the paths in a text to their last names, those of modules to their place."""
-    home = str(Path.home())
-    if len(home) > len(Path.home().anchor):
-        for spelling in (home.replace("\\", "\\\\"), home):
-            text = text.replace(spelling, "~")
-    roots = sorted({_below_home(root, home) for root in sys.path if Path(root).is_absolute()}, key=len)
-    return _PATH.sub(lambda match: _shortened(match, roots[::-1]), text)
-
-
-def _below_home(path: str, home: str) -> str:
-    return path.replace(home, "~", 1) if path.startswith(home) else path
-
-
-def _shortened(match: re.Match[str], roots: list[str]) -> str:
-    quote, path = match["quote"] or "", match["quoted"] or match["bare"]
-    name = re.split(r"[\\/]+", path.rstrip("\\/"))[-1]
-    if name.endswith(".py"):
-        root = next((root for root in roots if path.startswith(root)), path.removesuffix(name))
-        name = path[len(root) :].lstrip("\\/")
-    return f"{quote}{name}{quote}"
 
 
 class _Redacting(logging.Formatter):

@@ -52,6 +52,7 @@ ROOMS = [
     "geometry/mesh",
     "geometry/linalg",
     "log",
+    "redaction",
     "language",
     "errors",
 ]
@@ -70,6 +71,7 @@ LIBRARIES = {
     "files": {"numpy", "trimesh"},
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk"},
     "log": {"platformdirs"},
+    "redaction": set(),
     "errors": set(),
     "language": set(),
 }

@@ -13,6 +13,7 @@ import pytest
 
 from apd_viewer import log
 from apd_viewer.__main__ import main
+from apd_viewer.redaction import redacted
 
 ROOT = Path(__file__).parents[1]
 LOGGER = logging.getLogger("apd_viewer.test")
@@ -225,7 +226,7 @@ HOME = Path.home()
     ],
 )
 def test_a_path_is_reduced_to_its_name(said, kept):
-    assert log.redacted(said) == kept
+    assert redacted(said) == kept
 
 
 def test_the_log_names_no_folder(folder, tmp_path):

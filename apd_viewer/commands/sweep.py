@@ -31,7 +31,8 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, sweep_of, twist_of
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
+from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
 
 if TYPE_CHECKING:
     import argparse

@@ -11,15 +11,20 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit, prange
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.linalg.quaternions import turned
-from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.solver.coarse_interpolation import (
+    blended,
+    carried,
+    difference,
+    gathered,
+    interpolated,
+)
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import Level
 
@@ -109,31 +114,31 @@ class CoarseLevel:
 
     def turns(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
-        turns = _blended(self._turned(), self._near, self._weight)
+        turns = blended(self._turned(), self._near, self._weight)
         self._set_reference()
         return turns
 
     def carried(self, U: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) of the last :meth:`turns`, moved along since then."""
         moved = self._elastic.U - self._reference[1]
-        return _carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
+        return carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
 
     def give_way(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        forces = _gathered(b, self._free, self._near, self._weight, len(self.vertices))
+        forces = gathered(b, self._free, self._near, self._weight, len(self.vertices))
         own = self._elastic.free
         given = np.zeros_like(forces)
         given[own] = self._elastic.solve(forces[own])
-        return _spread(given, self._free, self._near, self._weight)
+        return interpolated(given, self._free, self._near, self._weight)
 
     def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
 
     def _turned(self) -> np.ndarray:
-        return _difference(self._elastic.q, self._reference[0])
+        return difference(self._elastic.q, self._reference[0])
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """The goals for the coarse surface: the same percentages of its rest values."""
@@ -167,87 +172,3 @@ def _with_held(rest: SolveMesh, thinning: Thinning, fixed: np.ndarray) -> np.nda
         lonely = fixed[farthest]
         others = np.flatnonzero(~np.isin(vertices, fixed) & (rest.piece[vertices] == rest.piece[lonely]))
         vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely
-
-
-def _difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """``q`` times the inverse of ``reference``, both (c, 4) unit quaternions."""
-    w, x, y, z = q.T
-    a, b, c, d = reference[:, 0], -reference[:, 1], -reference[:, 2], -reference[:, 3]
-    return np.column_stack(
-        [
-            w * a - x * b - y * c - z * d,
-            w * b + x * a + y * d - z * c,
-            w * c - x * d + y * a + z * b,
-            w * d + x * c - y * b + z * a,
-        ]
-    )
-
-
-@parallel()
-def _blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Weighted mean quaternions (n, 4) of ``q`` (c, 4) by ``near`` and ``weight``."""
-    out = np.empty((len(near), 4))
-    for i in prange(len(near)):
-        w = x = y = z = 0.0
-        for k in range(near.shape[1]):
-            j, share = near[i, k], weight[i, k]
-            # q and -q are one rotation: take the sign of the first.
-            f = near[i, 0]
-            side = q[f, 0] * q[j, 0] + q[f, 1] * q[j, 1] + q[f, 2] * q[j, 2] + q[f, 3] * q[j, 3]
-            share = share if side >= 0.0 else -share
-            w += share * q[j, 0]
-            x += share * q[j, 1]
-            y += share * q[j, 2]
-            z += share * q[j, 3]
-        length = np.sqrt(w * w + x * x + y * y + z * z)
-        if length > 0.0:
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = w / length, x / length, y / length, z / length
-        else:
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = 1.0, 0.0, 0.0, 0.0
-    return out
-
-
-@parallel()
-def _carried(
-    U: np.ndarray, near: np.ndarray, weight: np.ndarray, q: np.ndarray, X: np.ndarray, D: np.ndarray
-) -> np.ndarray:
-    """Skinned ``u_i + sum_k w_ik (R_k (u_i - x_k) - (u_i - x_k) + d_k)``, (n, 3)."""
-    out = np.empty_like(U)
-    for i in prange(len(U)):
-        x = y = z = 0.0
-        for k in range(near.shape[1]):
-            j, share = near[i, k], weight[i, k]
-            a, b, c = U[i, 0] - X[j, 0], U[i, 1] - X[j, 1], U[i, 2] - X[j, 2]
-            u, v, w = turned(q, j, a, b, c)
-            x += share * (u - a + D[j, 0])
-            y += share * (v - b + D[j, 1])
-            z += share * (w - c + D[j, 2])
-        out[i, 0], out[i, 1], out[i, 2] = U[i, 0] + x, U[i, 1] + y, U[i, 2] + z
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _gathered(b: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray, c: int) -> np.ndarray:
-    """``P^T b`` (c, 3) for ``b`` (f, 3) and the ``rows`` (f,) of P."""
-    out = np.zeros((c, 3))
-    for f in range(len(rows)):
-        for k in range(near.shape[1]):
-            j, share = near[rows[f], k], weight[rows[f], k]
-            for axis in range(3):
-                out[j, axis] += share * b[f, axis]
-    return out
-
-
-@parallel()
-def _spread(X: np.ndarray, rows: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """``P X``, (f, 3), for ``X`` (c, 3) and the same."""
-    out = np.empty((len(rows), 3))
-    for f in prange(len(rows)):
-        x = y = z = 0.0
-        for k in range(near.shape[1]):
-            j, share = near[rows[f], k], weight[rows[f], k]
-            x += share * X[j, 0]
-            y += share * X[j, 1]
-            z += share * X[j, 2]
-        out[f, 0], out[f, 1], out[f, 2] = x, y, z
-    return out

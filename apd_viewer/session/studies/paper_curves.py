@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import shifted
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.studies.sweep import sweep_of
+from apd_viewer.session.studies.sweep_setup import sweep_of
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QFont, QImage, QPainter
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing.plot_export import write_picture
 from apd_viewer.ui.overlays.scale_bar import colors_along
-from apd_viewer.ui.plots.chart import tabular
+from apd_viewer.ui.plots.chart_drawing import tabular
 from apd_viewer.ui.widgets.theme import LIGHT
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.language import tr
-from apd_viewer.ui.plots.chart import tabular
+from apd_viewer.ui.plots.chart_drawing import tabular
 
 if TYPE_CHECKING:
     from apd_viewer.presentation.method_readings import Column, Readings

@@ -30,7 +30,8 @@ from apd_viewer.session.model.memo import triangle_areas
 from apd_viewer.session.model.trace import COLUMNS
 from apd_viewer.ui.filing.plot_export import ask_where, write_picture
 from apd_viewer.ui.plots import reading_charts
-from apd_viewer.ui.plots.chart import Chart, draw_chart
+from apd_viewer.ui.plots.chart import Chart
+from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 

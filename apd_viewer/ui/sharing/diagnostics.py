@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from apd_viewer import log
+from apd_viewer.redaction import redacted
 
 _LINES = 100  # of the log
 
@@ -42,5 +43,5 @@ def _last_crash() -> list[str]:
 
 def _lines(path: Path) -> list[str]:
     with suppress(OSError):
-        return log.redacted(path.read_text(encoding="utf-8", errors="replace")).splitlines()
+        return redacted(path.read_text(encoding="utf-8", errors="replace")).splitlines()
     return []

@@ -29,7 +29,7 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.plot_export import svg_of
 from apd_viewer.ui.plots import reading_charts
-from apd_viewer.ui.plots.chart import draw_chart
+from apd_viewer.ui.plots.chart_drawing import draw_chart
 from apd_viewer.ui.scene.offscreen_scene import Studio
 from apd_viewer.ui.sharing.diagnostics import diagnostics
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog

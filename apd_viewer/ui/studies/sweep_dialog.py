@@ -21,7 +21,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, MOST_STEPS, sweep_of, twist_of
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
+from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of, twist_of
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
 from apd_viewer.ui.widgets.figure_list import FigureView

@@ -8,7 +8,8 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.measures import area_of
-from apd_viewer.geometry.solver.coarse_level import CoarseLevel, _blended, _difference
+from apd_viewer.geometry.solver.coarse_interpolation import blended, difference
+from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region, make_goals
@@ -97,15 +98,15 @@ def test_goals_are_those_of_the_coarse_surface():
 def test_blending_and_differences_of_rotations():
     rng = np.random.default_rng(0)
     q, p = (x / np.linalg.norm(x, axis=1, keepdims=True) for x in rng.normal(size=(2, 50, 4)))
-    assert np.abs(_difference(q, q) - [1, 0, 0, 0]).max() <= 1e-15
+    assert np.abs(difference(q, q) - [1, 0, 0, 0]).max() <= 1e-15
     near = rng.integers(50, size=(200, 4)).astype(np.int32)
     alone = np.zeros((200, 4))
     alone[:, 2] = 1.0
-    assert np.abs(np.abs((_blended(q, near, alone) * q[near[:, 2]]).sum(axis=1)) - 1).max() <= 1e-14
+    assert np.abs(np.abs((blended(q, near, alone) * q[near[:, 2]]).sum(axis=1)) - 1).max() <= 1e-14
     same = np.tile(p[:1], (50, 1)) * np.where(rng.random(50) < 0.5, 1, -1)[:, None]
     weight = rng.random((200, 4))
-    assert np.abs(np.abs(_blended(same, near, weight) @ p[0]) - 1).max() <= 1e-14
-    assert np.array_equal(_blended(q, near, np.zeros((200, 4))), np.tile([1.0, 0, 0, 0], (200, 1)))
+    assert np.abs(np.abs(blended(same, near, weight) @ p[0]) - 1).max() <= 1e-14
+    assert np.array_equal(blended(q, near, np.zeros((200, 4))), np.tile([1.0, 0, 0, 0], (200, 1)))
 
 
 @pytest.mark.parametrize("material", [Material(), Material(bending=1e-3), Material(0.1, 0.1, 20.0)])
