@@ -14,8 +14,14 @@ from typing import BinaryIO
 _DEATH_OF_THE_PARENT = 1  # of prctl(2)
 
 
-def set_up() -> None:
-    """Prepare this process to serve its owner, before large imports."""
+def set_up(owner: int) -> None:
+    """Prepare this process to serve its owner, before large imports.
+
+    Parameters
+    ----------
+    owner : int
+        Number of the process that started this one.
+    """
     faulthandler.enable()
     # Ctrl+C ends the owner, and this process only with it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -24,6 +30,9 @@ def set_up() -> None:
     # there this process ends with the thread that started it, so that thread has to live as long.
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
+        # Linux tells nothing of an owner killed while this interpreter was starting.
+        if os.getppid() != owner:
+            os._exit(0)
 
 
 def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: int = 0) -> None:

@@ -24,9 +24,9 @@ START = """
 import os, sys
 replies = os.dup(1)
 os.dup2(2, 1)
-sys.path[:] = sys.argv[1:]
+sys.path[:] = sys.argv[2:]
 from apd_viewer.session.processes.child_boot import set_up
-set_up()
+set_up(owner=int(sys.argv[1]))
 from apd_viewer.session.{module} import main
 main(replies)
 """
@@ -147,7 +147,7 @@ class ChildProcess:
 
     def _spawned(self) -> Process:
         process = subprocess.Popen(
-            [sys.executable, "-c", self._script, *sys.path],
+            [sys.executable, "-c", self._script, str(os.getpid()), *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

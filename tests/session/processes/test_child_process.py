@@ -1,5 +1,6 @@
 """A child process alone: messages, its end, and what the log gets of one that fails."""
 
+import subprocess
 import sys
 import time
 
@@ -22,7 +23,7 @@ def serve(source, sink):
             time.sleep(60)
         print("printed")
         array_pipe.write(sink, message)
-child_boot.set_up()
+child_boot.set_up(owner=int(sys.argv[1]))
 child_boot.run(replies, serve)
 """
 LINES = START.split("from apd_viewer")[0] + ECHO
@@ -96,3 +97,10 @@ def test_one_that_cannot_be_started_is_logged(child, caplog, monkeypatch):
     with pytest.raises(OSError, match="such"):
         child.start()
     assert "echo process cannot be started" in caplog.text
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the others end with their input")
+def test_one_whose_owner_has_gone_before_it_began_ends_at_once():
+    script, nobody = START.format(module="no_such_module"), "0"
+    done = subprocess.run([sys.executable, "-c", script, nobody, *sys.path], check=False, timeout=60)
+    assert done.returncode == 0
