@@ -176,7 +176,7 @@ def _deform(options: argparse.Namespace) -> None:
         progress=progress_line(options.iterations) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
-    with ExitStack() as beside:  # what comes beside the mesh takes its place only once the mesh has
+    with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has
         if picture:
             beside.enter_context(replacing(options.picture)).write_bytes(picture)
         written = write_result(beside, mesh, result, options.report, output)

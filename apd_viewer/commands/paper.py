@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from apd_viewer.commands.paper_tables import Row
     from apd_viewer.geometry.solver.deform import Result
 
-# Pixels, and from where to look.
+# Size in pixels, and direction of view.
 _PICTURES = {"bottle": ((1900, 860), (0.55, 0.28, 1.0)), "duck": ((1900, 560), (0.25, 0.25, 1.0))}
-_TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # shares of the work, at a guess; the rest draws
+_TABLES, _LOSSES, _HOLDS = 0.2, 0.4, 0.35  # estimated shares of the work; the rest is drawing
 
 
 def paper_parser() -> Parser:

@@ -36,7 +36,7 @@ class Progress:
             return
         full = round(_WIDTH * done)
         said = f"{'━' * full}{'╌' * (_WIDTH - full)} {100 * done:3.0f} %  {doing}"
-        # What is longer than a line would not be drawn over.
+        # A longer text would wrap and not be overwritten.
         self._draw(said[:79])
 
     def end(self) -> None:

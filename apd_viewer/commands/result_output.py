@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 
-_ROUNDED = 1e-6  # relative change of the area by the digits of a file that is worth a word
+_ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a warning
 
 
 def write_result(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
@@ -96,5 +96,5 @@ def readings(result: Result) -> list[str]:
 
 
 def _reading(value: float, rest: float) -> str:
-    change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # and no minus before a zero
+    change = round(100 * (value / rest - 1), 3) + 0.0 if rest else 0.0  # without a minus before zero
     return tr("{value:.6g} of {rest:.6g} ({change:+.3f} %)").format(value=value, rest=rest, change=change)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.studies.sweep import Sweep, SweepStep
 
 
-SWEPT_SHARE = 0.9  # of the work; the rest draws
+SWEPT_SHARE = 0.9  # of the work; the rest is drawing
 _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 
 

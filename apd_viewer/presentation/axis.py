@@ -77,7 +77,7 @@ def ratios(reach: float) -> Axis:
     Small changes are written in percent, large ones as factors.
     """
     small = reach < 2.0
-    # So much less lies farther from unchanged than so much more.
+    # On a ratio axis a decrease lies farther from unchanged than an equal increase.
     high = -math.log2(2.0 - reach) if small else math.log2(reach)
 
     def ticks(most: int) -> Ticks:

@@ -58,7 +58,7 @@ DIVERGING = ColorMap(
         (46, 103, 24),
     )
 )
-# "lapaz" from its other end.
+# "lapaz", reversed.
 SEQUENTIAL = ColorMap(
     (
         (254, 242, 243),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 _NOTHING = 1e-7
-_GROUPED = 999.5  # from where on three digits are those before the point
+_GROUPED = 999.5  # from here on three digits have no decimals
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

@@ -32,13 +32,13 @@ REGION_COLORS = (
     (60, 66, 74),
     (150, 150, 40),
 )
-# Of what was found in the mesh; none of the others is near it.
+# Marks of findings; different from all other colours.
 MARK_COLOR = (226, 0, 142)
-# A region covers free vertices; of base and handles it must not hide what they are.
+# A region covers free vertices, but must not hide base and handles.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
-# What a handle draws along is free all the same.
+# Vertices in a falloff are still free.
 _SOFT = 0.5
-# What would be painted is nearly of the colour that it would have.
+# A preview is close to the colour of the paint.
 _PREVIEWED = 0.6
 
 

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 NOTHING, LATER = "–", "…"
-_KEPT = 1e-6  # how far a region may be from its target, in percent of its area at rest, to be called kept
-_LITRE = 0.1  # of which on people say litres
+_KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
+_LITRE = 0.1  # from here on litres are usual
 
 
 def area_percent(state: State) -> str:

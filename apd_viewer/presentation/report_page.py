@@ -117,7 +117,7 @@ def _size(subject: Subject) -> Iterator[Block]:
     extent = readings.extent(found, unit), ""
     box = readings.room(getattr(found, "box", None), getattr(rest, "box", None), unit)
     packed = readings.room(getattr(found, "packed", None), getattr(rest, "packed", None), unit)
-    if found is None:  # on paper there is nothing to come
+    if found is None:  # a page is final: nothing is pending
         extent = box = packed = tr("not measured yet"), ""
     try:
         grams, problem = mass(subject.wall, state.frame.area, unit), ""

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
 
 
-_RIGID = 1e-9  # of the matrix of a motion: less of a scale is rounding
+_RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
 
 
-_DIGITS = 8  # of numbers by which something is done again
+_DIGITS = 8  # digits of numbers for repeating the deformation
 
 
 _ROUNDING = 1e-12  # of the size of a mesh

@@ -18,9 +18,9 @@ from apd_viewer.session.quantities.units import Unit
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Deviation
 
-_NOTHING = 5e-5  # of the scale, what is written as zero
-_ROUNDING = 1e-9  # of the usual scale, what no scale is made for
-_MOST_GAINED = 10.0  # a ratio has no largest: of what has lost all, one over it is infinite
+_NOTHING = 5e-5  # of the scale, displayed as zero
+_ROUNDING = 1e-9  # of the usual scale, too small for a scale
+_MOST_GAINED = 10.0  # ratios are unbounded: a vanished area gives infinity
 
 
 class ScaleKind(Enum):

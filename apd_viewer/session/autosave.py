@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 # A step counts as done once it is safe: that takes 5 ms, or 0.1 s for a million vertices. Where it takes more
-# than this it is the disk's fault, and nobody waits for it; nor does a key that is held down.
+# than this the disk is slow, and the step does not wait for it; nor does a held key.
 _MOMENT = 0.25  # s
 
 
@@ -82,7 +82,7 @@ class Autosave:
     def _is_new(self, state: State) -> bool:
         history = self._gestures.history
         if history.next_undo is None and history.next_redo is None:
-            return False  # a mesh that was opened and looked at is in its own file
+            return False  # an unchanged mesh is safe in its own file
         settled = self._store.activity is not Activity.REFINING
         return state.document is not self._document or (settled and state.frame is not self._frame)
 

@@ -111,7 +111,7 @@ class Files:
 
         def loaded(selection: Selection) -> None:
             state = self._gestures.alone()
-            if state.document.mesh is mesh:  # another one may have been opened meanwhile
+            if state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
                 self._store.regrip(state.document, state.document.with_selection(selection))
                 self._listener.told(about_loaded_selection(path.name, selection))

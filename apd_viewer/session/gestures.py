@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import State
     from apd_viewer.session.store import Store
 
-# Presses of a key that follow each other within so many seconds are one step.
+# Key presses within this many seconds of each other are one step.
 _TOGETHER = 1.0
 
 

@@ -19,7 +19,7 @@ Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 
 def _mirrored_along(axis: int) -> Reshape:
     def reshape(state: State, member: np.ndarray) -> np.ndarray:
-        # At rest: a mesh that is bent has no middle.
+        # At rest: a bent mesh has no mirror plane.
         V, named = state.document.mesh.V, state.skin.named
         centre = (V[named].min(axis=0) + V[named].max(axis=0)) / 2
         return member | mirrored(state.skin.start, state.skin.neighbour, V, member, axis, centre)

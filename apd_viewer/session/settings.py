@@ -86,7 +86,7 @@ class Settings:
             return
         before = self._gestures.before
         if before is None or not state.document.painted_like(before.document):
-            # What a stroke has painted is not gripped yet, and would leap.
+            # Vertices painted by an unfinished stroke are not gripped yet, and would jump.
             state = self._gestures.alone()
             self._gestures.record(gesture, state)
         self._store.solve(replace(state.document, **what))  # type: ignore[arg-type]

@@ -112,7 +112,7 @@ class Store:
         state = self.required()
         state = state.at(document.regripped(state.frame.U))
         lacks = state.lacks
-        # What a pose was on its way to is given up with the pose; nothing else leads away from here.
+        # An unfinished pose is given up with the jump; nothing else is pending.
         goes_on = lacks and (before.problem is not None or not before.posed)
         unreached = state.frame.unreached if lacks else None
         frame = replace(
@@ -135,7 +135,7 @@ class Store:
         if reply.frame is not None:
             self._warned = reply.warning
             self._factored = factored_for(reply.document)
-        # A slightly stale frame of this drag is worth showing, but says nothing about its end.
+        # A slightly stale frame of this drag is worth showing, but does not tell whether it has converged.
         latest = reply.document is self._asked
         if reply.frame is not None:
             self.seconds_per_iteration = reply.seconds

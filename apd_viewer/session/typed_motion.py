@@ -36,7 +36,7 @@ class TypedMotion(Enum):
     SCALE = auto()
 
 
-# The names of steps of undo.
+# Names in the undo history.
 MOTIONS = {
     TypedMotion.MOVE_X: tr("Move along x"),
     TypedMotion.MOVE_Y: tr("Move along y"),

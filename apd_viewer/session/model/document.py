@@ -339,7 +339,7 @@ class State:
         """The state with another document or frame, and its regions measured anew."""
         before, shown = self.document, self.frame
         document, frame = document or before, frame or shown
-        # A handle is moved more often than there is something new to measure.
+        # Handles move more often than the rest shape is measured anew.
         same = frame is shown and document.member is before.member and document.regions is before.regions
         if not same:
             frame = replace(frame, regions=document.region_areas(frame.U))

@@ -34,7 +34,7 @@ class Part(NamedTuple):
     def become(self, document: Document, wanted: np.ndarray) -> Document:
         """The document with the ``wanted`` vertices, (n,) bool, and no others, in it."""
         if self.is_region and self.code > len(document.regions) and wanted.any():
-            document = document.with_next_region()  # none needs to be there, as for a stroke
+            document = document.with_next_region()  # the part need not exist yet, as for a stroke
         paint = type(document).painted_region if self.is_region else type(document).painted
         cleared = paint(document, np.flatnonzero(self.of(document) & ~wanted), self.nothing)
         return paint(cleared, np.flatnonzero(wanted), self.code)

@@ -25,7 +25,7 @@ COLUMNS = (
     "energy",
     "local_change",
 )
-# Of samples; a plot is hardly wider in pixels. Even, so that every other one can go.
+# Most samples; a plot is hardly wider in pixels. Even, so that every other one can be dropped.
 MOST = 512
 
 
@@ -104,14 +104,14 @@ class Trace:
         if coming is not None and document is not coming.asked:
             self._next = None
             self._begin(coming)
-        # A frame that nobody looked at was never measured, and its iterations count all the same.
+        # Undisplayed frames are not measured, but their iterations count.
         more = frame.iteration if self._total is None else frame.total - self._total
         self._iteration += more if more >= 0 else frame.total  # of another solver
         self._total = frame.total
         self._keep([self._clock() - self._start.moment, self._iteration, *_readings(document, frame)])
 
     def _begin(self, start: _Start) -> None:
-        self._start = replace(start, asked=None)  # or it would keep its mesh
+        self._start = replace(start, asked=None)  # the document would keep its mesh alive
         self._forget()
         self._keep([0.0, 0.0, *start.readings])
 
@@ -123,7 +123,7 @@ class Trace:
             if self._count == MOST:
                 self._rows[: MOST // 2] = self._rows[::2]
                 self._count = MOST // 2
-                self._since += self._stride  # what was left out last
+                self._since += self._stride  # the last sample left out
                 self._stride *= 2
             self._count += 1
         self._rows[self._count - 1] = row

@@ -20,7 +20,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.session.processes.shared_memory import Envelope, OpenedEnvelope
 
-# Bytes; smaller arrays travel in the message itself.
+# Bytes; smaller arrays are sent in the message itself.
 LARGE = 16_384
 _LENGTH = struct.Struct("<Q")
 
@@ -74,7 +74,7 @@ class Packer:
     def __init__(self) -> None:
         self.envelope: Envelope | None = None
         self._numbers = itertools.count()
-        # By id, which stays theirs as long as the objects are kept.
+        # By id, unique as long as the objects are kept alive.
         self._known: dict[int, tuple[int, Any]] = {}
         self._mentioned: dict[int, tuple[int, Any]] = {}
         self._arrays: list[tuple[int, np.ndarray]] = []
@@ -123,7 +123,7 @@ class Packer:
         large = [array for _, array in self._arrays if array.nbytes >= LARGE]
         try:
             self.envelope = Envelope(large) if large else None
-        except OSError:  # some machines have next to no shared memory: then all goes through the pipe
+        except OSError:  # some machines have almost no shared memory: then everything goes through the pipe
             self.envelope, large = None, []
         offsets = iter(self.envelope.offsets if self.envelope else ())
         places = [

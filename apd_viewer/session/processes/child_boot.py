@@ -26,11 +26,11 @@ def set_up(owner: int) -> None:
     # Ctrl+C ends the owner, and this process only with it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout = sys.stderr
-    # A killed owner closes our input, which native code that runs for seconds does not notice. Linux tells;
-    # there this process ends with the thread that started it, so that thread has to live as long.
+    # A killed owner closes our input, unnoticed by native code running for seconds. Linux signals it;
+    # there this process ends with the thread that started it, so that thread must live as long.
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_DEATH_OF_THE_PARENT, signal.SIGKILL)
-        # Linux tells nothing of an owner killed while this interpreter was starting.
+        # Linux does not signal an owner killed while this interpreter was starting.
         if os.getppid() != owner:
             os._exit(0)
 
@@ -49,6 +49,6 @@ def run(replies: int, serve: Callable[[BinaryIO, BinaryIO], object], niceness: i
     """
     if hasattr(os, "nice"):
         os.nice(niceness)
-    # An owner that has gone reads no more: what it has not read is lost as the sink is closed.
+    # A dead owner reads no more: unread messages are lost when the sink is closed.
     with contextlib.suppress(OSError), os.fdopen(replies, "wb") as sink:
         serve(sys.stdin.buffer, sink)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-# Not multiprocessing and not -m: neither the user's script nor what lies in the current folder is imported.
-# What libraries print goes to the standard error, and never between the answers.
+# Not multiprocessing and not -m: neither the user's script nor modules in the current folder are imported.
+# Libraries print to the standard error, never between the replies.
 START = """
 import os, sys
 replies = os.dup(1)
@@ -30,7 +30,7 @@ set_up(owner=int(sys.argv[1]))
 from apd_viewer.session.{module} import main
 main(replies)
 """
-# Large arrays come and go here. glibc would give their memory back each time, and have it cleared anew.
+# Large arrays come and go: glibc would return their memory each time and have it cleared again.
 _KEEP_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(1 << 30), "MALLOC_TRIM_THRESHOLD_": str(1 << 31)}
 _LINES, _LINE_LENGTH = 40, 300  # of the last words, at most
 _GRACE = 1.0  # s; for what is about to end by itself
@@ -129,7 +129,7 @@ class ChildProcess:
         process.kill()
         process.wait()
         self._process = None
-        with contextlib.suppress(OSError):  # what was not sent yet reaches nobody
+        with contextlib.suppress(OSError):  # unsent messages are lost
             process.stdin.close()
         process.stdout.close()
         if self._error_reader is not None:

@@ -13,7 +13,7 @@ from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
 
-_NICENESS = 10  # what is shown meanwhile comes first
+_NICENESS = 10  # displayed frames come first
 
 
 def main(replies: int) -> None:
@@ -31,7 +31,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     if None in parts:
         return
     start, column, entry = (
-        np.frombuffer(bytearray(part or b""), dtype)  # cholespy takes no array that is read-only
+        np.frombuffer(bytearray(part or b""), dtype)  # cholespy accepts no read-only arrays
         for part, dtype in zip(parts, (np.int32, np.int32, np.float64), strict=True)
     )
     try:

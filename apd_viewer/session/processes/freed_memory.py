@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import sys
 
-# The same of a process that shall not keep more than this when something large has gone; names are numbers.
+# Parameters of mallopt and their values in bytes.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = (-1, 1 << 28), (-3, 1 << 25)
 
 

@@ -39,7 +39,7 @@ class OrderStage(Enum):
     """Progress of an order."""
 
     RECEIVED = "received"
-    TURNED_TO = "turned to"  # all that was ordered before is answered or dropped
+    TURNED_TO = "turned to"  # all earlier orders are answered or dropped
 
 
 class Message(NamedTuple):

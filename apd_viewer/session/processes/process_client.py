@@ -87,11 +87,11 @@ class Child:
         self._received.clear()
         number, tray = next(self._numbers), self._tray_for(request)
         self._requests[number], self._trays[number] = request, tray
-        # With every order, as the process may never look at the one before; what it found itself it has.
+        # With every order: the process may skip earlier ones. It has the decimations it computed itself.
         known = () if request.document.mesh is self._finder_of else thinnings
         order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
         message = self._packer.packed(order)
-        if self.alive:  # where it has just ended the listening thread says so
+        if self.alive:  # if it has just ended, the listening thread reports so
             self._process.send(message)
         if not self.alive:
             self._discard_envelope()
@@ -111,7 +111,7 @@ class Child:
         if self._tray is None or self._tray[0] != n:
             try:
                 self._tray = n, Tray(n)
-            except OSError:  # no room: the shapes come with the answers
+            except OSError:  # no shared memory: the shapes come with the replies
                 self._tray = n, None
         return self._tray[1]
 
@@ -160,7 +160,7 @@ class Child:
 
     def _hear_reply(self, reply: Reply, tray: Tray | None, put: int | None) -> None:
         if reply.failure:
-            # What the process had has gone with it: the next request starts from what is shown.
+            # The process took its state along: the next request starts from the displayed shape.
             self._start = None
         looked: Callable[[], object] = _nothing
         if (frame := reply.frame) is not None:

@@ -63,7 +63,7 @@ class FarFactor:
         if self._deaths == _MOST_DEATHS:
             self._error = MemoryError(_ENDED.format(times=_MOST_DEATHS))
             return
-        # Not on the thread that waits for it: on Linux it ends with the thread that has started it.
+        # Not on the waiting thread: on Linux the process ends with the thread that started it.
         self._process.restart()
         self._missing = False
         self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
@@ -105,7 +105,7 @@ class FarFactor:
     def _send(self) -> None:
         try:
             word = self._answer_to(*rows_of(self._matrix()))
-        except Exception as error:  # told to whoever waits for it
+        except Exception as error:  # raised again in the waiting thread
             self._error = error
             return
         if word:

@@ -15,9 +15,9 @@ from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
 
 _START = START.format(module="processes.shape_check_main")
-# A shape that has settled is often moved again at once, and what starts has more urgent things to do.
+# A settled shape is often moved again at once, and a program just starting has more urgent work.
 _CALM, _AT_FIRST = 0.3, 2.0  # s
-# What is known where the process has died, or there can be none.
+# Result if the process died or cannot be started.
 UNKNOWN = Examination(None, (math.nan, math.nan, math.nan), math.nan)
 
 

@@ -121,7 +121,7 @@ class Tray:
         self.name = block.name
         self._counters = SharedCounters(_view(block, np.dtype(np.int64), (3,), 0))
         self._U = _view(block, np.dtype(np.float64), (n, 3), _LINE)
-        # The last reference may be any thread's that holds a reply.
+        # Any thread with a reply may hold the last reference.
         weakref.finalize(self, _remove if name is None else SharedMemory.close, block)
 
     # The solver's side
@@ -147,7 +147,7 @@ class Tray:
 
     def carry(self, number: int) -> np.ndarray:
         """Copy the shape of that number and free the tray."""
-        while self._counters.load(_PUT) < number:  # its message may overtake the store
+        while self._counters.load(_PUT) < number:  # its message may arrive before the store
             time.sleep(0.0)
         U = self._U.copy()
         self._counters.store(_COPIED, number)
@@ -165,10 +165,10 @@ def leave_blocks_to_their_owner() -> None:
 
 
 def _made(size: int) -> SharedMemory:
-    # By its owner's number a block can be told from those of other programs.
+    # The owner's process id distinguishes the block from those of other programs.
     block = SharedMemory(f"apd-{os.getpid()}-{secrets.token_hex(4)}", create=True, size=size)
     try:
-        # Linux promises more than it has, and ends the process that believes it: ask for it all now.
+        # Linux overcommits and kills the process at first use: reserve all of it now.
         if hasattr(os, "posix_fallocate") and (descriptor := getattr(block, "_fd", -1)) >= 0:
             os.posix_fallocate(descriptor, 0, size)
     except OSError:

@@ -40,7 +40,7 @@ _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
 _NO_ROOM = tr("There is not enough memory for this mesh; close other programs and try again.")
-# Matrices with so many rows take more than half a second to factor.
+# Matrices with this many rows take more than half a second to factor.
 _LARGE = 100_000
 
 
@@ -83,7 +83,7 @@ class Solver:
             except InputError as error:
                 self._fail(order, str(error))
             except Exception as error:
-                # A defect or a lack of memory must reach the screen, and the next request a solver.
+                # A bug or a lack of memory must be reported, and the next request must find a solver.
                 _log.exception("The solver stopped")
                 said = str(error) or type(error).__name__
                 stopped = tr("The solver stopped ({said}); undo the last step.").format(said=said)
@@ -116,12 +116,12 @@ class Solver:
             self._drop()
             self._rest = self._tray = None
         if request.document.problem:
-            # While it is painted. A mesh that cannot be deformed is refused once it should be.
+            # During painting; an undeformable mesh is refused at the first request.
             with contextlib.suppress(InputError):
                 make_ready(self._rest_of(order))
             return
         if request.accounts and not self._warm:
-            warm_up()  # or the first method that is asked for would pay for all
+            warm_up()  # otherwise the first method would pay for all
             self._warm = True
         self._rest_of(order)
         started = time.perf_counter()
@@ -134,7 +134,7 @@ class Solver:
     def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
         tray, account = self._tray_of(order), None
         iterations, since, last = 0, time.perf_counter(), 0
-        while True:  # once at least, or poses that come faster than they are prepared show nothing
+        while True:  # once at least, or poses faster than their preparation would show nothing
             while not solver.ready:
                 if self._orders.waiting:
                     return
@@ -187,14 +187,14 @@ class Solver:
         poses = tuple(handle.pose for handle in document.handles)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:
-            self._drop()  # its memory is needed for the next one
+            self._drop()  # frees the memory for the next one
             self._solver = self._made(order, held)
             self._warning = self._solver.rest.loose_warning(held.fixed)
         elif not alike(goals, self._goals):
             self._solver.keep(*document.asked)
         self._solver.tolerance = document.tolerance
         jump = fresh or request.generation != self._generation
-        # Aiming anew would take the paper's handle back to where it was put.
+        # Aiming again would reset the paper method's handle to its target.
         if jump or not alike(poses, self._poses):
             self._solver.aim(held.targets, request.U if jump else None, held.soft_targets)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses

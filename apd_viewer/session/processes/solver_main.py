@@ -44,7 +44,7 @@ class Teller:
 
     def __call__(self, message: Message | logging.LogRecord) -> None:
         """Send a message."""
-        # An owner that has stopped listening has gone: the source will end as well.
+        # An owner that stopped listening is gone: the source of requests ends as well.
         with self._one_at_a_time, contextlib.suppress(OSError, ValueError):
             array_pipe.write(self._sink, packed(message))
 
@@ -87,7 +87,7 @@ def serve(
                 order: Order = unpacker.unpacked(message)
                 tell(Message(order.number, OrderStage.RECEIVED))
                 orders.put(order)
-        finally:  # who cannot hear any more is of no use either
+        finally:  # without an owner there is nothing to log to
             orders.close()
             abandoned()
 

@@ -36,7 +36,7 @@ from apd_viewer.session.processes.requests import Reply, Request
 
 _log = logging.getLogger(__name__)
 MOST_DEATHS = 3  # one after another, without a shape
-_CALM = 20.0  # s; after so long without a death the next one is news, and the first of its kind
+_CALM = 20.0  # s; a death after this long is counted as the first again
 
 _DIED = tr("The solver stopped unexpectedly and was restarted; nothing was lost.")
 _GIVEN_UP = tr(

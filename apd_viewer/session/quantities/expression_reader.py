@@ -13,9 +13,9 @@ from apd_viewer.session.quantities.quantity import BARE, Quantity
 from apd_viewer.session.quantities.tokens import is_number, quoted
 from apd_viewer.session.quantities.units import Unit
 
-# Deeper than anyone nests, and far from Python's own limit.
+# Deeper than needed, and far below Python's own limit.
 _MOST_NESTED = 30
-# Half the world reads a thousand and more.
+# In many countries this is one thousand and more.
 _THOUSANDS = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _MICROMETRES = {"mm": 1e3, "cm": 1e4, "m": 1e6, "um": 1.0, "in": 25_400.0, "ft": 304_800.0}
 _DEGREES = {"deg": 1.0, "rad": math.degrees(1.0), "turn": 360.0}

@@ -14,7 +14,7 @@ _OF_ANGLES: dict[str, Callable[[float], float]] = {"sin": math.sin, "cos": math.
 _TO_ANGLES: dict[str, Callable[[float], float]] = {"asin": math.asin, "acos": math.acos, "atan": math.atan}
 OF_MANY: dict[str, Callable[..., float]] = {"min": min, "max": max}
 FUNCTIONS = ("sqrt", *_OF_ANGLES, *_TO_ANGLES, "abs", *OF_MANY)
-# Beyond a right angle by no more than its rounding.
+# Rounding of a cosine at a right angle.
 _NO_COSINE = 1e-15
 
 

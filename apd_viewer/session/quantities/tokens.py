@@ -23,7 +23,7 @@ _ELSEWHERE = re.compile(rf"\s*([0-9]+,[0-9]+(?:[eE][+-]?[0-9]+)?|{_TOKEN})")
 def tokens_of(text: str) -> list[str]:
     """Tokens of a text, left to right; raises InputError."""
     tokens: list[str] = []
-    # Of each parenthesis that is open, whether commas part arguments in it; elsewhere they are decimal.
+    # For each open parenthesis, whether commas separate arguments; elsewhere they are decimal commas.
     lists = [False]
     at = 0
     while at < len(text):

@@ -6,7 +6,7 @@ from enum import Enum
 
 from apd_viewer.language import tr
 
-# Never at the end of a line: a number is not parted from its unit.
+# No-break space: a number is not separated from its unit.
 _GAP = "\u00a0"
 _DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0}
 _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}

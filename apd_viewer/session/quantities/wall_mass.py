@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import length, number
 from apd_viewer.session.quantities.units import Unit
 
-# In grams a cubic centimetre; what is written without a unit is that.
+# In grams per cubic centimetre, the unit of a bare number.
 _DENSITIES = {
     "g/cm3": 1.0,
     "g/cc": 1.0,
@@ -23,7 +23,7 @@ _DENSITIES = {
 }
 _SPELLINGS = str.maketrans({"³": "3", "^": "", "∕": "/", "⁄": "/"})
 _UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-z]+\s*/\s*[a-z]+3?)", re.DOTALL)
-_SHOWN = 20  # characters of what makes no sense
+_SHOWN = 20  # characters quoted from invalid input
 _HEAVIEST = 100.0  # g/cm³; osmium has 22.6
 
 

@@ -103,7 +103,7 @@ class AutosaveWriter:
             for left in copy.supersedes:
                 left.discard()
             self._failing = False
-        except Exception as error:  # whatever it is, the next step is tried again
+        except Exception as error:  # the next step is tried again, whatever the error
             reason = error if isinstance(error, OSError) else error.__cause__
             if not isinstance(reason, OSError):
                 traceback.print_exc()
@@ -120,7 +120,7 @@ class AutosaveWriter:
             self._doing.notify_all()
 
     def _write(self, copy: Copy) -> Path:
-        if self._mine is not None and not self._mine[1].stands:  # somebody has cleared the folder
+        if self._mine is not None and not self._mine[1].stands:  # the folder has been cleared
             self._mine[1].release()
             self._mine = None
         if self._mine is None:

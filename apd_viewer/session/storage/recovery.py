@@ -108,7 +108,7 @@ def _claimed(path: Path) -> Leftover | None:
 def owned(folder: Path) -> tuple[Path, Lock]:
     """A path in ``folder`` for this program alone, and its lock; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    for _ in range(_MOST_TRIES):  # a program that starts just now may look whether this one is dead
+    for _ in range(_MOST_TRIES):  # a program starting just now may be testing the lock
         path = folder / f"{os.getpid()}-{time.time_ns()}{SUFFIX}"
         if (lock := take(lock_path(path))) is not None:
             return path, lock

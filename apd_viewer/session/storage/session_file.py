@@ -38,7 +38,7 @@ from apd_viewer.session.storage.session_json import (
 FORMAT, VERSION = "apd-session", 1
 _TEXT = "session.json"
 _CODES, _POSITIONS = ("labels", "member"), ("grip", "shape")
-# In diagonals of the bounding box; whatever is farther away is no shape of this mesh.
+# In bounding-box diagonals; positions farther away are no shape of this mesh.
 _FARTHEST = 1e8
 
 
@@ -80,7 +80,7 @@ def save_session(
     copy = copy_of(mesh) if embed or not is_there(mesh) else {}
     arrays = {"labels": document.labels, "member": document.member}
     positions = {"grip": document.grip, "shape": state.frame.U}
-    # The rest positions themselves are left out, so that opened again they are the mesh's own.
+    # Rest positions are left out: once opened they are the mesh's own.
     arrays |= {name: X for name, X in positions.items() if X is not mesh.V}
     said = {
         "format": FORMAT,
@@ -152,7 +152,7 @@ def _explained(path: Path) -> Iterator[None]:
 
 
 def _content(path: Path) -> bytes:
-    # os.path and not Path: it says no where Path raises, as for a name that is too long.
+    # os.path: Path raises on names that are too long.
     if not os.path.exists(path):  # noqa: PTH110
         raise InputError(tr("There is no file {path}; check the name.").format(path=path))
     if not path.is_file():

@@ -15,7 +15,7 @@ from apd_viewer.session.studies.sweep_setup import sweep_of
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
 
-# Iterations from rest after which ARAP is stopped and looked at.
+# Iteration counts from rest at which ARAP is measured.
 STOPS = (1, 2, 3, 5, 20)
 _WIDEST = 180.0  # degrees
 _PUSH, _PULL = 0.2, 0.4  # of the height

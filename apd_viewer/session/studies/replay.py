@@ -19,7 +19,7 @@ from apd_viewer.session.model.document import State
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.storage.session_file import open_session
 
-# In diagonals of the bounding box: how far from its place a held vertex may be by rounding.
+# Rounding of held vertices, in bounding-box diagonals.
 _IN_PLACE = 1e-9
 
 

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
 
-# For each step: "local" creeps on for thousands of iterations that nobody sees in a curve.
+# For each step: "local" creeps on for thousands of iterations without visible effect on the curve.
 DEFAULT_ITERATIONS = 500
-# Of the rest shape's diagonal: less is no way.
+# Of the rest shape's diagonal: a shorter path is none.
 _NO_WAY = 1e-9
 
 
@@ -132,11 +132,11 @@ class Sweep:
             for number, part in enumerate(self.parts):
                 held = self.document_at(part).constraints()
                 solver.aim(held.targets, U, held.soft_targets)
-                U = None  # from here on each goes on from the one before
+                U = None  # from here on each step continues from the previous one
                 before = m / len(self.methods) + number * each
                 for k in range(self.iterations):
                     solver.iterate()
-                    # The first iterations bring most, and few steps need all.
+                    # Most progress is in the first iterations, and few steps need all of them.
                     tick(before + each * (k + 1) / (k + 1 + 0.1 * self.iterations), method)
                     if solver.settled:
                         break
