@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from apd_viewer.ui.actions.commands import Commands
 
 _OPEN_SAMPLE = {
-    "bottle": tr("Open the PET bottle, with base and handle painted"),
-    "duck": tr("Open the rubber duck, with base and handle painted"),
+    "bottle": tr("Open the PET bottle, already painted"),
+    "duck": tr("Open the rubber duck, already painted"),
 }
 _KEYS = QKeySequence.StandardKey
 
@@ -59,7 +59,7 @@ class FileActions:
             "save",
             tr("&Save session"),
             "save",
-            tr("Save paint, handles, settings and shape"),
+            tr("Save painted parts, poses, settings and shape"),
             _KEYS.Save,
             filing.save,
         )

@@ -10,7 +10,7 @@ from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.selection_tool import act_of
 from apd_viewer.ui.widgets.event_barrier import shield
 
-_WIDTH = 420
+_WIDTH = 480
 _MARGIN = 12
 
 

@@ -96,10 +96,10 @@ class SizeSection(Section):
         label.setBuddy(self.thickness)
         line = QHBoxLayout(spacing=4)
         line.setContentsMargins(0, 4, 0, 4)
+        line.addWidget(label, 1)
         line.addWidget(self.thickness, 1)
         line.addWidget(self.density, 1)
-        self._grid.addWidget(label, row, 0)
-        self._grid.addLayout(line, row, 1, 1, 2)
+        self._grid.addLayout(line, row, 0, 1, 3)
 
     def _field(self, what: str, tip: str) -> QLineEdit:
         field = _Field(objectName="typed", placeholderText=what, toolTip=tip)

@@ -248,12 +248,12 @@ def test_waiting_for_keys_ends_without_a_change(qtbot, active, sheet, way):
 def test_while_it_waits_the_keys_do_nothing_else(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_F1)
     assert sheet.isVisible()
-    assert "F1 belongs to “Shortcuts”." in sheet.line.text()
+    assert "F1 is already used by “Shortcuts”." in sheet.line.text()
 
 
 def test_a_conflict_names_the_other_action_and_is_refused(qtbot, active, sheet):
     press(qtbot, sheet, "frame", Qt.Key.Key_B)
-    assert sheet.line.text() == "B belongs to “Paint base”."
+    assert sheet.line.text() == "B is already used by “Paint base”."
     assert sheet.swap.isVisible()
     assert active.shell.focusWidget() is sheet.swap
     qtbot.keyClick(sheet.swap, Qt.Key.Key_Escape)
