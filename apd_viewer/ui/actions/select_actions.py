@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.filing.file_commands import Filing
 
 _LARGER, _SMALLER = 1.25, 0.8
-# Title, icon, tip, keys, and what is done to the active part.
+# Title, icon, tip, keys and operation on the active part.
 _CHANGES = (
     (
         tr("&Grow"),

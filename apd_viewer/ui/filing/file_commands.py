@@ -65,7 +65,7 @@ class Filing:
 
     def open_path(self, path: str | Path) -> None:
         """Open a file in the background."""
-        if self._session.jobs.current is None:  # or it is refused, and another file is the one that comes
+        if self._session.jobs.current is None:  # unless it is refused
             self._asked = Path(path)
         self._session.files.open(path)
 
@@ -137,7 +137,7 @@ class Filing:
             return True
         answer = file_dialogs.ask_before_losing(self._window)
         if answer == QMessageBox.StandardButton.Save:
-            self.ask_for_target()  # and stay: whoever sees the file written can close
+            self.ask_for_target()  # but keep the window open: the user can close it once the file is written
         return answer == QMessageBox.StandardButton.Discard
 
     @property

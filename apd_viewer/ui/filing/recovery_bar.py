@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
 
 _MARGIN = 12
-_ABOVE = 68  # px from the bottom of the canvas: there is room for the invitation below
+_ABOVE = 68  # px from the bottom of the canvas, with room for the hint below
 _LONGEST_NAME = 240  # px
 _NARROWEST = 120  # px, of the words
-_BESIDE_WORDS = 80  # px, for the symbol and the edges, where the buttons stand below
+_BESIDE_WORDS = 80  # px, for symbol and margins, if the buttons are below
 
 
 class RecoveryBar(QFrame):
@@ -71,7 +71,7 @@ class RecoveryBar(QFrame):
         self._row.addLayout(words)
         self._row.addLayout(answers)
         for button in self._buttons:
-            # One that goes with the keys in it leaves them to the next field, which takes in letters.
+            # A focused button that disappears would pass the focus to a text field.
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.set_theme(LIGHT)
         self.hide()

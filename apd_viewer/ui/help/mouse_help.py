@@ -25,7 +25,7 @@ class Gesture(NamedTuple):
     words: str
 
 
-# What apd_viewer.ui.scene.navigation does whatever tool is in the hand.
+# Camera gestures of apd_viewer.ui.scene.navigation, the same with every tool.
 _ALWAYS = tr("right drag orbits, middle button or Shift+drag pans, Ctrl+right drag zooms")
 
 

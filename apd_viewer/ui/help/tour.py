@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from apd_viewer.ui.help.tour_targets import Places
     from apd_viewer.ui.tools.canvas import Canvas
 
-_LOOK = 33  # ms between looks at where things are
+_LOOK = 33  # ms between updates of the target's place
 _READING_TIME = 1500  # ms for the area, once the shape has settled
-_RING, _AREA = 1, 2  # the steps that ask for an act
+_RING, _AREA = 1, 2  # steps waiting for an action
 
 _NOT_HELD = tr(
     "This is the total area. Drag the ring again and watch it: the current method lets it "
@@ -115,8 +115,8 @@ class Tour(QObject):
         self._holds: Callable[[], bool] = lambda: True
         self._turned = False
         self._pose: np.ndarray = np.eye(4)
-        # What it points at moves with camera, layout, scroll bars and tool: to look is simpler than to
-        # be told by all of them, and moves nothing that is where it was.
+        # The target moves with camera, layout, scroll bars and tool: polling is simpler than
+        # signals from all of them, and moves the card only if needed.
         self._looking = QTimer(self, interval=_LOOK)
         self._looking.timeout.connect(self.look)
         self._reading = QTimer(self, singleShot=True, interval=_READING_TIME)

@@ -11,10 +11,10 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 _WIDTH = 288
 _BETWEEN = 8  # the buttons
-_GAP = 12  # between the card and what it speaks of, where the tip is
+_GAP = 12  # between the card and its target, for the tip
 _MARGIN = 8  # to the edge of the window
 _HALF = 9  # of the width of the tip
-_CORNER = 20  # along the edge of the card that the tip keeps off
+_CORNER = 20  # least distance of the tip from a corner of the card
 SIDES = {"left": (-1, 0), "right": (1, 0), "below": (0, 1), "above": (0, -1)}
 
 
@@ -153,7 +153,7 @@ class TourCard(QFrame):
         """Show another sentence."""
         if sentence != self.sentence.text():
             self.sentence.setText(sentence)
-            # The height for a width is never less than the smallest height, which the last one has set.
+            # heightForWidth never returns less than the minimum height set by the previous text.
             self.sentence.setMinimumHeight(0)
             self.sentence.setFixedHeight(self.sentence.heightForWidth(self.width() - 30))
             self._column.activate()

@@ -18,7 +18,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 if TYPE_CHECKING:
     from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
 
-_MOST_POINTS = 500  # of a mesh that are looked at
+_MOST_POINTS = 500  # sample of a mesh's vertices
 
 
 class Places:
@@ -75,7 +75,7 @@ class Places:
         view = self._canvas.viewport
         if not len(points) or not np.isfinite(points).all():
             return None
-        # Far outside the view, numbers would be too large for Qt.
+        # Coordinates far outside the view would overflow in Qt.
         low, high = np.clip([points.min(axis=0), points.max(axis=0)], -1e6, 1e6).round().astype(int)
         seen = QRect(QPoint(*low.tolist()), QPoint(*high.tolist())) & view.rect()
         return self._shifted(view, seen) if seen.isValid() else None

@@ -158,7 +158,7 @@ class AreaSection(QWidget):
             self.unreached.setText(frame.unreached)
             self.unreached.show()
         elif frame.settled or not missed or asked_anew:
-            # It stays while the solver tries, or it would flicker with every step of a drag of the handle.
+            # It stays while the solver works: otherwise it would flicker at every step of a drag.
             self.unreached.hide()
 
     def show_activity(self, state: State, session: Session) -> None:

@@ -64,7 +64,7 @@ class CrossingsButton(QToolButton):
             self.setIcon(icon("warning", replace(theme, ink=theme.warm, on_accent=theme.warm)))
         elif self._symbol:
             self.setIcon(icon(self._symbol, replace(theme, faint=theme.quiet)))
-        else:  # what is not known has none, and its words stand where they will stand once it is
+        else:  # an unknown state has no icon, but its text is aligned as if it had one
             nothing = QPixmap(self.iconSize())
             nothing.fill(Qt.GlobalColor.transparent)
             self.setIcon(QIcon(nothing))

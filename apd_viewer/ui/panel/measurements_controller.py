@@ -72,7 +72,7 @@ class Measuring(QObject):
 
     def look_as(self, view: View) -> None:
         """Apply wall and overlay of a session's view; missing ones change nothing."""
-        # A later version may show what this one cannot.
+        # A later version may have overlays unknown here.
         measure = next((measure for measure in Measure if measure.value == view.overlay), None)
         if measure is not self._heat.measure and (measure is not None or view.overlay == ""):
             self._heat.choose(measure)

@@ -81,7 +81,7 @@ class MethodSection(Section):
             _row(tr("Shear stiffness"), self.shear_stiffness),
         )
         for row in (self._tolerance, *self._moduli):
-            row.hide()  # until there is a method that it matters for
+            row.hide()  # until a method uses it
             self.column.addWidget(row)
         tip = tr("How strongly the surface resists bending, from cloth to sheet metal: the bending stiffness")
         field = Number(brief=True, toolTip=tip, minimum=0.0, maximum=1.0, decimals=5, singleStep=0.001)

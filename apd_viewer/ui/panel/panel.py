@@ -72,7 +72,7 @@ class Panel(QScrollArea):
     """
 
     def __init__(self) -> None:
-        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # it scrolls to what has the keys
+        super().__init__(focusPolicy=Qt.FocusPolicy.NoFocus)  # the scroll area follows the focused widget
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Expanding)

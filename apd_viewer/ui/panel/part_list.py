@@ -50,7 +50,7 @@ class PartList(QWidget):
         while len(self.rows) > len(names):
             row = self.rows.pop()
             row.hide()
-            row.deleteLater()  # it may be the one whose button was pressed
+            row.deleteLater()  # the row may own the pressed button
         for k, name in enumerate(names):
             if k == len(self.rows):
                 self._add(k, name)

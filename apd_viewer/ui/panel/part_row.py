@@ -102,7 +102,7 @@ class Name(QLineEdit):
             self.chosen.emit(text.strip())
 
 
-# What is said of the parts of a kind: of their reading, and of the button that removes one.
+# Tooltips by the kind of part: of its reading, and of the button to remove it.
 _SAID = {
     "handle": (tr("Measurement of the handle"), tr("Remove this handle")),
     "region": (tr("Measurement of the region"), tr("Remove this region")),

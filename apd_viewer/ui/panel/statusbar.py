@@ -52,12 +52,12 @@ class StatusBar(QStatusBar):
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
         self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
-        # It gives way: a word less of it is no loss, and the tip has it whole.
+        # It shrinks first: it may be elided, and its tooltip is complete.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
         for widget in (self._job, self._cancel, self._pace, self._size, badge):
             self.addPermanentWidget(widget)
-        # In words: a bar that runs to and fro would have the whole window composed 60 times a second.
+        # In words: a busy indicator would have the whole window composed 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
 

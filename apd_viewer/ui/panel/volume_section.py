@@ -49,7 +49,7 @@ class VolumeSection(Section):
         for part in (self.volume, self.litres, self.crossings, self.target, self.why_not):
             self.column.addWidget(part)
         for later in (self.target.field, self.target.slider, self.why_not):
-            later.hide()  # until there is something to keep
+            later.hide()  # until a volume can be kept
         self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
 
     def set_theme(self, theme: Theme) -> None:

@@ -120,7 +120,7 @@ class Preferences:
         """Walls by file, latest first."""
         walls = {}
         for line in self._lines("walls"):
-            with contextlib.suppress(ValueError, TypeError):  # somebody has written into the settings
+            with contextlib.suppress(ValueError, TypeError):  # the settings have been edited by hand
                 path, thickness, density = json.loads(line)
                 walls[Path(path)] = Wall(str(thickness), str(density))
         return walls

@@ -12,7 +12,7 @@ from apd_viewer.ui.preferences.shortcuts import ShortcutEntry, native, split
 _HEIGHT, _CAP, _PADDING, _GAP = 28, 20, 6, 3
 _PROMPT, _NONE, _OR = tr("Press keys…"), trc("keys", "none"), trc("keys", "or")
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_ALONE = (  # keys that wait for another one
+_ALONE = (  # modifiers
     Qt.Key.Key_Control,
     Qt.Key.Key_Shift,
     Qt.Key.Key_Alt,

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from apd_viewer.ui.preferences.preferences import Preferences
 
 _PORTABLE, _NATIVE = QKeySequence.SequenceFormat.PortableText, QKeySequence.SequenceFormat.NativeText
-_SEVERAL = "; "  # between the keys of an action that has several
-# By these one ends what has been begun, and gets about in the window.
+_SEVERAL = "; "  # between the alternative keys of an action
+# Reserved: they cancel, accept and navigate in the window.
 _ENDS = "Return", "Enter", "Esc", "Tab", "Backtab", "Space"
 _WALKS = "Left", "Right", "Up", "Down", "Home", "End", "PgUp", "PgDown"
 
@@ -108,7 +108,7 @@ class Shortcuts:
 
     def refusal(self, entry: ShortcutEntry, keys: str) -> str:
         """Reason against these keys for an action; empty if allowed."""
-        # What the keys do on the canvas alone takes nothing from the rest of the window.
+        # Keys used on the canvas only do not conflict with the rest of the window.
         everywhere = entry.action.shortcutContext() != Qt.ShortcutContext.WidgetShortcut
         kept = _ENDS + _WALKS if everywhere else _ENDS
         for key in split("" if keys == entry.standard else keys):

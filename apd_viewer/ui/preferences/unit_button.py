@@ -126,9 +126,9 @@ class Units:
         units = self._memory.units
         if path.resolve() in units:
             return units[path.resolve()]
-        # Once may be an exception; whoever says it twice running works in it.
+        # One choice may be an exception; two in a row are a habit.
         latest = list(units.values())[:2]
         unit = latest[0] if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE
         if unit is not Unit.NONE:
-            self._memory.remember_unit(path, unit)  # or it might be another one the next time
+            self._memory.remember_unit(path, unit)  # so that the next start finds the same one
         return unit

@@ -16,7 +16,7 @@ from apd_viewer.ui.widgets.fields import Check, Choice, Number
 if TYPE_CHECKING:
     from apd_viewer.ui.sharing.pictures import Pictures
 
-_LEAST, _MOST = 16, 32_768  # pixels a side; what cannot be drawn of them is said
+_LEAST, _MOST = 16, 32_768  # pixels per side; a hint tells what cannot be drawn
 _TIMES = (1, 2, 3, 4)
 _PREVIEW = QSize(360, 270)
 _SOON = 40  # ms

@@ -120,7 +120,7 @@ class Pictures:
         scale = grown(view.size(), wish.size)
         with QPainter(image) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            # What the view shows stands in the middle of the picture.
+            # The view is centred in the picture.
             painter.translate(QPointF(wish.size.width(), wish.size.height()) / 2)
             painter.scale(scale, scale)
             painter.save()

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.tools.canvas import Canvas
 
 _CHART, _LETTERS = QSize(1016, 230), 12  # px
-_LONGEST = 24_000_000  # bytes of a session; in a page it takes a third more
+_LONGEST = 24_000_000  # bytes of a session; base64 adds a third
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +153,7 @@ class Reporting:
     def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
         """Take the pictures, for which there is only this thread, and have the page written."""
         session, now = self._session, self._session.store.state
-        if now is not None and now.frame.U is subject.state.frame.U:  # more may be known of it by now
+        if now is not None and now.frame.U is subject.state.frame.U:  # its shape check may be finished by now
             examining = session.shape_checks
             subject = replace(subject, found=examining.found, at_rest=examining.at_rest)
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
@@ -191,7 +191,7 @@ class Reporting:
         chart = replace(reading_charts.local_change(change), title="", readings=())
         font = QFont(self._window.font())
         font.setPixelSize(_LETTERS)
-        words = 2.5 * QFontMetricsF(font).height()  # the room of title and readings, which the page has
+        words = 2.5 * QFontMetricsF(font).height()  # title and readings, given by the page instead
         room = QRectF(0.0, -words, _CHART.width(), _CHART.height() + words)
 
         def drawn(theme: Theme) -> str:

@@ -13,13 +13,13 @@ from PySide6.QtCore import QObject, QProcess, Signal
 
 from apd_viewer.language import tr
 
-# Not -m: neither the user's script nor what lies in the current folder is imported.
+# Not -m: it would import from the current folder.
 _START = """
 import os, sys
 count = int(sys.argv[1])
 sys.path[:], words = sys.argv[2 : 2 + count], sys.argv[2 + count :]
 if hasattr(os, "nice"):
-    os.nice(10)  # what the user does in the window meanwhile comes first
+    os.nice(10)  # the window comes first
 from apd_viewer.__main__ import main
 sys.exit(main(words))
 """

@@ -122,7 +122,7 @@ class RunBar(QWidget):
 
         self._job = Job(tr("Preparing"), work, self._command.start, self._delivered.emit)
         self.words.setText(tr("preparing"))
-        self.bar.setMaximum(0)  # nobody knows how long
+        self.bar.setMaximum(0)  # of unknown length
         self._show_busy(True)
 
     def stop(self) -> None:
@@ -147,7 +147,7 @@ class RunBar(QWidget):
         self._show_busy(False)
 
     def _receive(self, outcome: JobOutcome) -> None:
-        if outcome.job is not self._job:  # given up meanwhile
+        if outcome.job is not self._job:  # cancelled meanwhile
             return
         self._job = None
         if outcome.failure is not None:

@@ -145,7 +145,7 @@ class SweepDialog(QDialog):
             if self.motion.currentData() == _TWIST:
                 angle = twist_of(self.twist.text())
                 twists = [angle if k == self._handle else 0.0 for k in range(len(document.handles))]
-                # An angle that begins with a minus would look like an option.
+                # A negative angle would look like an option.
                 words = [f"--twist={angle}rad" if angle else "--twist=0" for angle in twists]
             sweep_of(document, round(self.steps.value()), self.to.value() / 100.0, methods, twists)
         except InputError as error:
@@ -166,13 +166,13 @@ class SweepDialog(QDialog):
 
     def _show_busy(self, on: bool) -> None:
         self._asks.setEnabled(not on)
-        # The bar comes above the button: without room of its own it would take that of the fields.
+        # Reserve room for the bar above the button: it would be taken from the fields.
         self._column.activate()
         if self._column.totalHeightForWidth(self.width()) > self.height():
             self._fit(self.width())
 
     def _show(self, folder: Path, said: str) -> None:
-        # The first line names a folder that is about to go.
+        # The first line names a temporary folder.
         self.summary.setText(re.sub(r"-(?=\d)", "−", "\n".join(said.splitlines()[1:])))
         self.summary.show()
         if self.figure is not None:
@@ -180,7 +180,7 @@ class SweepDialog(QDialog):
             self.figure.deleteLater()
         self.figure = FigureView(folder / "sweep.png", tr("Curves of area, volume and energy"))
         self._column.insertWidget(self._column.indexOf(self.summary), self.figure)
-        self.figure.show()  # what is not shown yet takes no room
+        self.figure.show()  # hidden widgets take no room
         self._fit(max(self.width(), 900))
 
     def _fit(self, width: int) -> None:

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-# What is to be done: it is given a function that says whether nobody wants the result any more.
+# The work: it is passed a function returning True once the result is no longer wanted.
 Work = Callable[[Callable[[], bool]], object]
 
 

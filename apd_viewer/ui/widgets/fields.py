@@ -134,7 +134,7 @@ class Number(QDoubleSpinBox):
 
     def _typed(self, text: str) -> float | None:
         try:
-            # The suffix stays behind what is typed, which may have it once more.
+            # The suffix remains after the typed text, which may repeat it.
             number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
             value = float(number.strip(" %").replace(",", "."))
         except ValueError:

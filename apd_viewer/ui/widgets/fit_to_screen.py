@@ -14,6 +14,6 @@ def resize_on_screen(window: QWidget, size: QSize) -> None:
     frame.setSize(window.size() + border)
     x = max(min(frame.left(), room.right() + 1 - frame.width()), room.left())
     y = max(min(frame.top(), room.bottom() + 1 - frame.height()), room.top())
-    # Where a window will be that is not shown yet is not known, and is chosen well by then.
+    # The place of a window not yet shown is unknown; the window manager chooses it.
     if window.isVisible() and QPoint(x, y) != frame.topLeft():
         window.move(x, y)

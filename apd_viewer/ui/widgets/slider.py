@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QSizePolicy, QSlider, QStyle
 _KNOB = 14
 
 
-_MAGNET = 3  # pixels around the neutral value within which the knob falls into it
+_MAGNET = 3  # pixels around the neutral value within which the knob snaps to it
 
 
 class SliderScale(NamedTuple):
@@ -36,7 +36,7 @@ class SliderScale(NamedTuple):
     neutral: int
 
 
-# Half a percent a step, from nothing or around 100 %; and three decades above nothing at all.
+# Half a percent per step, from 0 or around 100 %; and 0 with three decades above.
 SHARE = SliderScale(100, lambda step: step / 2.0, lambda percent: 2.0 * percent, 0)
 
 

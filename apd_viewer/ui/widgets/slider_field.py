@@ -99,7 +99,7 @@ class Dial(QWidget):
     def show_value(self, value: float) -> None:
         """Show a value without emitting a choice."""
         self.field.show_value(value)
-        # The knob in the hand stays under the cursor, between steps or not.
+        # A dragged knob stays under the cursor, also between steps.
         step = min(max(round(self._scale.step_of(value)), 0), self._scale.steps)
         if not self.slider.isSliderDown() and step != self.slider.value():
             self.slider.blockSignals(True)

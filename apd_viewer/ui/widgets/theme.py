@@ -78,7 +78,7 @@ DARK = Theme(
 def theme_for(scheme: Qt.ColorScheme) -> Theme:
     """Light or dark theme as chosen, or as on the platform."""
     hints = QGuiApplication.styleHints()
-    hints.setColorScheme(scheme)  # for what the platform draws itself, such as the title bar
+    hints.setColorScheme(scheme)  # for the platform's own parts, such as the title bar
     asked = hints.colorScheme() if scheme is Qt.ColorScheme.Unknown else scheme
     return DARK if asked is Qt.ColorScheme.Dark else LIGHT
 
@@ -90,7 +90,7 @@ def apply(theme: Theme) -> None:
     application.setStyle("Fusion")
     application.setPalette(_palette(theme))
     sheet = resource("window.qss").read_text(encoding="utf-8")
-    # Longest names first: one may begin with another.
+    # Longest names first: one may be a prefix of another.
     for name, color in sorted(asdict(theme).items(), key=lambda item: -len(item[0])):
         sheet = sheet.replace(f"@{name}", color)
     application.setStyleSheet(sheet)

@@ -11,7 +11,7 @@ def arrange(row: QBoxLayout, room: float) -> bool:
     Returns whether it stands side by side.
     """
     row.setDirection(QBoxLayout.Direction.LeftToRight)
-    row.activate()  # what has changed within the rows in it is not looked at otherwise
+    row.activate()  # changes inside nested rows are ignored otherwise
     fits = row.sizeHint().width() <= room
     if not fits:
         row.setDirection(QBoxLayout.Direction.TopToBottom)
