@@ -16,7 +16,7 @@ from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY
+from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
@@ -64,10 +64,12 @@ class Shell(QMainWindow):
         self.setStatusBar(self.status)
         self.docks = Docks(self)
         self._add_docks()
-        self.chrome = InertChrome(self, self.requests)
+        self.chrome = InertChrome(self, self.requests, self._take, self.canvas.frame_mesh, self.docks.toggles)
         self.memory.restore_layout(self)
         self.set_scheme(self.memory.scheme)
-        self._show_first_tool()
+        self.canvas.choose_way(FIRST_WAY)
+        self._take(FIRST_TOOL)
+        self.panel.setEnabled(False)
 
     def _set_up_frame(self) -> None:
         self.setWindowTitle("APD Viewer")
@@ -85,11 +87,9 @@ class Shell(QMainWindow):
         plots = self.docks.add("plots", tr("Plots"), QWidget(), below, False)
         plots.toggleViewAction().setShortcut("Ctrl+P")
 
-    def _show_first_tool(self) -> None:
-        self.canvas.choose_way(FIRST_WAY)
-        self.canvas.take(FIRST_TOOL)
-        self.status.hint(FIRST_TOOL.hint(FIRST_WAY))
-        self.panel.setEnabled(False)
+    def _take(self, tool: Tool) -> None:
+        self.canvas.take(tool)
+        self.status.hint(tool.hint(FIRST_WAY))
 
     # Light and dark
 

@@ -36,7 +36,7 @@ from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies.studies import Studies
 from apd_viewer.ui.tools.active_parts import ActiveParts
 from apd_viewer.ui.tools.tool_choice import ToolChoice
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
+from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.theme import Theme
 
 
@@ -64,7 +64,7 @@ class Workbench(QObject):
         self._connect_session()
         self._connect_canvas()
         self._connect_shell()
-        self.tools.take(FIRST_TOOL)
+        self.tools.take(self.canvas.tool)
         self._show_status()
         self.recovery.restore_asked.connect(self.filing.restore)
         self.recovery.offer(self.filing.leftovers())

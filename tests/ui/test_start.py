@@ -67,6 +67,35 @@ def test_menus_and_tool_bar_look_as_before_once_all_is_loaded(qtbot, early):
     assert looks(early, window.actions_.bar) == before
 
 
+def test_a_tool_chosen_before_the_start_is_still_in_use_after_it(qtbot, early):
+    tools = next(menu for menu in early.chrome._menus if menu.title() == "&Tools")
+    next(action for action in tools.actions() if action.text() == Tool.BASE.words.title).trigger()
+    assert early.canvas.tool is Tool.BASE
+    before = looks(early, early.chrome.bar)
+    window = Workbench(early)
+    qtbot.wait(50)
+    assert early.canvas.tool is Tool.BASE
+    assert window.actions_.tools[Tool.BASE].isChecked()
+    assert looks(early, window.actions_.bar) == before
+
+
+def test_no_entry_before_the_start_is_without_effect(early):
+    for menu in early.chrome._menus:
+        assert menu.actions()
+        for action in menu.actions():
+            assert action.isEnabled() == (action.text() != "Loading…")
+
+
+def test_a_menu_that_is_open_at_the_start_is_opened_again(qtbot, early):
+    bar = early.menuBar()
+    bar.setActiveAction(bar.actions()[5])
+    assert early.chrome._menus[5].isVisible()
+    window = Workbench(early)
+    qtbot.waitUntil(lambda: bar.actions()[5].menu().isVisible())
+    assert window.actions_.view.findings in bar.actions()[5].menu().actions()
+    bar.actions()[5].menu().close()
+
+
 def test_a_window_that_is_closed_before_the_start_starts_nothing(early):
     early.requests.open_sample("bottle")
     assert early.close()

@@ -1,8 +1,12 @@
-"""Menu titles and tool bar of the first frame, in the place of the real ones."""
+"""Menus and tool bar of the first frame, in the place of the real ones."""
 
 from __future__ import annotations
 
-from PySide6.QtGui import QAction, QKeySequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+from PySide6.QtCore import QTimer
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.language import tr
@@ -12,39 +16,74 @@ from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme
 
-_MENUS = tr("&File"), tr("&Edit"), tr("&Tools"), tr("&Select"), tr("H&andle"), tr("&View"), tr("&Help")
 _TOOLS = [tool.words.icon for tool in Tool]
 # Icons, in groups; the tests compare them with the real tool bar.
 _BAR = ["open", "export"], _TOOLS, ["undo", "redo", "reset"], ["frame"]
-_NEED_A_MESH = {"export", "undo", "redo", "reset"}
+_NEED_A_MESH = "export", "undo", "redo", "reset"
 
 
 class InertChrome:
-    """Titles and icons without commands, apart from opening a file and quitting.
+    """The commands that need no session; the others are disabled, or yet to come.
 
     Parameters
     ----------
     window : QMainWindow
     requests : FileRequests
+    take : callable
+        Use a tool.
+    frame : callable
+        Zoom to the mesh.
+    panels : sequence of QAction
+        Show and hide the panels.
     """
 
-    def __init__(self, window: QMainWindow, requests: FileRequests) -> None:
+    def __init__(
+        self,
+        window: QMainWindow,
+        requests: FileRequests,
+        take: Callable[[Tool], object],
+        frame: Callable[[], object],
+        panels: Sequence[QAction],
+    ) -> None:
         self._window = window
-        self._open = QAction(tr("&Open…"), window, shortcut=QKeySequence.StandardKey.Open)
-        self._open.triggered.connect(requests.ask)
+        self._buttons = {name: QAction(window, enabled=False) for name in _NEED_A_MESH}
+        self._add("open", tr("&Open…"), QKeySequence.StandardKey.Open, requests.ask)
+        self._add("frame", tr("&Frame mesh"), "F", frame)
+        self._add_tools(take)
         self._quit = QAction(tr("&Quit"), window, shortcut=QKeySequence.StandardKey.Quit)
         self._quit.triggered.connect(window.close)
-        self._menus = [window.menuBar().addMenu(title) for title in _MENUS]
-        self._menus[0].addActions([self._open, self._quit])
-        self._buttons = {"open": self._open}
-        self.bar = add_tool_bar(window, [[self._button(name) for name in group] for group in _BAR])
-        self._buttons[FIRST_TOOL.words.icon].setCheckable(True)
-        self._buttons[FIRST_TOOL.words.icon].setChecked(True)
+        self._loading = QAction(tr("Loading…"), window, enabled=False)
+        self._fill_menus(panels)
+        self.bar = add_tool_bar(window, [[self._buttons[name] for name in group] for group in _BAR])
 
-    def _button(self, name: str) -> QAction:
-        if name not in self._buttons:
-            self._buttons[name] = QAction(self._window, enabled=name not in _NEED_A_MESH)
-        return self._buttons[name]
+    def _add(self, name: str, title: str, key: object, command: Callable[[], object]) -> QAction:
+        action = self._buttons[name] = QAction(title, self._window, shortcut=QKeySequence(key))
+        action.triggered.connect(lambda _checked=False: command())
+        return action
+
+    def _add_tools(self, take: Callable[[Tool], object]) -> None:
+        self._group = QActionGroup(self._window)
+        for tool in Tool:
+            words = tool.words
+            action = self._add(words.icon, words.title, words.key, partial(take, tool))
+            action.setCheckable(True)
+            action.setChecked(tool is FIRST_TOOL)
+            self._group.addAction(action)
+
+    def _fill_menus(self, panels: Sequence[QAction]) -> None:
+        more = [self._loading]
+        entries: dict[str, Iterable[QAction]] = {
+            tr("&File"): [self._buttons["open"], *more, self._quit],
+            tr("&Edit"): more,
+            tr("&Tools"): self._group.actions(),
+            tr("&Select"): more,
+            tr("H&andle"): more,
+            tr("&View"): [self._buttons["frame"], *more, *panels],
+            tr("&Help"): more,
+        }
+        self._menus = [self._window.menuBar().addMenu(title) for title in entries]
+        for menu, actions in zip(self._menus, entries.values(), strict=True):
+            menu.addActions(list(actions))
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
@@ -52,9 +91,17 @@ class InertChrome:
             action.setIcon(icon(name, theme))
 
     def remove(self) -> None:
-        """Make room for the real menus and tool bar."""
-        self._window.menuBar().clear()
+        """Make room for the real menus and tool bar; a menu that is open is opened again."""
+        bar = self._window.menuBar()
+        for place, menu in enumerate(self._menus):
+            if menu.isVisible():
+                menu.close()
+                # By then the real menus have taken the places of these.
+                QTimer.singleShot(
+                    0, self._window, lambda place=place: bar.setActiveAction(bar.actions()[place])
+                )
+        bar.clear()
         self._window.removeToolBar(self.bar)
-        for part in (self.bar, *self._menus, self._quit, *self._buttons.values()):
+        for part in (self.bar, *self._menus, self._group, self._loading, self._quit, *self._buttons.values()):
             part.deleteLater()
         self._buttons.clear()
