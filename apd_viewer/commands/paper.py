@@ -16,7 +16,7 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.studies.paper_curves import Held, Loss, holds, losses
 
 if TYPE_CHECKING:

@@ -28,7 +28,8 @@ from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.solver.methods import METHODS, OFFERED
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.document_selection import with_selection
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
@@ -155,7 +156,7 @@ def _opened(options: argparse.Namespace) -> tuple[Document, Standpoint | None]:
     if options.transform and options.twist:
         raise InputError(tr("Give either --transform or --twist, not both."))
     mesh = open_mesh(path)
-    document = opened(mesh).document.with_selection(read_selection_file(options.selection, mesh))
+    document = with_selection(opened(mesh).document, read_selection_file(options.selection, mesh))
     if options.transform and len(options.transform) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {motions} motions; give one for each handle.").format(

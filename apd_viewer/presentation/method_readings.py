@@ -14,7 +14,7 @@ from apd_viewer.presentation.readings import volumes
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.studies.comparison import MethodOutcome
 

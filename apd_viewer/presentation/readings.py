@@ -13,12 +13,14 @@ from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.number_format import length, short, signed, significant
 from apd_viewer.session.model.status_text import about_caps
+from apd_viewer.session.model.targets import kept_percentages
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection
     from apd_viewer.geometry.analysis.shape_check import Examination
     from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 NOTHING, LATER = "–", "…"
@@ -40,7 +42,7 @@ def area(state: State, unit: Unit) -> str:
 def verdict(state: State) -> str:
     """Change of the total area, compared with its target."""
     document, change = state.document, signed(100 * state.frame.area_error, 3)
-    asked = document.kept_percentages[0]
+    asked = kept_percentages(document)[0]
     if asked is None:
         return f"{change} %"
     wanted = asked / 100.0

@@ -17,7 +17,7 @@ from apd_viewer.session.quantities.units import Unit
 if TYPE_CHECKING:
     from apd_viewer.files.fingerprint import Fingerprint
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
 
 
 _LIBRARIES = (

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from apd_viewer.files.html_page import Drawing
     from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
 
 
 @dataclass(frozen=True, eq=False)

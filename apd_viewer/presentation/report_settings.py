@@ -14,10 +14,11 @@ from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import short, significant
+from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
 
 
 _RIGID = 1e-9  # of a pose's matrix: a smaller scale is rounding
@@ -34,7 +35,7 @@ def settings_blocks(state: State) -> Iterator[Block]:
     document = state.document
     method = document.traits
     rows = [(tr("Method"), method.title, method.about)]
-    area, volume, *_ = document.kept_percentages
+    area, volume, *_ = kept_percentages(document)
     rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
     rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
     if method.has_tolerance:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.session.model.document import Document, State
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.autosave_writer import AutosaveWriter, Copy
 from apd_viewer.session.storage.recovery import Leftover

@@ -15,7 +15,8 @@ from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.document_selection import selection_of, with_selection
+from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.status_text import (
     about_export,
     about_findings,
@@ -113,7 +114,7 @@ class Files:
             state = self._gestures.alone()
             if state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
-                self._store.regrip(state.document, state.document.with_selection(selection))
+                self._store.regrip(state.document, with_selection(state.document, selection))
                 self._listener.told(about_loaded_selection(path.name, selection))
 
         self._jobs.run(
@@ -125,7 +126,7 @@ class Files:
         path, document = Path(path), self._store.required().document
 
         def work() -> str:
-            return about_selection(path.name, write_selection(path, document.mesh, document.selection))
+            return about_selection(path.name, write_selection(path, document.mesh, selection_of(document)))
 
         self._jobs.run(
             tr("Saving {name}").format(name=path.name), work, self._listener.told, can_be_cancelled=False

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from apd_viewer.session.listener import Listener
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.store import Store
 
 # Key presses within this many seconds of each other are one step.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 
 

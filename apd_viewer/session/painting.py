@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.part_operations import reshaped
 
@@ -43,7 +44,7 @@ class Painting:
         if self._gestures.before is not None:
             document = state.document
             if number > len(document.regions):
-                document = document.with_next_region()
+                document = with_next_region(document)
             document = document.painted_region(ids, number)
             (self._store.solve if document.asks_of_regions else self._store.set_document)(document)
 

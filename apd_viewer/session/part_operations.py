@@ -11,8 +11,8 @@ from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smo
 from apd_viewer.session.model.part_operation import PartOperation
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
     from apd_viewer.session.model.painted_part import Part
+    from apd_viewer.session.model.state import State
 
 Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.geometry.pose.constraints import MOST_HANDLES
 from apd_viewer.language import tr
+from apd_viewer.session.model.document_parts import with_next_region, without_handle, without_region
 from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.names import new_name, next_name
 
@@ -50,7 +51,7 @@ class Parts:
         """Remove handle ``k`` and free its vertices; the others are gripped anew."""
         state = self._gestures.alone()
         self._gestures.record(tr("Remove handle"), state)
-        self._store.regrip(state.document, state.document.without_handle(k))
+        self._store.regrip(state.document, without_handle(state.document, k))
 
     def rename_handle(self, k: int, name: str) -> None:
         """Rename handle ``k``; a name in use gets a number."""
@@ -72,7 +73,7 @@ class Parts:
             )
             return len(regions) - 1
         self._gestures.record(tr("Add region"), state)
-        self._store.set_document(state.document.with_next_region())
+        self._store.set_document(with_next_region(state.document))
         return len(regions)
 
     def remove_region(self, k: int) -> None:
@@ -80,7 +81,7 @@ class Parts:
         state = self._gestures.alone()
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
-        (self._store.solve if asked else self._store.set_document)(state.document.without_region(k))
+        (self._store.solve if asked else self._store.set_document)(without_region(state.document, k))
 
     def rename_region(self, k: int, name: str) -> None:
         """Rename region ``k``; a name in use gets a number."""

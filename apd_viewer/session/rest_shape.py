@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.baking import baked
-from apd_viewer.session.model.document import State, rest_frame
+from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.status_text import about_baking
 
 if TYPE_CHECKING:

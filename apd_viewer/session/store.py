@@ -10,7 +10,8 @@ from dataclasses import replace
 from enum import Enum
 
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.document import Document, State
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.trace import Trace
 from apd_viewer.session.processes.requests import Reply, Request, alike, factored_for
 from apd_viewer.session.processes.worker import Worker

@@ -15,7 +15,8 @@ from apd_viewer.session.model import memo
 from apd_viewer.session.quantities.expressions import angle, length, number
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 

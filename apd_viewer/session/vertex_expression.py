@@ -13,7 +13,7 @@ from apd_viewer.session.quantities.expressions import length
 from apd_viewer.session.typed_motion import names_of
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 _IDS = re.compile(r"[\d\s,;–-]+")

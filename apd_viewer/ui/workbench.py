@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Qt, Slot
 from PySide6.QtGui import QCloseEvent
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.session import Session

@@ -26,7 +26,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking import surface_index
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes.worker import Reply
 from apd_viewer.ui.application import make_application
 from apd_viewer.ui.shell import Shell

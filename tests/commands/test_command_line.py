@@ -24,7 +24,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.methods import METHODS
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.studies.replay import replay

@@ -18,7 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.films import check_film, write_film
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.transforms import turned_about
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.storage.session_file import save_session
 

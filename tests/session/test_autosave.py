@@ -30,7 +30,7 @@ from apd_viewer.files.storage import lock as lock_module
 from apd_viewer.files.storage.lock import take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.storage import autosave_writer, recovery
 from apd_viewer.session.storage.recovery import LONGEST_KEPT, ago, leftovers, lock_path
 from apd_viewer.session.storage.session_file import open_session, save_session

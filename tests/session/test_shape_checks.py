@@ -15,7 +15,7 @@ from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.processes.child_process import ChildProcess
 from apd_viewer.session.processes.shape_checker import Examiner, Shape

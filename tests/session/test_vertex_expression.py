@@ -8,7 +8,7 @@ from meshes import box
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.vertex_expression import chosen
 

@@ -13,7 +13,8 @@ from meshes import box, ends, rotation
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.document import Document, State, opened
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.session import Session
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import State, rest_frame
+from apd_viewer.session.model.state import State, rest_frame
 
 
 def baked(state: State) -> State:

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.errors import InputError
-from apd_viewer.files.selections.selection import Selection, numbered
-from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
-from apd_viewer.geometry.picking.surface_index import Skin
-from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
-from apd_viewer.geometry.pose.frame import MET, Frame
-from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.pose.constraints import HANDLE, NO_SOFT, Constraints, Soft, constraints
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -29,15 +23,6 @@ from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
-from apd_viewer.session.model.names import next_name
-
-
-class Asked(NamedTuple):
-    """Targets of areas and volume, as :meth:`Deformation.keep` takes them."""
-
-    area: float | None
-    volume: float | None
-    regions: tuple[Region, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,31 +117,6 @@ class Document:
         return self.area, self.volume, *(part.area for part in self.regions)
 
     @property
-    def kept_percentages(self) -> tuple[float | None, ...]:
-        """Percentages passed to the method; None for a region without a triangle."""
-        method = self.traits
-        keeps_area = method.keeps_total_area or (method.may_keep_total_area and self.hold_area)
-        only_area = method.keeps_only_total_area
-        return (
-            self.area if keeps_area else None,
-            None if only_area else self.volume,
-            *(
-                part.area if at_rest > 0.0 and not only_area else None
-                for part, at_rest in zip(self.regions, self.rest_areas, strict=True)
-            ),
-        )
-
-    @property
-    def asked(self) -> Asked:
-        """The same, with the vertices of the regions."""
-        area, volume, *areas = self.kept_percentages
-        regions = tuple(
-            Region(part.name, np.flatnonzero(self.member == k), percent)
-            for k, (part, percent) in enumerate(zip(self.regions, areas, strict=True), start=1)
-        )
-        return Asked(area, volume, regions)
-
-    @property
     def rest_areas(self) -> tuple[float, ...]:
         """Area of each region at rest."""
         if not self.regions:
@@ -228,29 +188,6 @@ class Document:
         painted[ids] = code
         return frozen(painted)
 
-    @property
-    def selection(self) -> Selection:
-        """The paint, with the names of its parts."""
-        names = [handle.name for handle in self.handles], [region.name for region in self.regions]
-        areas = [region.area for region in self.regions]
-        return Selection.of(self.labels, self.member, *names, areas)
-
-    def with_selection(self, selection: Selection) -> Document:
-        """The same document, painted in another way."""
-        regions = map(NamedRegion, selection.regions, selection.areas)
-        weld = self.mesh.weld
-        codes = selection.labels, selection.member
-        if len(weld.first) < len(weld.inverse):  # both sides of a seam are painted alike
-            codes = frozen(codes[0][weld.first][weld.inverse]), frozen(codes[1][weld.first][weld.inverse])
-        labels, member = codes
-        return replace(
-            self,
-            labels=labels,
-            member=member,
-            handles=tuple(map(Handle, selection.handles)),
-            regions=tuple(regions),
-        )
-
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4)."""
         return self.with_handle(k, replace(self.handles[k], pose=frozen(np.array(pose, dtype=np.float64))))
@@ -262,125 +199,3 @@ class Document:
     def with_region(self, k: int, region: NamedRegion) -> Document:
         """The same document with another region ``k``, or one more."""
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
-
-    def with_next_region(self) -> Document:
-        """The document with one more region, named anew."""
-        name = next_name(tr("Region"), [region.name for region in self.regions])
-        return self.with_region(len(self.regions), NamedRegion(name))
-
-    def without_handle(self, k: int) -> Document:
-        """The document without handle ``k``; its vertices are free."""
-        left = self.handles[:k] + self.handles[k + 1 :]
-        labels = _without(self.labels, HANDLE + k, FREE)
-        return replace(self, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
-
-    def without_region(self, k: int) -> Document:
-        """The same document without region ``k``."""
-        left = self.regions[:k] + self.regions[k + 1 :]
-        return replace(self, regions=left, member=_without(self.member, k + 1, 0))
-
-
-def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
-    """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
-    return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A document and its shape: the unit of undo.
-
-    Attributes
-    ----------
-    document : Document
-    inspection : Inspection
-        Readings of the mesh at rest.
-    skin : Skin
-        What is drawn and touched of the mesh.
-    frame : Frame
-        The latest shape, and its readings.
-    """
-
-    document: Document
-    inspection: Inspection
-    skin: Skin
-    frame: Frame
-
-    @property
-    def arrays(self) -> tuple[np.ndarray, ...]:
-        """Large arrays of this state; most are shared with other states."""
-        document = self.document
-        mesh = document.mesh
-        own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
-        return *own, *self.skin.arrays
-
-    @property
-    def is_at_rest(self) -> bool:
-        """True if the shape is at rest, no handle posed and every percentage 100 or none."""
-        document = self.document
-        asks = any(percent not in (None, 100.0) for percent in document.percentages)
-        return self.frame.U is document.mesh.V and not document.posed and not asks
-
-    @property
-    def lacks(self) -> bool:
-        """True if a target of area or volume is not met."""
-        document, rest, now = self.document, self.inspection, self.frame
-        within = document.tolerance if document.traits.has_tolerance else MET
-        at_rest = rest.area, rest.volume, *document.rest_areas
-        measured = zip(document.kept_percentages, at_rest, (now.area, now.volume, *now.regions), strict=True)
-        return any(
-            percent is not None
-            and before is not None
-            and value is not None
-            and abs(value / before - percent / 100.0) > within * percent / 100.0
-            for percent, before, value in measured
-        )
-
-    def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
-        """The state with another document or frame, and its regions measured anew."""
-        before, shown = self.document, self.frame
-        document, frame = document or before, frame or shown
-        # Handles move more often than the rest shape is measured anew.
-        same = frame is shown and document.member is before.member and document.regions is before.regions
-        if not same:
-            frame = replace(frame, regions=document.region_areas(frame.U))
-        return State(document, self.inspection, self.skin, frame)
-
-    def unsettled(self) -> State:
-        """The state with its shape marked as unfinished."""
-        return replace(self, frame=replace(self.frame, converged=False, settled=False))
-
-
-def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
-    """A mesh at rest, with ``labels`` (n,) or nothing painted."""
-    if labels is None:
-        labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
-    inspection = inspect(mesh)
-    if inspection.area <= 0.0:
-        raise InputError(
-            tr("{name} has no area: all its faces are degenerate; export it again.").format(name=mesh.name)
-        )
-    count = max(1, int(labels.max()) - HANDLE + 1)
-    document = Document(
-        mesh,
-        labels,
-        grip=mesh.V,
-        member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
-        handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
-    )
-    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
-    return State(document, inspection, skin, rest_frame(mesh, inspection))
-
-
-def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
-    """The rest shape as a frame, without regions: nothing is left to iterate."""
-    return Frame(
-        U=mesh.V,
-        iteration=0,
-        area=inspection.area,
-        area_error=0.0,
-        volume=inspection.volume,
-        volume_capped=inspection.volume_capped,
-        handle_drift=0.0,
-        converged=True,
-        energy=0.0,
-    )

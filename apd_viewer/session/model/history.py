@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 
 
 class HistoryEntry(NamedTuple):

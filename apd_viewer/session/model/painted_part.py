@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.pose.constraints import FREE
+from apd_viewer.session.model.document_parts import with_next_region
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -34,7 +35,7 @@ class Part(NamedTuple):
     def become(self, document: Document, wanted: np.ndarray) -> Document:
         """The document with the ``wanted`` vertices, (n,) bool, and no others, in it."""
         if self.is_region and self.code > len(document.regions) and wanted.any():
-            document = document.with_next_region()  # the part need not exist yet, as for a stroke
+            document = with_next_region(document)  # the part need not exist yet, as for a stroke
         paint = type(document).painted_region if self.is_region else type(document).painted
         cleared = paint(document, np.flatnonzero(self.of(document) & ~wanted), self.nothing)
         return paint(cleared, np.flatnonzero(wanted), self.code)

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.session.model.targets import kept_percentages
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.frame import Frame
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
 
 COLUMNS = (
     "seconds",
@@ -131,7 +133,7 @@ class Trace:
 
 def _readings(document: Document, frame: Frame) -> list[float]:
     """The readings of a frame, in the order of the columns from the area on."""
-    wanted = (document.kept_percentages[0] or 100.0) / 100.0
+    wanted = (kept_percentages(document)[0] or 100.0) / 100.0
     miss = abs((1.0 + frame.area_error) / wanted - 1.0)
     known = frame.volume, frame.energy
     volume, energy = (np.nan if value is None else value for value in known)

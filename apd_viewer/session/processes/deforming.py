@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -27,7 +28,7 @@ def deformation_of(
         stiffness=document.stiffness,
         area_stiffness=document.area_stiffness,
         shear_stiffness=document.shear_stiffness,
-        **document.asked._asdict(),
+        **targets_of(document)._asdict(),
         rest=rest,
         factored=factored,
         soft=held.soft,

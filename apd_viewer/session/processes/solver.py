@@ -26,6 +26,7 @@ from apd_viewer.geometry.solver.multilevel import make_ready
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.messages import Message, Order, OrderStage
 from apd_viewer.session.processes.remote_factor import FarFactor
@@ -191,7 +192,7 @@ class Solver:
             self._solver = self._made(order, held)
             self._warning = self._solver.rest.loose_warning(held.fixed)
         elif not alike(goals, self._goals):
-            self._solver.keep(*document.asked)
+            self._solver.keep(*targets_of(document))
         self._solver.tolerance = document.tolerance
         jump = fresh or request.generation != self._generation
         # Aiming again would reset the paper method's handle to its target.

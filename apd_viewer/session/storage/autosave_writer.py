@@ -18,7 +18,7 @@ from apd_viewer.files.storage.atomic_file import flush_to_disk
 from apd_viewer.files.storage.lock import Lock
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import Leftover, owned, remove
 from apd_viewer.session.storage.session_file import save_session

@@ -18,7 +18,7 @@ from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.files.storage.lock import Lock, take
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr, trn
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.storage.session_file import open_session
 

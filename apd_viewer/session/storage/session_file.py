@@ -24,7 +24,7 @@ from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.files.storage.reading import content_of
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.view import SUFFIX, View
 from apd_viewer.session.storage.session_json import (
     document_of,

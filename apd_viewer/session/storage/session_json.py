@@ -21,8 +21,9 @@ from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
-from apd_viewer.session.model.document import Document, State, rest_frame
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit

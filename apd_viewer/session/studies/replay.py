@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, iterated, result_of
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.document import State
+from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.storage.session_file import open_session
 

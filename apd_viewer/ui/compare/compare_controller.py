@@ -14,7 +14,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.store import Store
     from apd_viewer.ui.overlays.display_options import Looks

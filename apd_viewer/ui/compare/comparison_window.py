@@ -32,7 +32,7 @@ from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.scene.camera import Camera

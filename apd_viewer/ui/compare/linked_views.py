@@ -18,7 +18,7 @@ from apd_viewer.ui.scene.viewport import link
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Deviation
     from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.ui.scene.camera import Camera
     from apd_viewer.ui.scene.surface_probe import Place
     from apd_viewer.ui.widgets.theme import Theme

@@ -19,7 +19,7 @@ from apd_viewer.ui.scene.surface_probe import Place, Pointer
 from apd_viewer.ui.scene.viewport import Viewport
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 HEAD = 32  # px

@@ -15,7 +15,7 @@ from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
 

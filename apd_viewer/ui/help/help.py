@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QMainWindow, QMenu, QWidget
 
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
+from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.session import Session
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.actions.action_factory import plain
@@ -132,7 +133,7 @@ class Help(QObject):
 
     def _holds_area(self) -> bool:
         state = self._session.store.state
-        return state is not None and state.document.kept_percentages[0] is not None
+        return state is not None and kept_percentages(state.document)[0] is not None
 
     def _close_sheet(self) -> bool:
         if self.sheet.isHidden():

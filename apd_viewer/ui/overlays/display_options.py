@@ -18,7 +18,7 @@ from apd_viewer.ui.scene.turntable import Turntable
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.preferences.preferences import Preferences
     from apd_viewer.ui.tools.canvas import Canvas

@@ -19,7 +19,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
 
 # For the values of Activity.

@@ -25,7 +25,8 @@ from apd_viewer.ui.widgets.theme import Theme
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
 
 _WIDTH = 296

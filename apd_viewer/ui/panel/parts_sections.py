@@ -23,7 +23,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 _DRIFT = tr("Distance between a handle and the position you gave it; the largest of several")

@@ -18,7 +18,7 @@ from apd_viewer.ui.widgets.folding_section import Section, quiet
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
 
 
 class SizeSection(Section):

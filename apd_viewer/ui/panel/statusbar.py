@@ -12,7 +12,7 @@ from apd_viewer.language import tr, trn
 from apd_viewer.presentation.number_format import short
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
     from apd_viewer.ui.tools.brush import Painter

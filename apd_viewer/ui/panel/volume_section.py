@@ -17,7 +17,7 @@ from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.shape_check import Examination
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 _TIP = tr("Target of the enclosed volume, in percent of the rest volume")

@@ -36,7 +36,7 @@ from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.notice import Notice
     from apd_viewer.ui.preferences.preferences import Preferences

@@ -10,11 +10,13 @@ from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.presentation.axis import Axis, decades, linear, power, ratios, rounded
 from apd_viewer.presentation.number_format import short, signed, significant
+from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.ui.plots.chart import Bars, Chart, Curve, Mark
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.trace import Trace
     from apd_viewer.session.quantities.units import Unit
 
@@ -51,7 +53,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
 
 def _accepted(document: Document) -> tuple[float | None, str]:
     """The relative error of the area that is accepted, and its name; None where the area is free."""
-    if document.kept_percentages[0] is None:
+    if kept_percentages(document)[0] is None:
         return None, ""
     if document.traits.has_tolerance:
         limit = document.tolerance

@@ -17,7 +17,7 @@ from apd_viewer.ui.scene.surface import Surface
 
 if TYPE_CHECKING:
     from apd_viewer.presentation.scales import Scale
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.ui.scene.viewport import Viewport
 
 _LONGER = 1000  # px

@@ -37,7 +37,7 @@ from apd_viewer.ui.sharing.pictures import Pictures, Wish
 from apd_viewer.ui.widgets.theme import DARK, LIGHT, Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.display_options import Looks

@@ -12,7 +12,7 @@ from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.sweep_dialog import SweepDialog
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.ui.preferences.preferences import Preferences
 

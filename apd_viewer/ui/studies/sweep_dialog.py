@@ -29,7 +29,7 @@ from apd_viewer.ui.widgets.figure_list import FigureView
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import State
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.ui.preferences.preferences import Preferences
 

@@ -36,7 +36,8 @@ from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
-    from apd_viewer.session.model.document import Document, State
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.state import State
 
 
 _NUDGE = 5.0  # pixels, about

@@ -9,9 +9,12 @@ from meshes import box, ends, soup
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import without_handle, without_region
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
 from apd_viewer.session.model.names import new_name, next_name
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.targets import targets_of
 
 
 def document(mesh: Mesh | None = None) -> Document:
@@ -31,7 +34,7 @@ def document(mesh: Mesh | None = None) -> Document:
 
 
 def percentages(said: Document) -> tuple:
-    asked = said.asked
+    asked = targets_of(said)
     return asked.area, asked.volume, tuple(region.area for region in asked.regions)
 
 
@@ -57,7 +60,7 @@ def test_a_region_is_asked_for_nothing_until_it_covers_a_triangle():
     said = document()
     for ids, expected in (([], None), ([0], None), (said.mesh.F[0], 90.0)):
         some = dataclasses.replace(said, member=frozen(np.zeros_like(said.member)))
-        asked = some.painted_region(np.array(ids, dtype=int), 1).asked
+        asked = targets_of(some.painted_region(np.array(ids, dtype=int), 1))
         assert [region.name for region in asked.regions] == ["low", "high"]
         assert [region.area for region in asked.regions] == [expected, None]
 
@@ -74,7 +77,7 @@ def test_seams_are_painted_across():
     """A soup repeats every vertex: the regions of both are the same surface."""
     whole, torn = document(), document(Mesh(*soup(*box(2, 2, 6))))
     assert torn.region_areas(torn.mesh.V) == pytest.approx(whole.region_areas(whole.mesh.V))
-    for region in torn.asked.regions:
+    for region in targets_of(torn).regions:
         places = {tuple(x) for x in torn.mesh.V[region.vertices]}
         assert len(region.vertices) == sum(tuple(x) in places for x in torn.mesh.V)
 
@@ -98,7 +101,7 @@ def test_paint_that_is_there_already_leaves_the_very_document():
 @pytest.mark.parametrize("k", [0, 1])
 def test_without_a_handle_what_it_held_is_free_and_the_others_count_down(k):
     said = document()
-    less = said.without_handle(k)
+    less = without_handle(said, k)
     assert [handle.name for handle in less.handles] == ["right", "left"][k : k + 1]
     assert (less.labels[said.labels == HANDLE + k] == FREE).all()
     assert (less.labels[said.labels == HANDLE + 1 - k] == HANDLE).all()
@@ -107,7 +110,7 @@ def test_without_a_handle_what_it_held_is_free_and_the_others_count_down(k):
 
 
 def test_the_last_handle_leaves_an_empty_one():
-    none = document().without_handle(0).without_handle(0)
+    none = without_handle(without_handle(document(), 0), 0)
     assert [handle.name for handle in none.handles] == ["Handle 1"]
     assert "no handle" in none.problem
 
@@ -115,7 +118,7 @@ def test_the_last_handle_leaves_an_empty_one():
 @pytest.mark.parametrize("k", [0, 1])
 def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
     said = document()
-    less = said.without_region(k)
+    less = without_region(said, k)
     assert [region.name for region in less.regions] == ["high", "low"][k : k + 1]
     assert np.array_equal(less.member == 0, said.member == k + 1)
     assert less.region_areas(said.mesh.V) == said.region_areas(said.mesh.V)[1 - k : 2 - k]
@@ -124,7 +127,7 @@ def test_without_a_region_its_members_are_in_none_and_the_others_count_down(k):
 
 def test_what_comes_out_is_read_only():
     said = document()
-    for each in (said, said.without_handle(0), said.without_region(0), said.with_pose(1, 2 * np.eye(4))):
+    for each in (said, without_handle(said, 0), without_region(said, 0), said.with_pose(1, 2 * np.eye(4))):
         arrays = (each.labels, each.member, each.grip, *(handle.pose for handle in each.handles))
         assert not any(array.flags.writeable for array in arrays)
         assert each.labels.dtype == each.member.dtype == np.uint8

@@ -9,6 +9,7 @@ from driven_session import BENT, document
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
 from apd_viewer.session.processes.deforming import deformation_of
@@ -49,7 +50,7 @@ CHANGES = OF_DOCUMENT | OF_HANDLE
 
 def start(method: str) -> Document:
     said = document(method)
-    said = said.with_next_region().painted_region(np.flatnonzero(said.mesh.V[:, 2] < 3.0), 1)
+    said = with_next_region(said).painted_region(np.flatnonzero(said.mesh.V[:, 2] < 3.0), 1)
     return said.with_region(0, NamedRegion("Waist", 105.0))
 
 

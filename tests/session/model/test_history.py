@@ -5,8 +5,8 @@ from meshes import box
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
-from apd_viewer.session.model.document import State, opened
 from apd_viewer.session.model.history import History
+from apd_viewer.session.model.state import State, opened
 
 REST = opened(Mesh(*box(1, 1, 2)))
 

@@ -9,8 +9,8 @@ from meshes import box, ends
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.named_parts import NamedRegion
+from apd_viewer.session.model.state import opened
 
 
 @pytest.fixture

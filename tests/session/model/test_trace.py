@@ -10,7 +10,7 @@ from meshes import box
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.trace import COLUMNS, MOST, Trace
 
 REST = opened(Mesh(*box(1, 1, 2)))

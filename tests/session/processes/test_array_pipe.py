@@ -11,7 +11,7 @@ from meshes import box, sphere
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import array_pipe, shared_memory
 
 

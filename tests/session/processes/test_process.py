@@ -17,7 +17,7 @@ from meshes import box
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import process_client
 from apd_viewer.session.processes.requests import Request
 from apd_viewer.session.store import Activity

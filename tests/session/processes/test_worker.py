@@ -14,8 +14,10 @@ from meshes import box
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.session.model.document import Document, opened
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.requests import Reply, Request
 from apd_viewer.session.processes.solver import Solver
 from apd_viewer.session.processes.worker import Worker
@@ -94,7 +96,7 @@ def test_the_process_gets_the_same_frames_bit_for_bit(process, method):
         method=method,
         handle=held.handles,
         stiffness=asked.stiffness,
-        **asked.asked._asdict(),
+        **targets_of(asked)._asdict(),
     )
     solver.aim(held.targets, asked.mesh.V)
     frames = {1: solver.step()}

@@ -23,7 +23,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.listener import Listener
-from apd_viewer.session.model.document import State, opened
+from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.session import Session
 from apd_viewer.session.storage import session_file as saved_module

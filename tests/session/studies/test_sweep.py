@@ -9,7 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
 from apd_viewer.geometry.solver.deform import deform
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
 
 BENT = turned_about([1, 1, 0], [1, 0, 0], 0.8)

@@ -17,7 +17,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
 from apd_viewer.session.storage.session_file import open_session, save_session

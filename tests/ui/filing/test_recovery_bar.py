@@ -6,7 +6,7 @@ from driving import idle
 from PySide6.QtCore import Qt
 
 from apd_viewer.files.samples import open_sample
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import owned
 from apd_viewer.session.storage.session_file import save_session

@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.scales import Measure, Scale
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool

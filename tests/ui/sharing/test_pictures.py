@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.document import opened
+from apd_viewer.session.model.state import opened
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.scene.scene_picture import grown, scene_picture
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog

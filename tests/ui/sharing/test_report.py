@@ -19,8 +19,8 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.session.model.document import opened
 from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session

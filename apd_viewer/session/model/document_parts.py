@@ -1,0 +1,42 @@
+"""Handles and regions added to a document or removed from it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.files.selections.selection import numbered
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE
+from apd_viewer.language import tr
+from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.names import next_name
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+
+def with_next_region(document: Document) -> Document:
+    """The document with one more region, named anew."""
+    name = next_name(tr("Region"), [region.name for region in document.regions])
+    return document.with_region(len(document.regions), NamedRegion(name))
+
+
+def without_handle(document: Document, k: int) -> Document:
+    """The document without handle ``k``; its vertices are free."""
+    left = document.handles[:k] + document.handles[k + 1 :]
+    labels = _without(document.labels, HANDLE + k, FREE)
+    return replace(document, handles=left or (Handle(numbered(tr("Handle"), 1)),), labels=labels)
+
+
+def without_region(document: Document, k: int) -> Document:
+    """The same document without region ``k``."""
+    left = document.regions[:k] + document.regions[k + 1 :]
+    return replace(document, regions=left, member=_without(document.member, k + 1, 0))
+
+
+def _without(codes: np.ndarray, gone: int, instead: int) -> np.ndarray:
+    """Codes with ``gone`` replaced by ``instead``, and those above decremented."""
+    return frozen(np.where(codes == gone, instead, codes - (codes > gone)).astype(np.uint8))

@@ -1,0 +1,121 @@
+"""A document with its shape, the unit of undo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import numbered
+from apd_viewer.geometry.analysis.inspection import Inspection, inspect
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE
+from apd_viewer.geometry.pose.frame import MET, Frame
+from apd_viewer.language import tr
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.targets import kept_percentages
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A document and its shape: the unit of undo.
+
+    Attributes
+    ----------
+    document : Document
+    inspection : Inspection
+        Readings of the mesh at rest.
+    skin : Skin
+        What is drawn and touched of the mesh.
+    frame : Frame
+        The latest shape, and its readings.
+    """
+
+    document: Document
+    inspection: Inspection
+    skin: Skin
+    frame: Frame
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """Large arrays of this state; most are shared with other states."""
+        document = self.document
+        mesh = document.mesh
+        own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
+        return *own, *self.skin.arrays
+
+    @property
+    def is_at_rest(self) -> bool:
+        """True if the shape is at rest, no handle posed and every percentage 100 or none."""
+        document = self.document
+        asks = any(percent not in (None, 100.0) for percent in document.percentages)
+        return self.frame.U is document.mesh.V and not document.posed and not asks
+
+    @property
+    def lacks(self) -> bool:
+        """True if a target of area or volume is not met."""
+        document, rest, now = self.document, self.inspection, self.frame
+        within = document.tolerance if document.traits.has_tolerance else MET
+        at_rest = rest.area, rest.volume, *document.rest_areas
+        measured = zip(kept_percentages(document), at_rest, (now.area, now.volume, *now.regions), strict=True)
+        return any(
+            percent is not None
+            and before is not None
+            and value is not None
+            and abs(value / before - percent / 100.0) > within * percent / 100.0
+            for percent, before, value in measured
+        )
+
+    def at(self, document: Document | None = None, frame: Frame | None = None) -> State:
+        """The state with another document or frame, and its regions measured anew."""
+        before, shown = self.document, self.frame
+        document, frame = document or before, frame or shown
+        # Handles move more often than the rest shape is measured anew.
+        same = frame is shown and document.member is before.member and document.regions is before.regions
+        if not same:
+            frame = replace(frame, regions=document.region_areas(frame.U))
+        return State(document, self.inspection, self.skin, frame)
+
+    def unsettled(self) -> State:
+        """The state with its shape marked as unfinished."""
+        return replace(self, frame=replace(self.frame, converged=False, settled=False))
+
+
+def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
+    """A mesh at rest, with ``labels`` (n,) or nothing painted."""
+    if labels is None:
+        labels = frozen(np.full(len(mesh.V), FREE, dtype=np.uint8))
+    inspection = inspect(mesh)
+    if inspection.area <= 0.0:
+        raise InputError(
+            tr("{name} has no area: all its faces are degenerate; export it again.").format(name=mesh.name)
+        )
+    count = max(1, int(labels.max()) - HANDLE + 1)
+    document = Document(
+        mesh,
+        labels,
+        grip=mesh.V,
+        member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
+        handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
+    )
+    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F)
+    return State(document, inspection, skin, rest_frame(mesh, inspection))
+
+
+def rest_frame(mesh: Mesh, inspection: Inspection) -> Frame:
+    """The rest shape as a frame, without regions: nothing is left to iterate."""
+    return Frame(
+        U=mesh.V,
+        iteration=0,
+        area=inspection.area,
+        area_error=0.0,
+        volume=inspection.volume,
+        volume_capped=inspection.volume_capped,
+        handle_drift=0.0,
+        converged=True,
+        energy=0.0,
+    )
