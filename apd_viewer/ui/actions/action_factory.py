@@ -34,7 +34,7 @@ class ActionMaker:
     def make(
         self, name: str, title: str, image: str, tip: str, key: object, command: Callable[[], object]
     ) -> QAction:
-        """Make an action that calls a command.
+        """Make an action for a command.
 
         ``name`` is what settings know it by: whoever gives it another takes away the keys that were chosen
         for it.
@@ -53,7 +53,7 @@ class ActionMaker:
         command: Callable[[bool], object],
         on: bool = False,
     ) -> QAction:
-        """Make an action that is on or off, and calls a command with that."""
+        """Make an action with a state, on or off, for a command."""
         action = QAction(title, self._window, checkable=True, checked=on)
         action.toggled.connect(lambda on: command(on))
         return self.adopt(name, action, image, tip, key)
@@ -80,5 +80,5 @@ class ActionMaker:
 
 
 def plain(text: str) -> str:
-    """The text of an action or a menu without its mnemonic, which other scripts have behind it: 開く(&O)…."""
+    """Text of an action or menu without its mnemonic, in any script."""
     return re.sub(r"\(&\w\)", "", text).replace("&", "").rstrip("…")

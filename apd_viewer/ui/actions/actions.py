@@ -1,4 +1,4 @@
-"""The window's actions: each with a name, a tip, an icon, a shortcut and a place in a menu."""
+"""Actions of the window: name, tip, icon, shortcut and menu."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Actions:
         bar.addMenu(tr("&Help")).addActions(self.help)
 
     def offer(self, is_open: bool, is_at_rest: bool) -> None:
-        """Enable what an open mesh allows, and one that is not at rest."""
+        """Enable the actions allowed by an open mesh, at rest or not."""
         own = [*self.file.of_a_mesh, self.pose.compare, self.pose.sweep]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
@@ -144,7 +144,7 @@ class Actions:
             action.setEnabled(is_open and not is_at_rest)
 
     def add_panels(self, actions: list[QAction]) -> None:
-        """Offer panels that can be hidden in the View menu."""
+        """Add the switches of the panels to the View menu."""
         for action in actions:
             tip = tr("Show or hide the panel “{title}”").format(title=plain(action.text()))
             name = f"panel:{action.objectName()}"
@@ -153,11 +153,11 @@ class Actions:
 
     @property
     def entries(self) -> list[ShortcutEntry]:
-        """All actions, with what is said of them."""
+        """All actions with their descriptions."""
         return self._maker.entries
 
     def show_history(self, undo: str | None, redo: str | None) -> None:
-        """Name what undo and redo would do."""
+        """Name the steps to undo and redo."""
         for action, bare, verb, gesture in (
             (self.undo, tr("&Undo"), tr("&Undo “{gesture}”"), undo),
             (self.redo, tr("&Redo"), tr("&Redo “{gesture}”"), redo),

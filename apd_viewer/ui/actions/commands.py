@@ -1,4 +1,4 @@
-"""The controllers of a window, whose methods its actions call."""
+"""Controllers of a window, as called by its actions."""
 
 from __future__ import annotations
 

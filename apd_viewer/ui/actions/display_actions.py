@@ -1,4 +1,4 @@
-"""The actions that show more than the shape: overlays, and what helps to see."""
+"""Actions of the overlays and other viewing aids."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class LookActions:
-    """How the shape is looked at.
+    """Actions of the display of the shape.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class LookActions:
         }
 
     def _follow(self) -> None:
-        """Be checked as what is shown, and name keys where the mouse does the same."""
+        """Check the action of the overlay shown, and name equivalent keys."""
         looks, switches = self._looks, self.switches
         looks.heat.changed.connect(self._check_measure)
         looks.before_after.dismissed.connect(partial(switches["compare"].setChecked, False))

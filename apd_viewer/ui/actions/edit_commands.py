@@ -1,4 +1,4 @@
-"""What the user does to the document by keys, menus and the panel, brought to the session."""
+"""Changes of the document by keys, menus and panel."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Editing:
-    """The commands of a window that change the document; without one they do nothing.
+    """Changes of the document by a window; none without a document.
 
     Most of them, given in the middle of a drag, take the drag back and do no more.
 
@@ -64,11 +64,11 @@ class Editing:
         return self._session.store.state is not None
 
     def _may_begin(self) -> bool:
-        """Whether something is open, and no drag was under way, which is taken back."""
+        """True if a document is open and no drag was under way; cancel a drag."""
         return self._is_open and not self.give_up()
 
     def give_up(self) -> bool:
-        """Take back the drag or the sweep that is under way; True if there was one."""
+        """Cancel the drag or sweep under way; True if there was one."""
         return self._canvas.viewport.cancel() or self._panel.give_up_sweep()
 
     # Going back
@@ -79,7 +79,7 @@ class Editing:
             self._session.gestures.undo()
 
     def redo(self) -> None:
-        """Redo the step that was undone last."""
+        """Redo the step undone last."""
         if self._may_begin():
             self._session.gestures.redo()
 
@@ -102,7 +102,7 @@ class Editing:
     # Parts
 
     def add_handle(self) -> None:
-        """Add a handle, and take the tool that paints it."""
+        """Add a handle and take its brush."""
         if self._is_open:
             self._parts.add_handle()
             self._take(Tool.HANDLE)
@@ -113,13 +113,13 @@ class Editing:
             self._parts.next_handle()
 
     def add_region(self) -> None:
-        """Add a region, and take the tool that paints it."""
+        """Add a region and take its brush."""
         if self._is_open:
             self._parts.add_region()
             self._take(Tool.REGION)
 
     def reshape(self, operation: PartOperation) -> None:
-        """Change the part that the tool in hand paints as a whole."""
+        """Change the whole part painted by the current tool."""
         if self._may_begin():
             self._session.painting.reshape(self._canvas.part, operation)
 
@@ -148,7 +148,7 @@ class Editing:
             self._session.handles.pose(pose, self._parts.handle, tr("Nudge handle"), repeats=True)
 
     def move_by(self, motion: str, text: str) -> None:
-        """Move the active handle by what was typed, or have the field say why not."""
+        """Move the active handle by a typed motion, or show an error in the field."""
         if not self._is_open:
             return
         field = self._panel.handles.motion

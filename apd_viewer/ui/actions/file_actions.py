@@ -1,4 +1,4 @@
-"""The actions that open and write files."""
+"""Actions to open and write files."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _KEYS = QKeySequence.StandardKey
 
 
 class FileActions:
-    """What is opened and written.
+    """Actions to open and write files.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class FileActions:
         menu.addAction(self.quit)
 
     def fill_recent(self, paths: Sequence[Path]) -> None:
-        """List the files that were opened last."""
+        """List recent files."""
         self.recent.clear()
         for path in paths:
             action = self.recent.addAction(path.name)
@@ -124,5 +124,5 @@ class FileActions:
 
     @property
     def of_a_mesh(self) -> list[QAction]:
-        """What can only be done while a mesh is open."""
+        """Actions available only for an open mesh."""
         return [self.save, self.save_as, self.export, self.report, self.picture, self.copy_picture]

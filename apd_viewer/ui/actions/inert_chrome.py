@@ -23,7 +23,7 @@ _NEED_A_MESH = "export", "undo", "redo", "reset"
 
 
 class InertChrome:
-    """The commands that need no session; the others are disabled, or yet to come.
+    """Commands without a session; all others are disabled or loading.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class InertChrome:
             action.setIcon(icon(name, theme))
 
     def remove(self) -> None:
-        """Make room for the real menus and tool bar; a menu that is open is opened again."""
+        """Make room for the real menus and tool bar, and reopen an open menu."""
         bar = self._window.menuBar()
         for place, menu in enumerate(self._menus):
             if menu.isVisible():

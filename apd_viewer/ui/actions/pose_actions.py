@@ -1,4 +1,4 @@
-"""The actions that move handles: nudges by keys, the axes of the gizmo, and the way back."""
+"""Actions to move handles: nudges, gizmo axes and returns to rest."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _ALONG = {
 
 
 class PoseActions:
-    """How handles are moved.
+    """Actions to move handles.
 
     Parameters
     ----------

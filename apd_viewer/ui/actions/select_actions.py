@@ -1,4 +1,4 @@
-"""The actions that choose vertices: the ways of the tools that paint, and changes of a part as a whole."""
+"""Actions to select vertices: ways of selection, changes of a whole part."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _MIRRORS = tuple(
 
 
 class SelectActions:
-    """How vertices are chosen.
+    """Actions to select vertices.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The actions of the camera and of what the window looks like."""
+"""Actions of the camera and of the appearance."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SCHEMES = (
 
 
 class ViewActions:
-    """From where the mesh is seen, how it is drawn, and the colours of the window.
+    """Actions of the camera, shading and colours of the window.
 
     Parameters
     ----------
@@ -98,6 +98,6 @@ class ViewActions:
         self._appearance.addActions(list(self.schemes.values()))
 
     def add_panels(self, actions: list[QAction]) -> None:
-        """Offer panels that can be hidden, above the appearance."""
+        """Add the panels above the appearance."""
         self._menu.insertActions(self._appearance.menuAction(), actions)
         self._menu.insertSeparator(self._appearance.menuAction())
