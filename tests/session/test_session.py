@@ -591,7 +591,7 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
     ("error", "said"),
     [(ValueError("not positive definite"), "not positive definite"), (MemoryError(), "not enough memory")],
 )
-def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, capfd, error, said):
+def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, caplog, error, said):
     session.drag(BENT)
     session.settle()
     before = session.store.state
@@ -610,7 +610,7 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
     assert said in session.failed[0]
     assert session.failed[0].endswith(".")
     assert session.store.activity is Activity.UNREACHED
-    assert type(error).__name__ in capfd.readouterr().err
+    assert type(error).__name__ in caplog.text
     assert session.U is before.frame.U
     session.drag(pose(0.2))
     session.settle()
