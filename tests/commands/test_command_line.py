@@ -328,7 +328,7 @@ def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
     assert report["volume"] is None
     assert report["volume_rest"] is None
     (warning,) = report["warnings"]
-    assert re.search(r"no volume: the surface is open \(20 border edges\)", warning)
+    assert re.search(r"no volume: the surface is open \(20 boundary edges\)", warning)
     assert warning in out
     assert "volume  " not in out
     assert report["area"] == pytest.approx(trimesh.Trimesh(mesh.V, F, process=False).area, rel=1e-12)
@@ -477,8 +477,8 @@ def test_a_wrong_output(out, words, bar, refused):
         ("--tolerance", "small", "invalid float value: 'small'"),
         ("--stiffness", "-1", "stiffness must be a number of at least 0"),
         ("--area-stiffness", "nan", "area stiffness must be a number of at least 0"),
-        ("--area", "0", "What the area should be must be a percentage from 1 to 1000"),
-        ("--volume", "-10", "What the volume should be must be a percentage from 1 to 1000"),
+        ("--area", "0", "The target of the area must be a percentage from 1 to 1000"),
+        ("--volume", "-10", "The target of the volume must be a percentage from 1 to 1000"),
         ("--region", "lid", "--region takes a name, a file"),
         ("--unknown", "1", "unrecognized arguments: --unknown 1"),
         ("--picture", "picture.jpg", "use the ending .png"),
@@ -634,7 +634,7 @@ WRONG_SESSIONS = {
     "gone": (_gone, "There is no file .*a.apd; check the name"),
     "empty": (_empty, "a.apd is not a valid session .its archive is damaged.; save it again"),
     "without its mesh": (_without_mesh, "in.obj, the mesh of a.apd, is missing"),
-    "with another mesh": (_other_mesh, "in.obj is not the mesh that a.apd was made with .it has changed"),
+    "with another mesh": (_other_mesh, "in.obj is not the mesh that a.apd was saved with .it has been"),
     "not painted": (_unpainted, "a.apd: There is no base: paint the part"),
 }
 
@@ -691,7 +691,7 @@ def test_info_as_json(bar, command):
 def test_info_for_people(bar, command):
     status, out, err = command("info", bar.mesh)
     assert (status, err) == (0, "")
-    assert f"in.obj: {len(bar.V)} vertices, {len(bar.F)} triangles, 1 piece(s)" in out
+    assert f"in.obj: {len(bar.V)} vertices, {len(bar.F)} triangles, 1 connected part(s)" in out
     assert "2 x 2 x 5" in out
     assert re.search(r"(?m)^area +48$", out)
     assert re.search(r"(?m)^volume +20$", out)
@@ -776,7 +776,7 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
         (
             ["deform", "--help"],
             ["--selection", "--transform", "--output", "--method", "--iterations", "--tolerance", *METHODS]
-            + ["--report", "--picture", "0 held, 1 free, 2 handle", "0.1 %"],
+            + ["--report", "--picture", "0 base, 1 free, 2 handle", "0.1 %"],
         ),
         (["info", "--help"], ["MESH", "--json"]),
         (["replay", "--help"], ["SESSION", "--output", "--report", "--from-rest"]),
@@ -815,7 +815,7 @@ DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
 def test_the_installed_command_without_a_display():
     status, out, err = process(ENTRY, without=DISPLAY)
     assert (status, out) == (2, "")
-    assert re.fullmatch(r"error: There is no display .+ apd-viewer deform --help\.\n", err)
+    assert re.fullmatch(r"error: No display is available .+ apd-viewer deform --help\.\n", err)
 
 
 def test_a_wrong_file_without_a_display(tmp_path):
