@@ -213,9 +213,11 @@ def play(journal: Path, seed: int) -> None:
 
     def go_on() -> None:
         if not deeds:
-            window = next((w for w in application.topLevelWidgets() if hasattr(w, "canvas")), None)
-            session = getattr(window, "session", None)
-            if session is None or session.store.state is None or session.jobs.current is not None:
+            # By its name: to import it here would keep the program from its first picture.
+            children = (child for widget in application.topLevelWidgets() for child in widget.children())
+            window = next((child for child in children if type(child).__name__ == "Workbench"), None)
+            session = window and window.session
+            if not session or session.store.state is None or session.jobs.current is not None:
                 timer.start(10)
                 return
             deeds.append(Hand(window, Journal(journal), random.Random(seed)).work())
