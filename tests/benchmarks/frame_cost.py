@@ -86,7 +86,7 @@ class Bench:
         self.surface = self.window.canvas.surface
         self.window.shell.show()
         self.until(lambda: self.view.draws > 0)
-        self.view._still.setInterval(10**8)
+        self.view.antialiasing.still.setInterval(10**8)
         surface_index.warm_up()  # as behind the first picture
         pace = Pace()
         started = time.perf_counter()
@@ -121,9 +121,9 @@ class Bench:
         self.view.update()
 
     def camera(self) -> None:
-        eye = self.view.eye
+        eye = self.view.look.eye
         turned = eye.focal + rotation([0, 1, 0], 0.01) @ (eye.position - eye.focal)
-        self.view.eye = replace(eye, position=turned)
+        self.view.look.eye = replace(eye, position=turned)
 
     def upload(self) -> None:
         self.surface._mesh.points.VTKObject.Modified()

@@ -130,7 +130,7 @@ class Hand:
         tools = Tool.BASE, Tool.HANDLE, Tool.REGION, Tool.ERASE
         self.window.actions_.tools[self.chance.choice(tools)].trigger()
         view, U = self.window.canvas.viewport, self.window.session.store.state.frame.U
-        x, y = view.project(U[[self.chance.randrange(len(U))]])[0]
+        x, y = view.look.eye.project(U[[self.chance.randrange(len(U))]])[0]
         points = [(x + dx, y) for dx in np.linspace(0.0, self.chance.uniform(-60.0, 60.0), 6)]
         self.mouse.press(points[0])
         for point in points[1:]:

@@ -75,12 +75,12 @@ class Sight:
     _seen: dict[tuple, np.ndarray] = {}  # noqa: RUF012 - it is slow, and the same views come again
 
     def __init__(self, window):
-        state, self.eye = window.session.store.state, window.canvas.viewport.eye
+        state, self.eye = window.session.store.state, window.canvas.viewport.look.eye
         mesh = state.document.mesh
         _, first, place = np.unique(mesh.V, axis=0, return_index=True, return_inverse=True)
         self.place = place.ravel()
         self.F, self.U = self.place[mesh.F], state.frame.U[first]
-        self.screen = window.canvas.viewport.project(self.U)
+        self.screen = window.canvas.viewport.look.eye.project(self.U)
         self.ring = defaultdict(set)
         for corners in self.F.tolist():
             for v in corners:
@@ -298,7 +298,7 @@ class Scene:
         if name != "bare":
             self._make_up(mesh)
         idle(qtbot, window)
-        self.state, self.eye = window.session.store.state, self.view.eye
+        self.state, self.eye = window.session.store.state, self.view.look.eye
 
     def _make_up(self, mesh):
         """Ends to bend it by, and a pattern in which every stroke finds some of all."""
@@ -325,13 +325,13 @@ class Scene:
     def reset(self, qtbot, tool=Tool.HANDLE, way=Way.BRUSH):
         """All as it was, with another tool in the hand."""
         self.qtbot = qtbot
-        self.view.cancel()
+        self.view.mouse.cancel()
         self.take(Tool.ORBIT, Way.BRUSH)
         while self.document is not self.state.document:
             assert self.steps, "the way back is lost"
             self.window.actions_.undo.trigger()
         idle(qtbot, self.window)
-        self.view.eye = self.eye
+        self.view.look.eye = self.eye
         self.window.actions_.select.through.setChecked(False)
         self.canvas.ways[Way.FILL].crease = CREASE
         self.canvas.ways[Way.SLAB].axis = 1

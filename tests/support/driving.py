@@ -77,7 +77,7 @@ def settle(qtbot, view):
     """Wait until the scene is drawn, and leave out the smooth frame of a resting view."""
     if QGuiApplication.platformName() != "offscreen":
         qtbot.waitUntil(lambda: not view._stale, timeout=5_000)
-        view._still.stop()
+        view.antialiasing.still.stop()
 
 
 def grey(n):
@@ -102,7 +102,7 @@ def document(window):
 
 
 def on_screen(window, vertex):
-    return window.canvas.viewport.project(window.session.store.state.frame.U[[vertex]])[0]
+    return window.canvas.viewport.look.eye.project(window.session.store.state.frame.U[[vertex]])[0]
 
 
 def stroke(qtbot, window, middle, half_width=30):

@@ -67,8 +67,8 @@ def surface(qtbot, view, ball):
     F, U = ball
     surface = Surface(view)
     surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
-    view.look_along("front")
-    view.frame(U)
+    view.look.along("front")
+    view.look.frame(U)
     settle(qtbot, view)
     return surface
 

@@ -73,7 +73,7 @@ def test_what_is_typed_into_is_not_covered(qtbot, full):
 def test_a_click_for_a_border_where_there_is_none_says_so(full):
     full.tools.choose_way(Way.LOOP)
     loop, view = full.canvas.ways[Way.LOOP], full.canvas.viewport
-    x, y = view.project(full.canvas.surface.U[:1])[0]
+    x, y = view.look.eye.project(full.canvas.surface.U[:1])[0]
     mouse = Mouse(view)
     full.actions_.looks.switches["cut"].trigger()
     mouse.move((x, y - 60))
@@ -123,7 +123,7 @@ def test_no_figure_of_the_grid_is_written_over_another(qtbot, bottle, monkeypatc
     bottle.actions_.looks.switches["ground"].trigger()
     ground, written = bottle.looks.ground, []
     for axis in ("front", "side", "top", "-front"):
-        bottle.canvas.viewport.look_along(axis)
+        bottle.canvas.viewport.look.along(axis)
         settle(qtbot, bottle.canvas.viewport)
         taken = []
         for k in (0, 2):

@@ -110,16 +110,16 @@ def test_the_bottle_is_seen_before_the_start_and_not_touched(qtbot, early):
     early.requests.open_sample("bottle")
     settle(qtbot, view)
     early.canvas.take(Tool.BASE)
-    mouse, framed = Mouse(view), view.eye.key
+    mouse, framed = Mouse(view), view.look.eye.key
     mouse.drag(centre(view), centre(view) + QPoint(20, 0))  # which is no stroke, but turns the camera
-    moved = view.eye.key
+    moved = view.look.eye.key
     window = Workbench(early)
     idle(qtbot, window)
     assert moved != framed
-    assert view.eye.key == moved, "the camera stays where it was turned to"
+    assert view.look.eye.key == moved, "the camera stays where it was turned to"
     assert np.array_equal(document(window).labels, labels)
     if empty is not None:
-        view._still.stop()
+        view.antialiasing.still.stop()
         assert (view.screenshot() != empty).any()
 
 
@@ -137,18 +137,18 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
 def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
     early.requests.open_sample("bottle")
-    sketched = early.canvas.viewport.eye
+    sketched = early.canvas.viewport.look.eye
     idle(qtbot, Workbench(early))
     early.canvas.frame_mesh()
-    np.testing.assert_allclose(early.canvas.viewport.eye.position, sketched.position, rtol=1e-9)
+    np.testing.assert_allclose(early.canvas.viewport.look.eye.position, sketched.position, rtol=1e-9)
 
 
 def test_another_mesh_than_the_sketched_one_is_framed(qtbot, early):
     early.canvas.sketch(*open_sample("bottle"))
     early.requests.open_sample("duck")
-    before = early.canvas.viewport.eye.key
+    before = early.canvas.viewport.look.eye.key
     idle(qtbot, Workbench(early))
-    assert early.canvas.viewport.eye.key != before
+    assert early.canvas.viewport.look.eye.key != before
 
 
 MISSING = """

@@ -69,7 +69,7 @@ class Editing:
 
     def give_up(self) -> bool:
         """Cancel the drag or sweep under way; True if there was one."""
-        return self._canvas.viewport.cancel() or self._panel.give_up_sweep()
+        return self._canvas.viewport.mouse.cancel() or self._panel.give_up_sweep()
 
     # Going back
 

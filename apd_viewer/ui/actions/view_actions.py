@@ -44,7 +44,7 @@ class ViewActions:
     ----------
     frame, findings, edges, smooth : QAction
     directions : dict of str to QAction
-        By the direction, as in Viewport.look_along.
+        By the direction, as in Look.along.
     schemes : dict of Qt.ColorScheme to QAction
     """
 
@@ -65,7 +65,7 @@ class ViewActions:
         commands.findings.badge.name_keys(self.findings)
         self.directions = {}
         for title, tip, key, axis in _VIEWS:
-            command = partial(canvas.viewport.look_along, axis)
+            command = partial(canvas.viewport.look.along, axis)
             self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
         commands.comparing.lend_keys(self.directions, self.frame)
         edges, smooth = tr("Show the triangle edges"), tr("Shade smoothly across edges")

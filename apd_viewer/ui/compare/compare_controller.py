@@ -60,7 +60,7 @@ class Comparing:
         Parameters
         ----------
         views : mapping of str to QAction
-            By the direction from which they look, as in Viewport.look_along.
+            By the direction from which they look, as in Look.along.
         frame : QAction
         """
         self._views, self._frame = views, frame
@@ -83,7 +83,7 @@ class Comparing:
 
     def _made(self) -> ComparisonWindow:
         scale = self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, 1.0)
-        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.eye)
+        window = ComparisonWindow(self._memory, scale, self._canvas.viewport.look.eye)
         window.set_theme(self._theme)
         window.again_asked.connect(self._again)
         window.closed.connect(self._forget)

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QGridLayout, QWidget
 
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.compare.method_view import HEAD, MethodView
-from apd_viewer.ui.scene.viewport import link
+from apd_viewer.ui.scene.look import link
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Deviation
@@ -71,16 +71,16 @@ class LinkedViews(QWidget):
 
     def look(self, state: State, eye: Camera) -> None:
         """Look in the direction of another camera at all that there will be to see, as far as is known."""
-        view = self._first.viewport
-        view.eye = replace(view.eye, position=eye.position - eye.focal, focal=np.zeros(3), up=eye.up)
-        right, up, _ = view.eye.axes
+        look = self._first.viewport.look
+        look.eye = replace(look.eye, position=eye.position - eye.focal, focal=np.zeros(3), up=eye.up)
+        right, up, _ = look.eye.axes
         both = np.vstack([state.document.mesh.V, state.frame.U])
         self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
         self._frame(both)
 
     def look_along(self, axis: str) -> None:
-        """Look along an axis: see :meth:`Viewport.look_along`."""
-        self._first.viewport.look_along(axis)
+        """Look along an axis: see :meth:`Look.along`."""
+        self._first.viewport.look.along(axis)
 
     def frame(self) -> None:
         """Show all of every shape."""
@@ -93,7 +93,7 @@ class LinkedViews(QWidget):
 
     def _frame(self, points: np.ndarray) -> None:
         for view in self.views.values():
-            view.viewport.frame(points)
+            view.viewport.look.frame(points)
 
     # Colours
 

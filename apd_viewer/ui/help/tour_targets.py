@@ -41,7 +41,7 @@ class Places:
     def mesh(self) -> QRect | None:
         """The mesh."""
         U = self._canvas.surface.U
-        return self._around(self._canvas.viewport.project(U[:: 1 + len(U) // _MOST_POINTS]))
+        return self._around(self._canvas.viewport.look.eye.project(U[:: 1 + len(U) // _MOST_POINTS]))
 
     def rings(self) -> QRect | None:
         """The rings of the gizmo."""

@@ -13,7 +13,7 @@ from apd_viewer.ui.overlays.deviation_overlay import HeatMap
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
-from apd_viewer.ui.scene.turntable import Turntable
+from apd_viewer.ui.tools.turntable import Turntable
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget

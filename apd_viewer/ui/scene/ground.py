@@ -102,7 +102,7 @@ class Ground(MouseTool, RestActor):
 
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """
-        eye, other, ticks = self._viewport.eye, 2 - axis, self._ticks(axis)
+        eye, other, ticks = self._viewport.look.eye, 2 - axis, self._ticks(axis)
         side = 0 if eye.position[other] < self._ends[:, other].mean() else 1
         points = np.tile(self._ends[side], (len(ticks), 1))
         points[:, axis] = ticks
@@ -122,7 +122,7 @@ class Ground(MouseTool, RestActor):
                     taken.append(room)
 
     def _draw_axes(self, painter: QPainter, corner: QPointF) -> None:
-        right, up, forward = self._viewport.eye.axes
+        right, up, forward = self._viewport.look.eye.axes
         font = QFont(painter.font())
         font.setBold(True)
         painter.setFont(font)

@@ -10,32 +10,22 @@ Ctrl + right drag                       zoom to where the drag began
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPointF, Qt
 
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from PySide6.QtGui import QMouseEvent, QWheelEvent
 
-    from apd_viewer.ui.scene.camera import Camera
+    from apd_viewer.ui.scene.look import Look
 
 ZOOM_PER_PIXEL = 1.008
 ZOOM_PER_WHEEL_UNIT = 1.0013  # one notch is 120 units
 DEAD_ZONE = 2.0  # pixels that the cursor may tremble in a click that is no drag
-
-
-class Stage(Protocol):
-    """What can be navigated: a viewport."""
-
-    eye: Camera
-
-    def zoom_at(self, position: QPointF, factor: float) -> None:
-        """Come closer by a factor to what is seen at a position."""
-
-    def click(self, position: QPointF) -> None:
-        """Say that the left button went down and up at a position, and moved nothing."""
 
 
 class Navigation(MouseTool):
@@ -43,11 +33,14 @@ class Navigation(MouseTool):
 
     Parameters
     ----------
-    viewport : Stage
+    look : Look
+    click : callable
+        Called at the position of a press that moved nothing.
     """
 
-    def __init__(self, viewport: Stage) -> None:
-        self._viewport = viewport
+    def __init__(self, look: Look, click: Callable[[QPointF], None]) -> None:
+        self._look = look
+        self._click = click
         self._mode = ""
         self._start = QPointF()
         self._last = QPointF()
@@ -69,22 +62,22 @@ class Navigation(MouseTool):
             self._moved = True
         self._last = event.position()
         if self._mode == "zoom":
-            self._viewport.zoom_at(self._start, ZOOM_PER_PIXEL ** -d.y())
+            self._look.zoom_at(self._start, ZOOM_PER_PIXEL ** -d.y())
         elif self._mode == "pan":
-            self._viewport.eye = self._viewport.eye.panned(d.x(), d.y())
+            self._look.eye = self._look.eye.panned(d.x(), d.y())
         else:
-            self._viewport.eye = self._viewport.eye.orbited(d.x(), d.y())
+            self._look.eye = self._look.eye.orbited(d.x(), d.y())
         return True
 
     def release(self, event: QMouseEvent) -> None:
         """End the drag."""
         if self._mode and not self._moved:
-            self._viewport.click(event.position())
+            self._click(event.position())
         self._mode = ""
 
     def wheel(self, event: QWheelEvent) -> bool:
         """Zoom to the cursor."""
-        self._viewport.zoom_at(event.position(), ZOOM_PER_WHEEL_UNIT ** event.angleDelta().y())
+        self._look.zoom_at(event.position(), ZOOM_PER_WHEEL_UNIT ** event.angleDelta().y())
         return True
 
 

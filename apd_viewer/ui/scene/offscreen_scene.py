@@ -61,7 +61,7 @@ class Studio:
 
     def _aim(self, points: np.ndarray) -> QSize:
         """Look at all of the points; how large a picture suits them."""
-        eye = self._viewport.eye
+        eye = self._viewport.look.eye
         right, up, _ = eye.axes
         wide, high = float(np.ptp(points @ right)), float(np.ptp(points @ up))
         ratio = min(max(wide / high if high > 0.0 else 2.0, 0.7), 4.0 / 3.0)

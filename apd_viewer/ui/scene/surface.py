@@ -225,7 +225,7 @@ class Surface:
         skin = self.touchable
         if skin is None:
             return None
-        origin, direction = self._viewport.ray(position)
+        origin, direction = self._viewport.look.eye.ray(position.x(), position.y())
         near, far = self._uncut(origin, direction)
         origin = origin + near * direction
         face, distance, b1, b2 = skin.hit(origin, direction, self.U, self.boxes)

@@ -65,9 +65,9 @@ class Pointer(MouseTool, QObject):
         if self.place is None or skin is None:
             return
         point = self.place.shares @ self._surface.U[skin.F[self.place.face]]
-        if self._viewport.eye.depth(point) <= 0.0:
+        if self._viewport.look.eye.depth(point) <= 0.0:
             return
-        x, y = self._viewport.project(point[None])[0]
+        x, y = self._viewport.look.eye.project(point[None])[0]
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for color, width in (("#ffffff", 3.5), ("#1d2129", 1.5)):

@@ -44,9 +44,9 @@ class PlaceMark:
         if self.vertex is None or self.vertex >= len(self._surface.U):
             return
         point = self._surface.U[[self.vertex]]
-        if self._viewport.eye.depth(point)[0] <= 0.0:
+        if self._viewport.look.eye.depth(point)[0] <= 0.0:
             return
-        at = QPointF(*self._viewport.project(point)[0])
+        at = QPointF(*self._viewport.look.eye.project(point)[0])
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for color, width in ((_PAPER, 5.0), (_INK, 2.0)):
             painter.setPen(QPen(color, width))

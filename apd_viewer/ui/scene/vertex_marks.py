@@ -60,7 +60,7 @@ class Marks(MouseTool):
         """Draw dots at the vertices' current positions."""
         if not len(self._dotted):
             return
-        points, eye = self._surface.U[self._dotted], self._viewport.eye
+        points, eye = self._surface.U[self._dotted], self._viewport.look.eye
         places = np.unique(np.rint(eye.project(points[eye.depth(points) > 0.0])), axis=0)
         dots = QPolygonF([QPointF(x, y) for x, y in places.tolist()])
         for color, width in ((QColor(255, 255, 255, 220), _HALO), (QColor(*MARK_COLOR), _DOT)):

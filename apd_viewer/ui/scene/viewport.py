@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRect, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
-from apd_viewer.ui.scene.camera import UP, Camera
+from apd_viewer.ui.scene.antialiasing import Antialiasing
+from apd_viewer.ui.scene.look import Look
 from apd_viewer.ui.scene.mouse_dispatcher import MouseDispatcher
 from apd_viewer.ui.scene.navigation import Navigation
 from apd_viewer.ui.scene.overlay import Overlay
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator
 
     from PySide6.QtCore import QEvent
     from PySide6.QtGui import QKeyEvent, QMouseEvent, QResizeEvent, QShowEvent, QWheelEvent
@@ -25,14 +25,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.ui.scene.mouse_tool import MouseTool
 
-HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
-OPENING = np.deg2rad(30.0)
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
 _GL_NAMES = 0x1F00, 0x1F01, 0x1F02  # GL_VENDOR, GL_RENDERER, GL_VERSION
-SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
-STILL = 120  # ms without a draw, after which a software renderer draws once more, with smooth edges
-CLOSEST = 1e-4  # zoom limits, in multiples of what was framed
-FARTHEST = 50.0
 
 
 class Viewport(QtInteractor):
@@ -50,14 +43,16 @@ class Viewport(QtInteractor):
     draws : int
         VTK draws so far: one for each paint after ``update()``, none for a paint of the overlay.
     overlay : QWidget
+    look : Look
+        The camera.
+    mouse : MouseDispatcher
+    antialiasing : Antialiasing
     pick : callable or None
         From a position in the widget to the point of the surface seen there, or None.
     box : callable or None
         The box around all that is drawn: least and largest x, then y, then z.
     more_boxes : list of callables
         The same of what else is drawn; empty where nothing is.
-    linked : sequence of Viewport
-        Others that look through the same camera; see :func:`link`.
     dark : bool
         Whether the background is dark.
     opengl : str
@@ -79,95 +74,19 @@ class Viewport(QtInteractor):
         self.pick: Callable[[QPointF], np.ndarray | None] | None = None
         self.box: Callable[[], tuple[float, ...]] | None = None
         self.more_boxes: list[Callable[[], tuple[float, ...]]] = []
-        self.linked: Sequence[Viewport] = ()
         self.dark = False
         self.opengl = ""
         self._stale = True  # the scene has changed since the last VTK draw
-        self._software = False
-        self._refine = False
-        self._extent = 1.0
-        # Points, the room around them, and where the camera went to show them.
-        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         super().__init__(parent, auto_update=False, multi_samples=0, lighting="none")
         self.setAcceptDrops(False)  # the stock widget reads dropped files into the scene by itself
         self.ren_win.GetInteractor().EnableRenderOff()
         # They would ask everything for its bounds, to leave out what the camera does not see.
         self.renderer.GetCullers().RemoveAllItems()
-        self._dispatcher = MouseDispatcher(self, self.tools, Navigation(self))
-        self._still = QTimer(self, singleShot=True, interval=STILL)
-        self._still.timeout.connect(self._draw_smooth)
+        self.antialiasing = Antialiasing(self)
         self.overlay = Overlay(self, self.tools)
-        self._make_camera()
+        self.look = Look(self)
+        self.mouse = MouseDispatcher(self, self.tools, Navigation(self.look, self.clicked.emit))
         self.set_theme("#f4f5f7")
-
-    # ---- camera
-
-    @property
-    def eye(self) -> Camera:
-        """The camera; assign another one to move it."""
-        camera = self.renderer.GetActiveCamera()
-        return Camera(
-            position=np.array(camera.GetPosition()),
-            focal=np.array(camera.GetFocalPoint()),
-            up=np.array(camera.GetViewUp()),
-            angle=np.deg2rad(camera.GetViewAngle()),
-            width=max(self.width(), 1),
-            height=max(self.height(), 1),
-        )
-
-    @eye.setter
-    def eye(self, eye: Camera) -> None:
-        camera = self.renderer.GetActiveCamera()
-        camera.SetPosition(*eye.position)
-        camera.SetFocalPoint(*eye.focal)
-        camera.SetViewUp(*eye.up)
-        camera.SetViewAngle(np.rad2deg(eye.angle))
-        # All at once: the window is put together once for all that is drawn, and not for each.
-        for view in (self, *self.linked):
-            view.update()
-
-    def ray(self, position: QPointF) -> tuple[np.ndarray, np.ndarray]:
-        """Origin and unit direction of the ray through a position in the widget."""
-        return self.eye.ray(position.x(), position.y())
-
-    def project(self, points: np.ndarray) -> np.ndarray:
-        """Positions in the widget, (k, 2), of (k, 3) points."""
-        return self.eye.project(np.asarray(points))
-
-    def world_per_pixel(self, point: np.ndarray) -> float:
-        """Length of a logical pixel, in mesh units, at a point."""
-        return self.eye.world_per_pixel(np.asarray(point))
-
-    def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
-        """Frame the points (k, 3) in the current direction, ``room`` pixels apart."""
-        if len(points):
-            points, room = np.asarray(points), np.broadcast_to(room, len(points))
-            self.eye = self.eye.framed(points, room)
-            self._extent = self.eye.distance
-            self._framed = points, room, self.eye.position
-
-    def look_home(self) -> None:
-        """Look from the home direction: from the front, right and above."""
-        eye = self.eye
-        self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
-
-    def look_along(self, axis: str) -> None:
-        """Look along 'front' (+Z), 'side' (+X) or 'top' (+Y), '-' for the opposite."""
-        self.eye = self.eye.placed(axis)
-
-    def zoom_at(self, position: QPointF, factor: float) -> None:
-        """Zoom by a factor, keeping the point under a position."""
-        eye = self.eye
-        point = self.pick(position) if self.pick is not None else None
-        if point is None:
-            point = eye.on_focal_plane(position.x(), position.y())
-        closer = eye.zoomed(point, factor)
-        if CLOSEST <= closer.distance / self._extent <= FARTHEST:
-            self.eye = closer
-
-    def _make_camera(self) -> None:
-        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), OPENING, 1, 1)
-        self.eye = replace(eye, position=HOME)
 
     # ---- looks
 
@@ -183,7 +102,7 @@ class Viewport(QtInteractor):
     def screenshot(self, *args: Any, **kwargs: Any) -> Any:
         """Current picture of the scene without tools; see pyvista.Plotter.screenshot."""
         self._ensure_initialized()
-        self._refine = self._software
+        self.antialiasing.next = self.antialiasing.software
         self._draw()
         return super().screenshot(*args, **kwargs)
 
@@ -229,8 +148,7 @@ class Viewport(QtInteractor):
         functions = self.context().functions()
         vendor, renderer, version = (str(functions.glGetString(name)) for name in _GL_NAMES)
         self.opengl = f"{vendor}, {renderer}, {version}"
-        self._software = any(word in renderer.lower() for word in SOFTWARE)
-        self.ren_win.SetMultiSamples(0 if self._software else SAMPLES)
+        self.antialiasing.choose(renderer)
         self._stale = True
 
     def resizeGL(self, width: int, height: int) -> None:
@@ -267,7 +185,7 @@ class Viewport(QtInteractor):
 
     def _draw(self) -> None:
         self.prepare()
-        self.renderer.SetUseFXAA(self._refine)
+        self.antialiasing.begin_draw()
         self._in_paint = True
         try:
             self.ren_win.Render()  # unlike the interactor's Render, this one releases the GIL
@@ -275,44 +193,30 @@ class Viewport(QtInteractor):
             self._in_paint = False
         self.draws += 1
         self._stale = False
-        if self._software and not self._refine:
-            self._still.start()
-        self._refine = False
-
-    def _draw_smooth(self) -> None:
-        self._refine = True
-        self.update()
+        self.antialiasing.end_draw()
 
     # ---- events
-
-    def click(self, position: QPointF) -> None:
-        """Emit a click on the scene."""
-        self.clicked.emit(position)
-
-    def cancel(self) -> bool:
-        """Cancel the tools' work, as Esc does; True if there was any."""
-        return self._dispatcher.cancel()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Offer the press to the tools, then to the camera."""
         self.setFocus()  # or keys would go on into the field that was typed in last
-        self._dispatcher.press(event)
+        self.mouse.press(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Treat the second press of two quick ones like any other."""
-        self._dispatcher.press(event)
+        self.mouse.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue a drag or hover."""
-        self._dispatcher.move(event)
+        self.mouse.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End a drag."""
-        self._dispatcher.release(event)
+        self.mouse.release(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Offer the wheel to the tools, then zoom."""
-        self._dispatcher.wheel(event)
+        self.mouse.wheel(event)
         event.accept()
 
     def enterEvent(self, _event: QEvent) -> None:
@@ -320,14 +224,14 @@ class Viewport(QtInteractor):
 
     def leaveEvent(self, _event: QEvent) -> None:
         """Notify the tools of the cursor's leaving."""
-        self._dispatcher.leave()
+        self.mouse.leave()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Esc cancels, Return finishes; VTK's one-key shortcuts are off."""
         key = event.key()
-        done = key == Qt.Key.Key_Escape and self.cancel()
+        done = key == Qt.Key.Key_Escape and self.mouse.cancel()
         if not done and key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            done = self._dispatcher.finish()
+            done = self.mouse.finish()
         if not done:
             event.ignore()
 
@@ -339,7 +243,7 @@ class Viewport(QtInteractor):
         """Zoom when two fingers pinch a trackpad."""
         if isinstance(event, QNativeGestureEvent):
             if event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
-                self.zoom_at(event.position(), 1.0 + event.value())
+                self.look.zoom_at(event.position(), 1.0 + event.value())
             return True
         return super().event(event)
 
@@ -348,8 +252,7 @@ class Viewport(QtInteractor):
         super().resizeEvent(event)
         self.overlay.setGeometry(self.rect())
         self.resized.emit()
-        if self._framed is not None and np.array_equal(self._framed[2], self.eye.position):
-            self.frame(*self._framed[:2])
+        self.look.keep_framing()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Draw the changes made while hidden."""
@@ -359,21 +262,13 @@ class Viewport(QtInteractor):
     def close(self) -> None:
         """Free the scene; the view cannot be used afterwards."""
         if not getattr(self, "_closed", True):
-            self._still.stop()
+            self.antialiasing.still.stop()
             self.pre_draw.clear()
             self.tools.clear()
             self.more_boxes.clear()
-            self.linked = ()
-            self.pick = self.box = self._framed = None
+            self.look.close()
+            self.pick = self.box = None
         super().close()
         # Qt frees context and surface itself and may put others at their addresses, where Python
         # would still find these wrappers: of the wrong class, or of an object that is gone.
         self._ctx = self._surface = None
-
-
-def link(viewports: Sequence[Viewport]) -> None:
-    """Let viewports of one size share the first one's camera."""
-    camera = viewports[0].renderer.GetActiveCamera()
-    for view in viewports:
-        view.renderer.SetActiveCamera(camera)
-        view.linked = [other for other in viewports if other is not view]

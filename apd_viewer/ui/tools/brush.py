@@ -89,14 +89,16 @@ class Painter(Selector):
     def _reach(self, hit: Hit) -> float:
         """Radius on the mesh."""
         return (
-            self._radius * self._viewport.world_per_pixel(hit.point) if self._length is None else self._length
+            self._radius * self._viewport.look.eye.world_per_pixel(hit.point)
+            if self._length is None
+            else self._length
         )
 
     def _step(self, hit: Hit | None) -> float:
         """How far the cursor may go so that dabs leave no gap, in pixels."""
         if self._length is None or hit is None:
             return max(self._radius / 2, SMALLEST)
-        return max(self._length / (2 * self._viewport.world_per_pixel(hit.point)), 1.0)
+        return max(self._length / (2 * self._viewport.look.eye.world_per_pixel(hit.point)), 1.0)
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
@@ -161,7 +163,7 @@ class Painter(Selector):
             self._pick()  # the mesh or the camera has moved under a resting cursor
         if self._hit is None:
             return
-        ring = QPolygonF([QPointF(x, y) for x, y in self._viewport.project(self._ring(self._hit))])
+        ring = QPolygonF([QPointF(x, y) for x, y in self._viewport.look.eye.project(self._ring(self._hit))])
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(QPen(self._halo, 4.2))
         painter.drawPolyline(ring)
@@ -199,7 +201,7 @@ class Painter(Selector):
             last = hit
 
     def _near(self, a: Hit, b: Hit, spacing: float) -> bool:
-        reach = STEEPEST * max(spacing, 1.0) * self._viewport.world_per_pixel(b.point)
+        reach = STEEPEST * max(spacing, 1.0) * self._viewport.look.eye.world_per_pixel(b.point)
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
     def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:

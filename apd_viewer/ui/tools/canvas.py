@@ -211,7 +211,7 @@ class Canvas(QObject):
         self._sketched = mesh.V
         self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]
-        self.viewport.look_home()
+        self.viewport.look.home()
         self._frame(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
@@ -232,7 +232,7 @@ class Canvas(QObject):
             self._show_tool()
 
     def _show_mesh(self, state: State) -> None:
-        self.viewport.cancel()
+        self.viewport.mouse.cancel()
         self.surface.set_mesh(state.skin, state.frame.U, self.coloring.begin(state.document))
 
     def _show_whole(self, document: Document) -> None:
@@ -240,7 +240,7 @@ class Canvas(QObject):
         self.picker.shown = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
-            self.viewport.look_home()  # otherwise it has, and may have been turned since
+            self.viewport.look.home()  # otherwise it has, and may have been turned since
             self.frame_mesh()
 
     def preview(self, ids: np.ndarray | None) -> None:
@@ -259,15 +259,15 @@ class Canvas(QObject):
         low, high = U.min(axis=0), U.max(axis=0)
         if len(vertices):
             normals, size = self.surface.normals[vertices], float(np.linalg.norm(high - low))
-            view.eye = facing(view.eye, points, normals, size, self.surface.distances)
-        if not in_view(view.eye, points, covered):
-            shift = aside(view.eye, covered)
-            view.frame(surroundings(points, low, high), room=-sum(shift))
-            view.eye = view.eye.panned(*shift)
+            view.look.eye = facing(view.look.eye, points, normals, size, self.surface.distances)
+        if not in_view(view.look.eye, points, covered):
+            shift = aside(view.look.eye, covered)
+            view.look.frame(surroundings(points, low, high), room=-sum(shift))
+            view.look.eye = view.look.eye.panned(*shift)
 
     def nudged(self, step: tuple[int, int, int]) -> np.ndarray | None:
         """The pose of the active handle after a small step in the picture: right, up, to the viewer."""
-        active, eye = _active(self._pivots, self._handle), self.viewport.eye
+        active, eye = _active(self._pivots, self._handle), self.viewport.look.eye
         if active is None:
             return None
         length = nice_step(_NUDGE * eye.world_per_pixel(active.centre))
@@ -275,7 +275,7 @@ class Canvas(QObject):
 
     def view(self, unit: str) -> View:
         """How the mesh is looked at, for a file."""
-        eye = self.viewport.eye
+        eye = self.viewport.look.eye
         return View(
             Standpoint(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle)), unit
         )
@@ -285,8 +285,8 @@ class Canvas(QObject):
         if view.camera is not None:
             at = view.camera
             position, focal, up = np.array(at.position), np.array(at.focal), np.array(at.up)
-            self.viewport.eye = replace(
-                self.viewport.eye, position=position, focal=focal, up=up, angle=at.angle
+            self.viewport.look.eye = replace(
+                self.viewport.look.eye, position=position, focal=focal, up=up, angle=at.angle
             )
 
     def frame_mesh(self) -> None:
@@ -300,7 +300,7 @@ class Canvas(QObject):
         if gizmo is not None:
             points = np.vstack([points, gizmo])
             room = np.append(room, SIZE)
-        self.viewport.frame(points, room)
+        self.viewport.look.frame(points, room)
 
     @property
     def _pivots(self) -> tuple[Pivot, ...]:

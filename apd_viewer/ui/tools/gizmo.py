@@ -118,7 +118,7 @@ class Gizmo(MouseTool, QObject):
     @property
     def frame(self) -> GizmoFrame:
         """The gizmo as the camera sees it now."""
-        eye, A = self._viewport.eye, self._pose[:3, :3]
+        eye, A = self._viewport.look.eye, self._pose[:3, :3]
         centre, axes = A @ self._pivot + self._pose[:3, 3], np.eye(3)
         if self._along is Along.HANDLE:
             axes = (A / np.linalg.norm(A, axis=0)).T.copy()
@@ -149,7 +149,7 @@ class Gizmo(MouseTool, QObject):
             self._moving = True
             self.began.emit()
         snap = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
-        self._drag = self._drag.to(self._viewport.eye, p.x(), p.y(), snap)
+        self._drag = self._drag.to(self._viewport.look.eye, p.x(), p.y(), snap)
         self._emit(self._drag.pose, self._drag.text)
         return True
 

@@ -124,7 +124,7 @@ class Pivots(MouseTool, QObject):
         painter.setOpacity(1.0)
 
     def _on_screen(self, pivot: Pivot) -> np.ndarray | None:
-        eye = self._viewport.eye
+        eye = self._viewport.look.eye
         if float(eye.depth(pivot.centre)) <= 1e-6 * eye.distance:
             return None
         at: np.ndarray = eye.project(pivot.centre[None])[0]

@@ -165,7 +165,7 @@ class OutlineSelector(Selector):
 
     def _within(self) -> np.ndarray:
         """The vertices within the outline."""
-        skin, U, eye = self._surface.touchable, self._surface.U, self._viewport.eye
+        skin, U, eye = self._surface.touchable, self._surface.U, self._viewport.look.eye
         if skin is None or not self._corners:
             return np.empty(0, dtype=np.int64)
         polygon = np.array([[p.x(), p.y()] for p in self._shape()])
@@ -182,7 +182,7 @@ class OutlineSelector(Selector):
         _, known, sights = self._seen
         new = vertices[known[vertices] < 0]
         if len(new):
-            known[new] = skin.visible(self._viewport.eye.position, self._surface.U, new, sights)
+            known[new] = skin.visible(self._viewport.look.eye.position, self._surface.U, new, sights)
         return known[vertices] == 1
 
 

@@ -106,7 +106,7 @@ class PointPicker(MouseTool, QObject):
         points = np.array([*self._points, *hit]) if self._wanted else self._shown
         if not len(points):
             return
-        at = [QPointF(x, y) for x, y in self._viewport.project(points)]
+        at = [QPointF(x, y) for x, y in self._viewport.look.eye.project(points)]
         for color, width in ((QColor(255, 255, 255, 220), 4.5), (QColor(24, 26, 30), 1.8)):
             painter.setPen(QPen(color, width, c=Qt.PenCapStyle.RoundCap))
             painter.drawPolyline(at)

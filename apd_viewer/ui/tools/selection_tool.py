@@ -108,7 +108,7 @@ class Selector(MouseTool, QObject):
     @property
     def _sight(self) -> tuple[object, ...]:
         """What all that is found under the cursor depends on: the shape, and from where it is seen."""
-        return self._surface.revision, self._viewport.eye.key
+        return self._surface.revision, self._viewport.look.eye.key
 
     def _apply(self, act: Act, vertices: np.ndarray) -> None:
         """A whole stroke at once."""

@@ -73,7 +73,7 @@ class SlabSelector(Selector):
             self._look(event)
             self._viewport.overlay.update()
             return self._here is not None
-        frame = GizmoFrame(self._viewport.eye, self._start, np.eye(3))
+        frame = GizmoFrame(self._viewport.look.eye, self._start, np.eye(3))
         way = along_axis(frame, self.axis, event.position().x(), event.position().y())
         if way is not None:
             self._end = float(self._start[self.axis]) + way
@@ -125,9 +125,9 @@ class SlabSelector(Selector):
         fill.setAlpha(40)
         for height in sorted(ends):
             corners = self._plane(height)
-            if (self._viewport.eye.depth(corners) <= 0.0).any():
+            if (self._viewport.look.eye.depth(corners) <= 0.0).any():
                 continue
-            shape = QPolygonF([QPointF(x, y) for x, y in self._viewport.project(corners)])
+            shape = QPolygonF([QPointF(x, y) for x, y in self._viewport.look.eye.project(corners)])
             painter.setBrush(fill)
             painter.setPen(QPen(self._halo, 3.0))
             painter.drawPolygon(shape)

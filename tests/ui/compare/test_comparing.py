@@ -130,22 +130,22 @@ def test_turning_one_view_turns_all(qtbot, side):
     views = [view.viewport for view in side.views.values()]
     sizes = {(view.width(), view.height()) for view in views}
     assert max(w for w, _ in sizes) - min(w for w, _ in sizes) <= 1
-    before, draws = views[0].eye, [view.draws for view in views]
+    before, draws = views[0].look.eye, [view.draws for view in views]
     Mouse(views[2]).drag((10, 10), (60, 30), (90, 40))
-    assert np.linalg.norm(views[0].eye.position - before.position) > 0.1 * before.distance
+    assert np.linalg.norm(views[0].look.eye.position - before.position) > 0.1 * before.distance
     for view in views:
-        assert view.eye.key[:9] == views[0].eye.key[:9]
+        assert view.look.eye.key[:9] == views[0].look.eye.key[:9]
     qtbot.waitUntil(lambda: all(v.draws > n for v, n in zip(views, draws, strict=True)))
     Mouse(views[1]).wheel(centre(views[1]), 2)
-    assert views[3].eye.distance < 0.99 * before.distance
+    assert views[3].look.eye.distance < 0.99 * before.distance
     side.activateWindow()
     qtbot.waitUntil(side.isActiveWindow)
     qtbot.keyClick(views[3], Qt.Key.Key_3)
-    direction = views[0].eye.position - views[0].eye.focal
+    direction = views[0].look.eye.position - views[0].look.eye.focal
     np.testing.assert_allclose(direction / np.linalg.norm(direction), [1.0, 0.0, 0.0], atol=1e-9)
     qtbot.keyClick(views[0], Qt.Key.Key_F)
     for view, shown in zip(views, side.views.values(), strict=True):
-        at = view.project(shown.surface.U)
+        at = view.look.eye.project(shown.surface.U)
         assert (at > 0).all()
         assert (at < [view.width(), view.height()]).all()
 
@@ -174,12 +174,12 @@ def test_equal_values_have_equal_colours_in_all_views(qtbot, side):
 
 def test_the_place_under_the_cursor_is_read_on_every_shape(side):
     view = side.views["exact"]
-    at = view.viewport.project(view.surface.U.mean(axis=0)[None])[0]
+    at = view.viewport.look.eye.project(view.surface.U.mean(axis=0)[None])[0]
     Mouse(view.viewport).move(at, NONE)
     place = view.pointer.place
     corners = view.surface.skin.F[place.face]
     point = place.shares @ view.surface.U[corners]
-    np.testing.assert_allclose(view.viewport.project(point[None])[0], at, atol=0.1)
+    np.testing.assert_allclose(view.viewport.look.eye.project(point[None])[0], at, atol=0.1)
     for other in side.views.values():
         value = 100.0 * np.expm1(place.shares @ other.values[corners])
         assert number(other.read) == pytest.approx(value, rel=6e-3, abs=1e-2)

@@ -27,7 +27,7 @@ def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen)
     path = tmp_path / "twisted.apd"
     bottle.session.handles.move_by("TWIST", "45", 0)
     bottle._choose_unit(Unit.CENTIMETRE)
-    bottle.canvas.viewport.eye = bottle.canvas.viewport.eye.orbited(60, 20)
+    bottle.canvas.viewport.look.eye = bottle.canvas.viewport.look.eye.orbited(60, 20)
     idle(qtbot, bottle)
     chosen["ask_for_session"] = path, False
     bottle.actions_.file.save.trigger()

@@ -217,9 +217,9 @@ def test_the_invitation_is_silent_meanwhile(qtbot, toured):
 
 
 def test_it_blocks_nothing(qtbot, toured):
-    before = toured.canvas.viewport.eye.key
+    before = toured.canvas.viewport.look.eye.key
     Mouse(toured.canvas.viewport).drag((30, 500), (80, 520), (120, 520))
-    assert toured.canvas.viewport.eye.key != before
+    assert toured.canvas.viewport.look.eye.key != before
     toured.actions_.tools[Tool.HANDLE].trigger()
     assert toured.canvas.tool is Tool.HANDLE
     tip, area = card(toured)._tip.geometry(), card(toured).geometry()
@@ -295,7 +295,7 @@ def test_it_follows_what_it_points_at(qtbot, toured):
     go_to(qtbot, toured, 1)
     before = card(toured).pos()
     view = toured.canvas.viewport
-    view.eye = view.eye.panned(60, 30)
+    view.look.eye = view.look.eye.panned(60, 30)
     qtbot.waitUntil(lambda: card(toured).pos() != before)
     assert (card(toured).pos() - before - QPoint(60, 30)).manhattanLength() < 8
 

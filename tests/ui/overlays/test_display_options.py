@@ -25,7 +25,7 @@ def globe(qtbot, window):
     """A window on a sphere of radius one, seen from the front, that has the keys."""
     window.filing.show_mesh(Mesh(*sphere(3)))
     idle(qtbot, window)
-    window.canvas.viewport.look_along("front")
+    window.canvas.viewport.look.along("front")
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     window.canvas.viewport.setFocus()
@@ -59,7 +59,7 @@ def test_the_ghost_is_seen_where_the_mesh_was_and_leaves_no_trace(qtbot, globe):
     assert switch(globe, "ghost").isChecked()
     changed = np.abs(picture(globe) - plain).max(axis=2)
     centre_of = np.array([view.height(), view.width()]) / 2
-    radius = np.linalg.norm(view.project(np.array([[0.999, 0.0, 0.0]]))[0] - centre_of[::-1])
+    radius = np.linalg.norm(view.look.eye.project(np.array([[0.999, 0.0, 0.0]]))[0] - centre_of[::-1])
     y, x = np.nonzero(changed > 12)
     away = np.hypot(y - centre_of[0], x - centre_of[1])
     assert len(away) > 1000
@@ -81,7 +81,7 @@ def test_a_ghost_that_is_larger_than_the_mesh_is_not_cut_off(qtbot, globe):
     answer(qtbot, globe, 0.1 * document(globe).mesh.V)
     switch(globe, "ghost").trigger()
     settle(qtbot, globe.canvas.viewport)
-    eye = globe.canvas.viewport.eye
+    eye = globe.canvas.viewport.look.eye
     near, far = globe.canvas.viewport.renderer.GetActiveCamera().GetClippingRange()
     assert near <= eye.distance - 1.0
     assert far >= eye.distance + 1.0
@@ -152,10 +152,10 @@ def test_what_is_cut_away_is_not_seen_and_not_touched(qtbot, globe):
     assert surface.hit(centre(view)).point[2] == pytest.approx(-1.0, abs=0.01), "the inside of its back"
     cut.flip.click()
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "its front"
-    view.look_along("-front")
+    view.look.along("-front")
     assert surface.hit(centre(view)).point[2] == pytest.approx(1.0, abs=0.01), "the inside of its front"
     qtbot.mouseClick(cut.axes[0], LEFT)
-    at = view.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
+    at = view.look.eye.project(np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]))
     hits = [surface.hit(QPointF(*p)) for p in at]
     assert [hit is None for hit in hits] == [False, True]
     qtbot.mouseClick(cut.close_button, LEFT)
@@ -172,12 +172,12 @@ def test_the_picture_is_cut_where_the_mesh_is(qtbot, globe):
     _, normal = cut.plane
     height = cut.plane[0][1]
     assert 0.3 < height < 0.95
-    x, y = view.project(np.array([[0.0, height, 0.0]]))[0]
+    x, y = view.look.eye.project(np.array([[0.0, height, 0.0]]))[0]
     shown = picture(globe)
     inside = np.abs(shown[int(y) + 25, int(x)] - plain[0, 0]).max()
     assert normal[1] == -1.0
     assert inside > 10
-    top = view.project(np.array([[0.0, 0.97, 0.25]]))[0].astype(int)
+    top = view.look.eye.project(np.array([[0.0, 0.97, 0.25]]))[0].astype(int)
     np.testing.assert_allclose(shown[top[1], top[0]], shown[top[1], 5], atol=6)
 
 
@@ -220,7 +220,7 @@ def test_the_grid_lies_below_the_mesh_in_nice_steps(qtbot, globe):
         assert low[axis] / ground.step == pytest.approx(round(low[axis] / ground.step), abs=1e-4)
     across = len(ground._ticks(0)) + len(ground._ticks(2))
     assert lines.GetNumberOfLines() == across
-    globe.canvas.viewport.look_along("top")
+    globe.canvas.viewport.look.along("top")
     settle(qtbot, globe.canvas.viewport)
 
 
@@ -229,7 +229,7 @@ def test_far_from_the_origin_every_line_has_a_figure_of_its_own(qtbot, window):
     window.filing.show_mesh(Mesh(V + [1000.0, 0.0, 500.0], F))
     idle(qtbot, window)
     switch(window, "ground").trigger()
-    window.canvas.viewport.look_along("front")
+    window.canvas.viewport.look.along("front")
     settle(qtbot, window.canvas.viewport)
     ground, pen = window.looks.ground, Pen(window.shell.font())
     ground._write_along(pen, 0, [])
@@ -257,18 +257,18 @@ class Pen:
 
 def test_the_turntable_turns_until_the_mouse_takes_the_camera(qtbot, globe):
     view, table = globe.canvas.viewport, globe.looks.turntable
-    before = view.eye
+    before = view.look.eye
     qtbot.keyClick(view, Qt.Key.Key_T, SHIFT)
-    qtbot.waitUntil(lambda: np.linalg.norm(view.eye.position - before.position) > 0.05 * before.distance)
-    eye = view.eye
+    qtbot.waitUntil(lambda: np.linalg.norm(view.look.eye.position - before.position) > 0.05 * before.distance)
+    eye = view.look.eye
     assert eye.distance == pytest.approx(before.distance)
     assert eye.position[1] == pytest.approx(before.position[1]), "it goes around, and not up"
     Mouse(view).drag((30, 30), (30, 30))
     assert not table.on
     assert not switch(globe, "turntable").isChecked()
-    stopped = view.eye.position
+    stopped = view.look.eye.position
     qtbot.wait(50)
-    np.testing.assert_array_equal(view.eye.position, stopped)
+    np.testing.assert_array_equal(view.look.eye.position, stopped)
     switch(globe, "turntable").trigger()
     qtbot.keyClick(view, Qt.Key.Key_Escape)
     assert not table.on

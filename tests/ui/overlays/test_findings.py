@@ -69,7 +69,7 @@ def plain(window):
 def towards(window, points):
     """Cosine between where the camera stands and where points lie, seen from the middle of the mesh."""
     middle = points.mean(axis=0)
-    return -window.canvas.viewport.eye.axes[2] @ middle / np.linalg.norm(middle)
+    return -window.canvas.viewport.look.eye.axes[2] @ middle / np.linalg.norm(middle)
 
 
 def test_the_badge_is_quiet_where_there_is_nothing_to_say(qtbot, window):
@@ -109,12 +109,12 @@ def test_a_single_finding_is_told_as_it_is(qtbot, window):
 
 def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
     V = document(ill).mesh.V
-    ill.canvas.viewport.look_along("front")
+    ill.canvas.viewport.look.along("front")
     open_list(qtbot, ill)
-    before = ill.canvas.viewport.eye.key
+    before = ill.canvas.viewport.look.eye.key
     front = choose(qtbot, ill, "doubled faces")
     assert np.array_equal(marked(ill), front)
-    assert ill.canvas.viewport.eye.key == before, "what is in view needs no other camera"
+    assert ill.canvas.viewport.look.eye.key == before, "what is in view needs no other camera"
     back = choose(qtbot, ill, "open borders")
     assert np.array_equal(marked(ill), back), "and the other one is marked no more"
     assert towards(ill, V[back]) > 0.5
@@ -124,11 +124,11 @@ def test_a_finding_is_marked_and_the_camera_comes_round_to_it(qtbot, ill):
 
 def test_what_is_far_out_of_the_picture_is_brought_into_it(qtbot, ill):
     view = ill.canvas.viewport
-    view.look_along("front")
-    view.zoom_at(QPointF(5, view.height() / 2), 8.0)
+    view.look.along("front")
+    view.look.zoom_at(QPointF(5, view.height() / 2), 8.0)
     open_list(qtbot, ill)
     stray = choose(qtbot, ill, "unreferenced vertices")
-    (x, y), area = view.project(document(ill).mesh.V[stray])[0], ill.health.list.geometry()
+    (x, y), area = view.look.eye.project(document(ill).mesh.V[stray])[0], ill.health.list.geometry()
     assert view.rect().contains(int(x), int(y))
     assert not area.contains(int(x), int(y))
     settle(qtbot, view)
@@ -158,9 +158,11 @@ def test_the_marks_go_with_the_list(qtbot, ill, way):
         ill.health.list._close.click()
     elif way == "stroke":
         ill.tools.take(Tool.BASE)
-        view.look_along("side")
-        view.frame(document(ill).mesh.V)
-        mouse.drag(view.project(np.zeros((1, 3)))[0], view.project(np.array([[0.0, 0.2, 0.0]]))[0])
+        view.look.along("side")
+        view.look.frame(document(ill).mesh.V)
+        mouse.drag(
+            view.look.eye.project(np.zeros((1, 3)))[0], view.look.eye.project(np.array([[0.0, 0.2, 0.0]]))[0]
+        )
         assert (document(ill).labels == BASE).any()
     elif way == "mesh":
         ill.filing.open_sample("duck")
@@ -179,10 +181,10 @@ def test_the_camera_is_free_while_the_list_is_open(qtbot, ill):
     view, mouse = ill.canvas.viewport, Mouse(ill.canvas.viewport)
     open_list(qtbot, ill)
     shown = choose(qtbot, ill, "open borders")
-    before = view.eye.key
+    before = view.look.eye.key
     mouse.drag((5, 5), (60, 20), (90, 40))
     mouse.wheel((30, 30), 2)
-    assert view.eye.key != before
+    assert view.look.eye.key != before
     assert ill.health.list.isVisible()
     assert np.array_equal(marked(ill), shown)
 
@@ -255,6 +257,6 @@ def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
     assert area.height() <= 0.6 * view.height()
     badge, bar = ill.health.badge, ill.status
     assert bar.rect().contains(badge.geometry())
-    places = view.project(document(ill).mesh.V[marked(ill)])
+    places = view.look.eye.project(document(ill).mesh.V[marked(ill)])
     free = [not area.contains(int(x), int(y)) and view.rect().contains(int(x), int(y)) for x, y in places]
     assert np.mean(free) >= 0.8

@@ -85,7 +85,7 @@ def test_a_frame_is_measured_when_it_is_drawn_and_once(qtbot, area, monkeypatch)
     answer(qtbot, area, 1.02 * V)
     assert len(asked) == 1
     np.testing.assert_array_equal(shades(area), 128 + round(127 * np.log(1.02**2) / np.log(1.1)))
-    area.canvas.viewport.look_along("top")
+    area.canvas.viewport.look.along("top")
     settle(qtbot, area.canvas.viewport)
     assert len(asked) == 1, "the camera has moved, and not the shape"
 
@@ -130,7 +130,7 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
     else:
         assert said == expected
     assert legend.bar._value == heat.value_at(centre(globe.canvas.viewport))
-    globe.canvas.viewport._dispatcher.leave()
+    globe.canvas.viewport.mouse.leave()
     assert legend._cursor.text() == "–"
 
 
@@ -195,7 +195,7 @@ def test_paint_is_still_seen(qtbot, bottle):
     view, held = bottle.canvas.viewport, document(bottle).labels == HANDLE
     picture = view.screenshot(return_img=True).astype(int)
     (x0, x1), (y0, y1) = np.percentile(
-        view.project(document(bottle).mesh.V[held]), [35, 65], axis=0
+        view.look.eye.project(document(bottle).mesh.V[held]), [35, 65], axis=0
     ).T.astype(int)
     patch = picture[y0:y1, x0:x1, :3].reshape(-1, 3)
     assert 0.1 < (patch[:, 0] - patch[:, 2] > 40).mean() < 0.6
@@ -304,11 +304,11 @@ def test_the_legend_covers_nothing(qtbot, bottle, size):
 
 
 def test_the_mouse_on_the_legend_is_not_on_the_canvas(qtbot, area):
-    eye = area.canvas.viewport.eye.key
+    eye = area.canvas.viewport.look.eye.key
     mouse = Mouse(area.looks.legend)
     mouse.drag((20, 60), (60, 80), (90, 120))
     mouse.wheel((20, 60), 3)
-    assert area.canvas.viewport.eye.key == eye
+    assert area.canvas.viewport.look.eye.key == eye
 
 
 def test_overlay_and_range_are_remembered(qtbot, area, settings):
@@ -351,8 +351,8 @@ def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
     qtbot.keyClick(view, Qt.Key.Key_C)
     first = heat._mark.vertex
     assert abs(heat.values[first]) == np.abs(heat.values).max()
-    assert view.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
-    assert view.rect().contains(*map(int, view.project(U[[first]])[0]))
+    assert view.look.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
+    assert view.rect().contains(*map(int, view.look.eye.project(U[[first]])[0]))
     assert heat._mark._text.startswith("1 of")
     qtbot.keyClick(view, Qt.Key.Key_C)
     second = heat._mark.vertex

@@ -50,7 +50,7 @@ def test_a_stroke_paints_what_it_previews_and_is_one_step_of_undo(qtbot, theatre
         changed = (labels != before.labels).any() or (member != before.member).any()
         assert scene.steps == steps + changed
         assert scene.window.session.store.state.frame.U is scene.state.frame.U
-        assert scene.view.eye.key == scene.eye.key
+        assert scene.view.look.eye.key == scene.eye.key
         if changed:
             scene.window.actions_.undo.trigger()
         assert scene.document is before

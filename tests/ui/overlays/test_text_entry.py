@@ -16,7 +16,7 @@ def entered(qtbot, card, text):
 
 
 def on_screen(window, point):
-    return QPointF(*window.canvas.viewport.project(np.asarray(point)[None])[0])
+    return QPointF(*window.canvas.viewport.look.eye.project(np.asarray(point)[None])[0])
 
 
 def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):

@@ -153,7 +153,7 @@ def test_the_window_can_be_used_while_it_is_open(qtbot, active, sheet):
 
 
 def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
-    before, eye = document(bottle), bottle.canvas.viewport.eye.key
+    before, eye = document(bottle), bottle.canvas.viewport.look.eye.key
     bottle.actions_.help[0].trigger()
     label = bottle.help.sheet.findChildren(QLabel)[3]
     qtbot.mousePress(label, LEFT)
@@ -161,7 +161,7 @@ def test_the_sheet_keeps_the_mouse_from_the_mesh(qtbot, bottle):
     qtbot.mouseRelease(label, LEFT)
     assert bottle.help.sheet.isVisible()
     assert document(bottle) is before
-    assert bottle.canvas.viewport.eye.key == eye
+    assert bottle.canvas.viewport.look.eye.key == eye
 
 
 @pytest.mark.parametrize("size", [(800, 640), (1280, 800)])

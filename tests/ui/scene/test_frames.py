@@ -112,7 +112,7 @@ def test_the_box_that_the_camera_clips_at_is_that_of_the_shape(qtbot, bottle):
     settle(qtbot, view)
     np.testing.assert_allclose(view.box(), bottle.canvas.surface._actor.GetBounds(), atol=1e-5)
     near, far = view.renderer.GetActiveCamera().GetClippingRange()
-    depth = view.eye.depth(bottle.session.store.state.frame.U)
+    depth = view.look.eye.depth(bottle.session.store.state.frame.U)
     assert near <= depth.min()
     assert depth.max() <= far
 

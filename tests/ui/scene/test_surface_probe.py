@@ -21,9 +21,9 @@ def painted(pointer, view):
 def test_a_place_is_marked_in_front_of_the_camera_and_not_behind_it(view, surface):
     pointer = Pointer(view, surface)
     pointer.place = Place(0, np.array([1.0, 0.0, 0.0]))
-    point, eye = surface.U[surface.skin.F[0, 0]], view.eye
+    point, eye = surface.U[surface.skin.F[0, 0]], view.look.eye
     towards = eye.position - eye.focal
-    view.eye = replace(eye, focal=point, position=point + towards)
+    view.look.eye = replace(eye, focal=point, position=point + towards)
     assert painted(pointer, view)
-    view.eye = replace(eye, focal=point - 2 * towards, position=point - towards)
+    view.look.eye = replace(eye, focal=point - 2 * towards, position=point - towards)
     assert not painted(pointer, view)

@@ -4,7 +4,7 @@ import weakref
 
 import numpy as np
 import pytest
-from driving import centre, grey, show
+from driving import grey, show
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
@@ -19,10 +19,10 @@ from apd_viewer.ui.tools.gizmo import Gizmo
 
 def paint(view):
     """Let one paint happen, and return how often VTK drew."""
-    view._still.stop()
+    view.antialiasing.still.stop()
     before = view.draws
     QApplication.processEvents()
-    view._still.stop()
+    view.antialiasing.still.stop()
     return view.draws - before
 
 
@@ -77,7 +77,7 @@ def test_pre_draw_runs_before_each_draw(view, surface):
 
 
 def test_own_projection_is_that_of_vtk(view, surface):
-    view.eye = view.eye.orbited(37, 21).panned(11, -8)
+    view.look.eye = view.look.eye.orbited(37, 21).panned(11, -8)
     view.renderer.ResetCameraClippingRange()
     camera = view.renderer.GetActiveCamera()
     matrix = camera.GetCompositeProjectionTransformMatrix(view.width() / view.height(), -1, 1)
@@ -85,7 +85,7 @@ def test_own_projection_is_that_of_vtk(view, surface):
     clip = np.column_stack([surface.U, np.ones(len(surface.U))]) @ M.T
     x, y = (clip[:, :2] / clip[:, 3:]).T
     expected = np.column_stack([(x + 1) / 2 * view.width(), (1 - y) / 2 * view.height()])
-    np.testing.assert_allclose(view.project(surface.U), expected, atol=1e-6)
+    np.testing.assert_allclose(view.look.eye.project(surface.U), expected, atol=1e-6)
 
 
 def test_what_is_picked_is_what_is_seen(view, surface):
@@ -166,10 +166,10 @@ def test_another_mesh_replaces_the_first(view, surface):
 
 
 def test_frame_and_axis_views(view, surface):
-    view.look_along("top")
-    view.frame(surface.U)
-    np.testing.assert_allclose(view.eye.axes[2], [0, -1, 0], atol=1e-12)
-    xy = view.project(surface.U)
+    view.look.along("top")
+    view.look.frame(surface.U)
+    np.testing.assert_allclose(view.look.eye.axes[2], [0, -1, 0], atol=1e-12)
+    xy = view.look.eye.project(surface.U)
     assert (xy > 0).all()
     assert (xy < [view.width(), view.height()]).all()
 
@@ -177,17 +177,17 @@ def test_frame_and_axis_views(view, surface):
 def test_a_resized_view_keeps_in_frame_what_was_until_the_camera_moves(qtbot, view, surface):
     def reach():
         half = np.array([view.width(), view.height()]) / 2
-        return np.abs(view.project(surface.U) / half - 1).max()
+        return np.abs(view.look.eye.project(surface.U) / half - 1).max()
 
-    view.frame(surface.U)
+    view.look.frame(surface.U)
     view.window().resize(300, 480)
     qtbot.waitUntil(lambda: view.width() == 300)
     assert reach() == pytest.approx(1 / MARGIN, rel=0.02)
-    view.eye = view.eye.orbited(20, 0)
-    kept = view.eye.position
+    view.look.eye = view.look.eye.orbited(20, 0)
+    kept = view.look.eye.position
     view.window().resize(640, 480)
     qtbot.waitUntil(lambda: view.width() == 640)
-    np.testing.assert_array_equal(view.eye.position, kept)
+    np.testing.assert_array_equal(view.look.eye.position, kept)
 
 
 @pytest.mark.parametrize(
@@ -201,9 +201,9 @@ def test_a_resized_view_keeps_in_frame_what_was_until_the_camera_moves(qtbot, vi
     ],
 )
 def test_camera_drags(view, surface, mouse, button, modifiers, kind):
-    before = view.eye
+    before = view.look.eye
     mouse(view).drag((300, 200), (330, 240), button=button, modifiers=modifiers)
-    after = view.eye
+    after = view.look.eye
     assert (kind == "orbit") == (np.abs(after.axes - before.axes).max() > 1e-6)
     assert (kind == "orbit") == np.allclose(after.focal, before.focal)
     assert (kind == "zoom") == (abs(after.distance - before.distance) > 1e-6)
@@ -211,21 +211,21 @@ def test_camera_drags(view, surface, mouse, button, modifiers, kind):
 
 def test_wheel_zooms_to_the_surface_under_the_cursor(view, surface, mouse):
     at = QPointF(250, 180)
-    point, distance = surface.point_under(at), view.eye.distance
+    point, distance = surface.point_under(at), view.look.eye.distance
     for _ in range(60):
         mouse(view).wheel(at, 1)
-        np.testing.assert_allclose(view.project(point[None]), [[250, 180]], atol=1e-6)
-        assert view.eye.depth(point) > 0  # never through the surface
-    assert view.eye.distance < 0.1 * distance
+        np.testing.assert_allclose(view.look.eye.project(point[None]), [[250, 180]], atol=1e-6)
+        assert view.look.eye.depth(point) > 0  # never through the surface
+    assert view.look.eye.distance < 0.1 * distance
     for _ in range(200):
         mouse(view).wheel(at, -1)
-    assert view.eye.distance < 100 * distance
+    assert view.look.eye.distance < 100 * distance
 
 
 def test_wheel_zooms_beside_the_surface_too(view, surface, mouse):
-    before = view.eye.distance
+    before = view.look.eye.distance
     mouse(view).wheel((3, 3), 1)
-    assert view.eye.distance < before
+    assert view.look.eye.distance < before
 
 
 class Recorder:
@@ -248,7 +248,7 @@ class Recorder:
 def test_tools_are_asked_in_order_and_the_taker_keeps_the_mouse(view, surface, mouse):
     first, second, third = Recorder(), Recorder(("press",)), Recorder()
     view.tools[:] = [first, second, third]
-    before = view.eye.key
+    before = view.look.eye.key
     m = mouse(view)
     m.press((5, 5))
     m.move((90, 90))
@@ -258,7 +258,7 @@ def test_tools_are_asked_in_order_and_the_taker_keeps_the_mouse(view, surface, m
     assert first.calls == ["press", "move"]  # the last one hovers
     assert second.calls == ["press", "move", "release", "move"]
     assert third.calls == ["move"]
-    assert view.eye.key == before
+    assert view.look.eye.key == before
 
 
 def test_a_hover_that_a_tool_takes_leaves_the_tools_behind_it(view, mouse):
@@ -282,21 +282,21 @@ def test_a_lost_release_ends_the_drag(view, mouse):
 def test_escape_cancels_and_the_rest_of_the_drag_is_nobodys(view, surface, mouse):
     tool = Recorder(("press", "cancel"))
     view.tools[:] = [tool]
-    before = view.eye.key
+    before = view.look.eye.key
     m = mouse(view)
     m.press((5, 5))
     QTest.keyClick(view, Qt.Key.Key_Escape)
     m.move((50, 50))
     assert tool.calls == ["press", "cancel"]
-    assert view.eye.key == before
+    assert view.look.eye.key == before
 
 
 def test_vtk_has_no_keys(view, surface):
-    before, draws = view.eye.key, paint(view) or view.draws
+    before, draws = view.look.eye.key, paint(view) or view.draws
     for key in "wsqrpfi3ejtv":
         QTest.keyClick(view, key)
     paint(view)
-    assert view.eye.key == before
+    assert view.look.eye.key == before
     assert view.draws == draws
     assert view.isVisible()
 
@@ -311,7 +311,7 @@ def test_the_theme_sets_the_background(view):
 
 
 def test_a_resting_view_is_drawn_once_more_with_smooth_edges(qtbot, view, surface):
-    if not view._software:
+    if not view.antialiasing.software:
         pytest.skip("only a software renderer draws once more at rest; a GPU smooths every frame")
     before = view.draws
     view.update()
@@ -351,7 +351,7 @@ def test_a_closed_view_takes_late_calls(qtbot, ball):
     surface = Surface(view)
     surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
     show(qtbot, window, view)
-    view.frame(U)
+    view.look.frame(U)
     view.close()
     view.close()
     view.update()
@@ -366,5 +366,5 @@ def test_a_closed_view_takes_late_calls(qtbot, ball):
 
 
 def test_centre_of_the_view_is_the_focal_point(view, surface):
-    origin, direction = view.ray(centre(view))
-    np.testing.assert_allclose(np.cross(view.eye.focal - origin, direction), 0, atol=1e-9)
+    origin, direction = view.look.eye.ray(view.width() / 2, view.height() / 2)
+    np.testing.assert_allclose(np.cross(view.look.eye.focal - origin, direction), 0, atol=1e-9)

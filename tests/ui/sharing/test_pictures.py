@@ -116,7 +116,7 @@ def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
 
 def test_the_screen_stays_as_it_is(still):
     view = still.canvas.viewport
-    before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.eye.angle
+    before, size, angle = view.screenshot(return_img=True), view.ren_win.GetSize(), view.look.eye.angle
     still.canvas.surface.edges = True
     edged = view.screenshot(return_img=True)
     for transparent in (True, False):
@@ -124,7 +124,7 @@ def test_the_screen_stays_as_it_is(still):
     assert np.array_equal(view.screenshot(return_img=True), edged)
     still.canvas.surface.edges = False
     assert np.array_equal(view.screenshot(return_img=True), before)
-    assert (view.ren_win.GetSize(), view.eye.angle) == (size, angle)
+    assert (view.ren_win.GetSize(), view.look.eye.angle) == (size, angle)
 
 
 def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):

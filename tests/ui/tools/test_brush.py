@@ -43,7 +43,7 @@ def heard(painter):
 
 def facing(view, surface, ids):
     """Cosines between the normals of the ball and the direction to the camera."""
-    to_camera = view.eye.position - surface.U[ids]
+    to_camera = view.look.eye.position - surface.U[ids]
     return np.einsum("ij,ij->i", surface.U[ids], to_camera / np.linalg.norm(to_camera, axis=1)[:, None])
 
 
@@ -51,7 +51,7 @@ def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard,
     at = centre(view)
     mouse(view).drag(at, at)
     hit = surface.hit(at)
-    radius = painter.radius * view.world_per_pixel(hit.point)
+    radius = painter.radius * view.look.eye.world_per_pixel(hit.point)
     within = np.flatnonzero(np.linalg.norm(surface.U - hit.point, axis=1) <= radius)
     assert heard.words == ["add", "ended"]
     assert len(within) > 10
@@ -59,9 +59,9 @@ def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard,
 
 
 def test_a_stroke_leaves_the_camera_and_names_each_vertex_once(view, surface, painter, heard, mouse):
-    before, at = view.eye.key, centre(view)
+    before, at = view.look.eye.key, centre(view)
     mouse(view).drag(*(at + QPointF(3 * i, i) for i in range(30)))
-    assert view.eye.key == before
+    assert view.look.eye.key == before
     assert len(heard.parts) > 3
     assert len(np.unique(heard.ids)) == len(heard.ids)
 
@@ -95,16 +95,16 @@ def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surfac
     U = np.vstack([plate * [0.5, 1, 1] + [-0.5, 0, 0.0], plate * [2, 1.5, 1] + [0, 0, -4.0]])
     F = np.vstack([F, F + len(plate)])
     surface.set_mesh(Skin.of(F, len(U)), U, grey(len(U)))
-    view.eye = view.eye.framed(U)
+    view.look.eye = view.look.eye.framed(U)
     settle(qtbot, view)
-    start, end = view.project(np.array([[-0.5, 0.0, 0.0], [1.5, 0.0, -4.0]]))
+    start, end = view.look.eye.project(np.array([[-0.5, 0.0, 0.0], [1.5, 0.0, -4.0]]))
     heard = Heard(painter)
     mouse(view).drag(start, end)
     behind = U[heard.ids][U[heard.ids][:, 2] < -1]
     assert len(behind) > 5
-    edge = view.project(np.array([[0.0, 0.0, 0.0]]))[0][0]
+    edge = view.look.eye.project(np.array([[0.0, 0.0, 0.0]]))[0][0]
     # Nothing of the back plate that is hidden by the front one, but for the width of the brush.
-    assert view.project(behind)[:, 0].min() > edge - painter.radius - 2
+    assert view.look.eye.project(behind)[:, 0].min() > edge - painter.radius - 2
 
 
 def test_alt_erases(view, painter, heard, mouse):
@@ -113,20 +113,20 @@ def test_alt_erases(view, painter, heard, mouse):
 
 
 def test_a_press_on_the_background_moves_the_camera(view, painter, heard, mouse):
-    before = view.eye.key
+    before = view.look.eye.key
     mouse(view).drag((4, 4), (40, 60))
     assert heard.words == []
-    assert view.eye.key != before
+    assert view.look.eye.key != before
 
 
 @pytest.mark.parametrize(
     ("button", "modifiers"), [(Qt.MouseButton.RightButton, ALT & ~ALT), (Qt.MouseButton.LeftButton, SHIFT)]
 )
 def test_other_drags_on_the_surface_move_the_camera(view, painter, heard, mouse, button, modifiers):
-    before = view.eye.key
+    before = view.look.eye.key
     mouse(view).drag((320, 240), (350, 250), button=button, modifiers=modifiers)
     assert heard.words == []
-    assert view.eye.key != before
+    assert view.look.eye.key != before
 
 
 def test_a_brush_that_is_put_away_does_nothing(view, painter, heard, mouse):
@@ -155,7 +155,7 @@ def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
 
 
 def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
-    heard, before = [], view.eye.key
+    heard, before = [], view.look.eye.key
     painter.size_changed.connect(lambda: heard.append(painter.radius))
     mouse(view).wheel(centre(view), 1)
     assert painter.radius > 24
@@ -165,14 +165,14 @@ def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
     mouse(view).wheel(centre(view), -200)
     assert painter.radius == 4
     assert heard == [pytest.approx(24 * 1.12), 200, 4]
-    assert view.eye.key == before
+    assert view.look.eye.key == before
 
 
 def test_control_and_the_wheel_zoom(view, painter, mouse):
-    before = view.eye.distance
+    before = view.look.eye.distance
     mouse(view).wheel(centre(view), 1, CONTROL)
     assert painter.radius == 24
-    assert view.eye.distance < before
+    assert view.look.eye.distance < before
 
 
 def test_the_ring_shows_where_the_brush_lies(view, painter, mouse):
@@ -198,7 +198,7 @@ def test_the_ring_follows_the_surface_under_a_resting_cursor(view, surface, pain
 
 def test_hovering_draws_no_scene_and_nothing_at_all_off_the_surface(view, painter, mouse):
     QApplication.processEvents()
-    view._still.stop()
+    view.antialiasing.still.stop()
     draws, m = view.draws, mouse(view)
     for x in range(300, 340, 5):
         m.move((x, 240))
@@ -212,7 +212,7 @@ def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter,
     hit = surface.hit(centre(view))
     assert hit.point[2] == pytest.approx(0.2, abs=0.01)
     reach = np.linalg.norm(surface.U[heard.ids] - hit.point, axis=1).max()
-    assert reach <= painter.radius * view.world_per_pixel(hit.point) * 1.001
+    assert reach <= painter.radius * view.look.eye.world_per_pixel(hit.point) * 1.001
 
 
 def test_a_stroke_crosses_seams(view, surface, painter, mouse):

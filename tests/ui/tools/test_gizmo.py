@@ -188,7 +188,7 @@ class Heard:
 def gizmo(view, surface):
     gizmo = Gizmo(view)
     view.tools.append(gizmo)
-    view.eye = view.eye.orbited(-60, 60)
+    view.look.eye = view.look.eye.orbited(-60, 60)
     gizmo.place(np.eye(4), np.array([0.1, 0.2, 0.0]))
     gizmo.visible = True
     return gizmo
@@ -205,7 +205,7 @@ def over_ring(gizmo, angle):
 
 
 def test_dragging_an_arrow_moves_along_its_axis_and_leaves_the_camera(view, gizmo, mouse):
-    heard, before, start = Heard(gizmo), view.eye.key, at_arrow(gizmo, 1)
+    heard, before, start = Heard(gizmo), view.look.eye.key, at_arrow(gizmo, 1)
     end = start + QPointF(0, -60)
     mouse(view).drag(start, start + QPointF(0, -20), end)
     assert heard.words == ["began", "ended"]
@@ -214,7 +214,7 @@ def test_dragging_an_arrow_moves_along_its_axis_and_leaves_the_camera(view, gizm
     np.testing.assert_array_equal(pose[:3, :3], np.eye(3))
     np.testing.assert_array_equal(pose[[0, 2], 3], 0)
     assert pose[1, 3] > 0
-    assert view.eye.key == before
+    assert view.look.eye.key == before
     moved = at_arrow(gizmo, 1) - end
     assert abs(moved.y()) < 4  # perspective changes the length of the arrow a little
     np.testing.assert_array_equal(gizmo.pose, pose)
@@ -254,20 +254,20 @@ def test_a_click_is_no_drag(view, gizmo, mouse):
     mouse(view).drag(start, start + QPointF(1, 0))
     assert heard.words == []
     assert heard.poses == []
-    assert not view.cancel()
+    assert not view.mouse.cancel()
 
 
 def test_a_press_beside_the_gizmo_moves_the_camera(view, gizmo, mouse):
-    heard, before = Heard(gizmo), view.eye.key
+    heard, before = Heard(gizmo), view.look.eye.key
     mouse(view).drag((5, 5), (60, 40))
     assert heard.words == []
-    assert view.eye.key != before
+    assert view.look.eye.key != before
 
 
 def test_the_right_button_on_a_handle_moves_the_camera(view, gizmo, mouse):
-    before, start = view.eye.key, at_arrow(gizmo, 1)
+    before, start = view.look.eye.key, at_arrow(gizmo, 1)
     mouse(view).drag(start, start + QPointF(0, 30), button=Qt.MouseButton.RightButton)
-    assert view.eye.key != before
+    assert view.look.eye.key != before
 
 
 def test_hover_shows_what_a_press_takes(view, gizmo, mouse):
@@ -308,7 +308,7 @@ def test_local_axes_turn_with_the_pose(view, gizmo, mouse):
     gizmo.place(POSE, np.zeros(3))
     np.testing.assert_allclose(gizmo.frame.axes, POSE[:3, :3].T)
     np.testing.assert_allclose(gizmo.frame.centre, POSE[:3, 3])
-    view.frame(gizmo.frame.centre + np.array([[1, 1, 1], [-1, -1, -1]]))
+    view.look.frame(gizmo.frame.centre + np.array([[1, 1, 1], [-1, -1, -1]]))
     heard, start = Heard(gizmo), at_arrow(gizmo, 0)
     tip = QPointF(*gizmo.frame.arrow(0)[2])
     mouse(view).drag(start, tip)
@@ -323,6 +323,6 @@ def test_the_gizmo_has_the_same_size_at_every_distance(view, gizmo):
         return np.linalg.norm(ends[1] - ends[0])
 
     before = length()
-    view.zoom_at(centre(view), 0.2)
+    view.look.zoom_at(centre(view), 0.2)
     assert length() == pytest.approx(before, rel=0.15)
     assert 70 < before < 140

@@ -71,10 +71,10 @@ def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
 @pytest.mark.parametrize("axis", ["front", "side", "top", "-front", "-side", "-top"])
 def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis):
     view = bottle.canvas.viewport
-    view.look_along(axis)
+    view.look.along(axis)
     bottle.canvas.frame_mesh()
     # Not straight along an axis, or one arrow could not be seen.
-    view.eye = view.eye.orbited(37.0, 23.0)
+    view.look.eye = view.look.eye.orbited(37.0, 23.0)
     hand = mouse(view)
     for i in range(3):
         frame = bottle.canvas.gizmo.frame
@@ -134,9 +134,9 @@ def test_ctrl_m_goes_to_where_a_motion_is_typed(qtbot, bottle):
 
 def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle, mouse):
     view, canvas = bottle.canvas.viewport, bottle.canvas
-    eye = view.eye
+    eye = view.look.eye
     document = bottle.session.store.state.document
-    places = view.project(document.mesh.V[document.labels == HANDLE])
+    places = view.look.eye.project(document.mesh.V[document.labels == HANDLE])
     free = [
         QPointF(*place)
         for place in places[::37]
@@ -144,21 +144,24 @@ def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle,
     ]
     at = free[0]
     mouse(view).drag(at, at + QPointF(20, -10), at + QPointF(40, -25))
-    assert view.eye.key == eye.key, "the camera stays"
+    assert view.look.eye.key == eye.key, "the camera stays"
     moved = pose(bottle)[:3, 3]
     assert abs(moved @ eye.axes[2]) < 1e-9
-    went = view.project(document.centre(0)[None] + moved)[0] - view.project(document.centre(0)[None])[0]
+    went = (
+        view.look.eye.project(document.centre(0)[None] + moved)[0]
+        - view.look.eye.project(document.centre(0)[None])[0]
+    )
     np.testing.assert_allclose(went, [40, -25], atol=1e-6)
     assert bottle.session.gestures.history.next_undo == "Move handle"
 
 
 def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):
     view = bottle.canvas.viewport
-    before, eye = bottle.session.store.state, view.eye
-    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    before, eye = bottle.session.store.state, view.look.eye
+    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     mouse(view).drag(QPointF(*at), QPointF(*at) + QPointF(30, 5))
     assert bottle.session.store.state is before
-    assert view.eye.key != eye.key
+    assert view.look.eye.key != eye.key
 
 
 def test_the_corner_scales_about_the_centre(bottle, mouse):
@@ -200,7 +203,7 @@ def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
     np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
     along[Along.VIEW].trigger()
     axes = gizmo.frame.axes
-    np.testing.assert_allclose(axes[:2], bottle.canvas.viewport.eye.axes[:2])
+    np.testing.assert_allclose(axes[:2], bottle.canvas.viewport.look.eye.axes[:2])
     assert np.linalg.det(axes) == pytest.approx(1.0)
     along[Along.WORLD].trigger()
     np.testing.assert_array_equal(gizmo.frame.axes, np.eye(3))
@@ -238,13 +241,13 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
 def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mouse):
     view, session = bottle.canvas.viewport, bottle.session
     before = session.store.state
-    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     point = bottle.canvas.surface.hit(QPointF(*at)).point
     bottle.actions_.pose.pivots[0].trigger()
-    hand, eye = mouse(view), view.eye
+    hand, eye = mouse(view), view.look.eye
     hand.move(QPointF(*at))
     hand.drag(QPointF(*at), QPointF(*at))
-    assert view.eye.key == eye.key
+    assert view.look.eye.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
     assert session.gestures.history.next_undo == "Move pivot"
     session.handles.move_by("TURN_Z", "30deg", 0)
@@ -264,7 +267,7 @@ def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
     before = bottle.session.store.state
     bottle.actions_.pose.pivots[0].trigger()
     QTest.keyClick(view, Qt.Key.Key_Escape)
-    at = view.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
+    at = view.look.eye.project(before.document.mesh.V[before.document.labels == 1].mean(axis=0)[None])[0]
     mouse(view).drag(QPointF(*at), QPointF(*at))
     assert bottle.session.store.state is before
 
@@ -274,15 +277,15 @@ def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbo
     bottle.tools.take(Tool.BASE)
     session.handles.move_by("BEND_Z", "20deg", 0)
     assert session.wait_idle(20.0)
-    before, eye, title = session.store.state, view.eye.key, bottle.shell.windowTitle()
+    before, eye, title = session.store.state, view.look.eye.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
     qtbot.waitUntil(lambda: session.store.state.document.mesh is not before.document.mesh, timeout=5000)
-    assert (view.eye.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
+    assert (view.look.eye.key, bottle.shell.windowTitle(), bottle.canvas.tool) == (eye, title, Tool.BASE)
     assert bottle.panel.area.percent.text() == "100.000 %"
     assert not bottle.actions_.bake.isEnabled()
     np.testing.assert_array_equal(bottle.canvas.surface.U, before.frame.U)
     assert np.abs(bottle.looks.heat._mesh.V - before.frame.U).max() == 0.0
     bottle.actions_.undo.trigger()
     assert session.store.state is before
-    assert view.eye.key == eye
+    assert view.look.eye.key == eye
     assert bottle.looks.heat._mesh is before.document.mesh

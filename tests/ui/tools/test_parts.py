@@ -159,7 +159,7 @@ def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
     view = two.canvas.viewport
     dots = two.canvas.pivots._pivots
     assert [pivot.name for pivot in dots] == ["Handle 1"]
-    at = view.project(dots[0].centre[None])[0]
+    at = view.look.eye.project(dots[0].centre[None])[0]
     mouse = Mouse(view)
     empty = view.overlay.grab().toImage()
     mouse.move(at)
@@ -178,14 +178,14 @@ def test_a_click_on_the_paint_of_a_handle_takes_it_and_a_drag_turns_the_view(qtb
     view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
     labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
-    points = view.project(U[cap])
-    dot = view.project(two.canvas.pivots._pivots[0].centre[None])[0]
+    points = view.look.eye.project(U[cap])
+    dot = view.look.eye.project(two.canvas.pivots._pivots[0].centre[None])[0]
     away = points[np.argmax(np.linalg.norm(points - dot, axis=1) * (np.abs(points[:, 0] - dot[0]) < 12))]
-    before = view.eye.key
+    before = view.look.eye.key
     mouse.drag(away, away + (30, 0))
     assert two.parts.handle == 1
-    assert view.eye.key != before
-    away = view.project(U[cap])[np.argmin(np.linalg.norm(points - away, axis=1))]
+    assert view.look.eye.key != before
+    away = view.look.eye.project(U[cap])[np.argmin(np.linalg.norm(points - away, axis=1))]
     mouse.drag(away, away)
     assert two.parts.handle == 0
 

@@ -181,7 +181,7 @@ def test_a_press_beside_the_mesh_moves_the_camera(scene, way):
     mouse.move(at)
     assert scene.canvas.coloring.previewed is None
     mouse.drag(at, at + (15, 25))
-    assert scene.view.eye.key != scene.eye.key
+    assert scene.view.look.eye.key != scene.eye.key
     assert scene.document is scene.state.document
 
 
@@ -237,7 +237,7 @@ def test_a_polygon_of_less_than_three_corners_encloses_nothing(qtbot, scene, cor
         else:
             mouse.drag(at, at)
         scene.assert_nothing_is_previewed()
-        assert not scene.view.cancel(), "nothing is left of it"
+        assert not scene.view.mouse.cancel(), "nothing is left of it"
     assert scene.document is scene.state.document
 
 
@@ -286,10 +286,10 @@ def outside_of_cup(scene):
 
 def looking_into_the_cup(scene):
     """A position where the inner side of the far wall is seen, well below the rim."""
-    scene.view.eye = scene.view.eye.orbited(0, 80)
+    scene.view.look.eye = scene.view.look.eye.orbited(0, 80)
     V, sight = scene.document.mesh.V, Sight(scene.window)
     deep = ~outside_of_cup(scene) & (V[:, 2] < -0.5) & (np.abs(V[:, 1] - 0.7) < 0.2)
-    return np.mean(scene.view.project(V[deep & sight.vertices(np.flatnonzero(sight.seen))]), axis=0)
+    return np.mean(scene.view.look.eye.project(V[deep & sight.vertices(np.flatnonzero(sight.seen))]), axis=0)
 
 
 def test_a_brush_inside_a_cup_leaves_its_outside_alone(cup):
@@ -298,7 +298,7 @@ def test_a_brush_inside_a_cup_leaves_its_outside_alone(cup):
     at = looking_into_the_cup(cup)
     sight = Sight(cup.window)
     here = sight.hit(at)[1]
-    near = np.linalg.norm(sight.U - here, axis=1) < 50 * cup.view.world_per_pixel(here)
+    near = np.linalg.norm(sight.U - here, axis=1) < 50 * cup.view.look.eye.world_per_pixel(here)
     assert (outside_of_cup(cup) & sight.vertices(np.flatnonzero(near))).any(), "the wall is that thin"
     Mouse(cup.view).drag(*(at + (dx, 0) for dx in range(-120, 121, 10)), modifiers=CONTROL)
     assert held(cup, BASE).sum() > 15
@@ -320,7 +320,7 @@ def on_the_wall(scene):
 
 @pytest.mark.parametrize("way", OUTLINES)
 def test_from_above_the_outside_of_a_cup_is_not_seen(qtbot, cup, way):
-    cup.view.look_along("top")
+    cup.view.look.along("top")
     cup.take(Tool.BASE, way)
     low, high = np.array([3, 3]), np.array([cup.view.width(), cup.view.height()]) - 3
     corners = [low, (high[0], low[1]), high, (low[0], high[1])]
@@ -358,7 +358,7 @@ def test_the_wheel_changes_the_crease_of_a_fill_and_what_is_previewed(scene):
     mouse.wheel(gesture.press, -100)
     assert fill.crease == 1
     assert heard == [7.5, 2.5, 17.5, 22.5, 180, 1]
-    assert scene.view.eye.key == scene.eye.key
+    assert scene.view.look.eye.key == scene.eye.key
     mouse.wheel(gesture.press, 1, ALT)
     assert fill.crease == 6
 
@@ -378,7 +378,7 @@ def test_the_wheel_turns_the_planes_but_not_in_the_middle_of_a_drag(scene):
     np.testing.assert_array_equal(scene.previewed, gesture.chosen)
     gesture.end(mouse)
     np.testing.assert_array_equal(held(scene), (scene.state.document.labels == HANDLE) | gesture.chosen)
-    assert scene.view.eye.key == scene.eye.key
+    assert scene.view.look.eye.key == scene.eye.key
 
 
 @pytest.mark.parametrize("way", Way)
@@ -388,11 +388,11 @@ def test_control_and_the_wheel_zoom_and_without_control_where_there_is_nothing_t
     crease, axis = scene.canvas.ways[Way.FILL].crease, scene.canvas.ways[Way.SLAB].axis
     mouse.move(at)
     mouse.wheel(at, 1, CONTROL)
-    zoomed = scene.view.eye.distance
+    zoomed = scene.view.look.eye.distance
     assert zoomed < scene.eye.distance
     assert (crease, axis) == (scene.canvas.ways[Way.FILL].crease, scene.canvas.ways[Way.SLAB].axis)
     mouse.wheel(at, 1)
-    assert (scene.view.eye.distance < zoomed) == (way not in (Way.BRUSH, Way.FILL, Way.SLAB))
+    assert (scene.view.look.eye.distance < zoomed) == (way not in (Way.BRUSH, Way.FILL, Way.SLAB))
 
 
 @pytest.mark.parametrize("way", Way)
@@ -400,9 +400,9 @@ def test_other_drags_move_the_camera_while_a_tool_is_in_hand(scene, way):
     scene.take(Tool.HANDLE, way)
     at, mouse = Gesture(scene.window, way).press, Mouse(scene.view)
     for button, modifiers in ((MIDDLE, NONE), (RIGHT, NONE), (LEFT, SHIFT)):
-        before = scene.view.eye.key
+        before = scene.view.look.eye.key
         mouse.drag(at, at + (20, 9), at + (40, 10), button=button, modifiers=modifiers)
-        assert scene.view.eye.key != before
+        assert scene.view.look.eye.key != before
     scene.leave()
     scene.assert_nothing_is_previewed()
     assert scene.document is scene.state.document
@@ -414,7 +414,7 @@ def test_the_preview_follows_the_camera_under_a_resting_cursor(qtbot, scene, way
     at = off_the_mesh(scene)
     Mouse(scene.view).move(at)
     scene.assert_nothing_is_previewed()
-    scene.view.zoom_at(centre(scene.view), 6.0)
+    scene.view.look.zoom_at(centre(scene.view), 6.0)
     qtbot.wait(60)  # it is drawn
     sight = Sight(scene.window)
     face = sight.hit(at)[0]

@@ -28,7 +28,7 @@ def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
     bottle.tools.choose_way(Way.SLAB)
     widget, view = over(bottle), bottle.canvas.viewport
     qtbot.waitUntil(widget.isVisible)
-    state, eye = bottle.session.store.state, view.eye.key
+    state, eye = bottle.session.store.state, view.look.eye.key
     reached = []
     view.mousePressEvent = lambda event: reached.append(event)
     view.mouseDoubleClickEvent = lambda event: reached.append(event)
@@ -40,5 +40,5 @@ def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
     del view.mousePressEvent, view.mouseDoubleClickEvent
     assert reached == []
     assert bottle.session.store.state is state
-    assert view.eye.key == eye
+    assert view.look.eye.key == eye
     assert bottle.canvas.ways[Way.SLAB].axis == 1, "the wheel has not taken another axis"

@@ -76,4 +76,4 @@ class Turntable(MouseTool, QObject):
         now = time.perf_counter()
         angle = SPEED * float(np.clip(now - self._last, 0.0, _LONGEST))
         self._last = now
-        self._viewport.eye = self._viewport.eye.orbited(angle / DEGREES_PER_PIXEL, 0.0)
+        self._viewport.look.eye = self._viewport.look.eye.orbited(angle / DEGREES_PER_PIXEL, 0.0)

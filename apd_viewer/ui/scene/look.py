@@ -1,0 +1,113 @@
+"""Camera of a viewport and its moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.ui.scene.camera import UP, Camera
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from PySide6.QtCore import QPointF
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
+OPENING = np.deg2rad(30.0)
+CLOSEST = 1e-4  # zoom limits, in multiples of what was framed
+FARTHEST = 50.0
+
+
+class Look:
+    """Camera of a viewport: standard views, framing and zoom.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    linked : sequence of Viewport
+        Others that look through the same camera; see :func:`link`.
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._viewport = viewport
+        self.linked: Sequence[Viewport] = ()
+        self._extent = 1.0
+        # Points, the room around them, and where the camera went to show them.
+        self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), OPENING, 1, 1)
+        self.eye = replace(eye, position=HOME)
+
+    @property
+    def eye(self) -> Camera:
+        """The camera; assign another one to move it."""
+        camera = self._viewport.renderer.GetActiveCamera()
+        return Camera(
+            position=np.array(camera.GetPosition()),
+            focal=np.array(camera.GetFocalPoint()),
+            up=np.array(camera.GetViewUp()),
+            angle=np.deg2rad(camera.GetViewAngle()),
+            width=max(self._viewport.width(), 1),
+            height=max(self._viewport.height(), 1),
+        )
+
+    @eye.setter
+    def eye(self, eye: Camera) -> None:
+        camera = self._viewport.renderer.GetActiveCamera()
+        camera.SetPosition(*eye.position)
+        camera.SetFocalPoint(*eye.focal)
+        camera.SetViewUp(*eye.up)
+        camera.SetViewAngle(np.rad2deg(eye.angle))
+        # All at once: the window is put together once for all that is drawn, and not for each.
+        for view in (self._viewport, *self.linked):
+            view.update()
+
+    def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
+        """Frame the points (k, 3) in the current direction, ``room`` pixels apart."""
+        if len(points):
+            points, room = np.asarray(points), np.broadcast_to(room, len(points))
+            self.eye = self.eye.framed(points, room)
+            self._extent = self.eye.distance
+            self._framed = points, room, self.eye.position
+
+    def keep_framing(self) -> None:
+        """Frame the same points in a viewport of another size, unless the camera was moved."""
+        if self._framed is not None and np.array_equal(self._framed[2], self.eye.position):
+            self.frame(*self._framed[:2])
+
+    def home(self) -> None:
+        """Look from the home direction: from the front, right and above."""
+        eye = self.eye
+        self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
+
+    def along(self, axis: str) -> None:
+        """Look along 'front' (+Z), 'side' (+X) or 'top' (+Y), '-' for the opposite."""
+        self.eye = self.eye.placed(axis)
+
+    def close(self) -> None:
+        """Release the linked viewports and the framed points."""
+        self.linked, self._framed = (), None
+
+    def zoom_at(self, position: QPointF, factor: float) -> None:
+        """Zoom by a factor, keeping the point under a position."""
+        eye, pick = self.eye, self._viewport.pick
+        point = pick(position) if pick is not None else None
+        if point is None:
+            point = eye.on_focal_plane(position.x(), position.y())
+        closer = eye.zoomed(point, factor)
+        if CLOSEST <= closer.distance / self._extent <= FARTHEST:
+            self.eye = closer
+
+
+def link(viewports: Sequence[Viewport]) -> None:
+    """Let viewports of one size share the first one's camera."""
+    camera = viewports[0].renderer.GetActiveCamera()
+    for view in viewports:
+        view.renderer.SetActiveCamera(camera)
+        view.look.linked = [other for other in viewports if other is not view]
