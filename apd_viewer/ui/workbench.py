@@ -164,7 +164,7 @@ class Workbench(QObject):
         connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
         canvas.stroke_ended.connect(self._end_stroke)
         canvas.drag_began.connect(self.next_step.moved)
-        canvas.painter.size_changed.connect(self._show_brush)
+        canvas.painter.size.changed.connect(self._show_brush)
         self.tools.taken.connect(self._show_tool)
         self.tools.way_chosen.connect(lambda way: self.actions_.select.ways[way].setChecked(True))
         for change in (self.help.tour.began, self.help.tour.ended):
@@ -286,7 +286,7 @@ class Workbench(QObject):
             self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
 
     def _show_brush(self) -> None:
-        self.status.say_brush(self.canvas.painter, self.session.store.unit)
+        self.status.say_brush(self.canvas.painter.size, self.session.store.unit)
 
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.recovery, self.health.list, self.help, self.looks, self.way_bar

@@ -216,7 +216,7 @@ def overlays(bench):
     bench.window.session.gestures.begin()
     bench.move()
     heat.choose(Measure.AREA)
-    bench.until(lambda: heat.values is not None)
+    bench.until(lambda: heat.reading.values is not None)
     times = {measure: [] for measure in turns}
     for _ in range(ROUNDS):
         for measure in turns:

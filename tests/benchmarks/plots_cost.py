@@ -54,7 +54,7 @@ def main() -> None:
 
     heat = bench.window.looks.heat
     heat.choose(Measure.AREA)
-    bench.until(lambda: heat.values is not None)
+    bench.until(lambda: heat.reading.values is not None)
     kinds = {
         "without": (lambda: None, None),
         "with plots": (follow, None),

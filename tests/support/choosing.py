@@ -228,7 +228,7 @@ class Gesture:
             self.press, self.moves = aim, [aim]
             face = sight.hit(aim)[0]
             if way is Way.BRUSH:
-                places = sight.dab(aim, window.canvas.painter.radius)
+                places = sight.dab(aim, window.canvas.painter.size.radius)
             elif way is Way.FILL:
                 places = sight.fill(face, window.canvas.ways[way].crease)
             elif way is Way.PIECE:
@@ -335,7 +335,7 @@ class Scene:
         self.window.actions_.select.through.setChecked(False)
         self.canvas.ways[Way.FILL].crease = CREASE
         self.canvas.ways[Way.SLAB].axis = 1
-        self.canvas.painter.radius = 60.0
+        self.canvas.painter.size.radius = 60.0
         self.take(tool, way)
 
     def take(self, tool, way):

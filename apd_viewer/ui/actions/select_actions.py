@@ -109,7 +109,7 @@ class SelectActions:
         )
 
     def _make_sizes(self, maker: ActionMaker, commands: Commands) -> None:
-        make, brush, editing = maker.make, commands.canvas.painter, commands.editing
+        make, brush, editing = maker.make, commands.canvas.painter.size, commands.editing
         larger, smaller = partial(brush.scale, _LARGER), partial(brush.scale, _SMALLER)
         self.sizes = [
             make("larger", tr("&Larger brush"), "grow", tr("Make the brush larger"), "]", larger),

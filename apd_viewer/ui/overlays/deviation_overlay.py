@@ -6,28 +6,23 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QTimer, Signal
+from PySide6.QtCore import QObject, QRect, QTimer, Signal
 
 from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
-from apd_viewer.geometry.analysis.extremes import worst, write_shades
+from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, span_of, usual
+from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.scene.vertex_callout import PlaceMark
+from apd_viewer.ui.overlays.deviation_reading import DeviationReading
+from apd_viewer.ui.overlays.extremes import Extremes
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QMouseEvent, QPainter
-
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.overlays.legend import Legend
     from apd_viewer.ui.tools.canvas import Canvas
 
-_READ = 250  # ms between two readings of the legend while the shape moves
 _REST = 200  # ms without another shape, after which what takes longer is measured
-_PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
-_APART, _AROUND = 0.08, 0.04
 
 
 class _OverlayInputs(NamedTuple):
@@ -44,7 +39,7 @@ class _Slow(NamedTuple):
     values: np.ndarray | None
 
 
-class HeatMap(MouseTool, QObject):
+class HeatMap(QObject):
     """Colours the shape by a deviation and feeds the legend.
 
     Parameters
@@ -62,8 +57,8 @@ class HeatMap(MouseTool, QObject):
         Another measure is shown, or another scale.
     measure : Measure or None
         What is shown.
-    values : (n,) float array or None
-        Of the shape that is shown, as far as there are any.
+    reading : DeviationReading
+    extremes : Extremes
     """
 
     changed = Signal()
@@ -72,23 +67,18 @@ class HeatMap(MouseTool, QObject):
         self, canvas: Canvas, legend: Legend, covered: Callable[[], QRect], scales: dict[Measure, Scale]
     ) -> None:
         super().__init__(canvas)
-        self._covered = covered
         self._canvas, self._legend = canvas, legend
         self.scales = dict(scales)
         self.measure: Measure | None = None
-        self.values: np.ndarray | None = None
         self.unit = Unit.NONE
         self._mesh: Mesh | None = None
         self._change: Deviation | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
-        self._cursor: QPointF | None = None
-        self._places: np.ndarray | None = None
-        self._mark = PlaceMark(canvas.viewport, canvas.surface)
+        self.extremes = Extremes(canvas, covered)
+        self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
-        self._reading = QTimer(self, singleShot=True, interval=_READ)
-        self._reading.timeout.connect(self._read)
         self._resting = QTimer(self, singleShot=True, interval=_REST)
         self._resting.timeout.connect(self._measure_slowly)
         legend.chosen.connect(self.choose)
@@ -96,7 +86,6 @@ class HeatMap(MouseTool, QObject):
         legend.fit_asked.connect(self._fit)
         legend.worst_asked.connect(self.next_worst)
         canvas.viewport.pre_draw.append(self._refresh)
-        canvas.viewport.tools.insert(0, self)
 
     # What is shown
 
@@ -115,6 +104,7 @@ class HeatMap(MouseTool, QObject):
     def choose(self, measure: Measure | None) -> None:
         """Show another measure; None shows the paint."""
         self.measure = measure
+        self.reading.on = measure is not None
         self._forget()
         self._task.give_up()
         self._canvas.surface.wear(None)
@@ -138,11 +128,11 @@ class HeatMap(MouseTool, QObject):
         self.unit = unit
         if self.measure is not None and self._mesh is not None:
             self._legend.show_scale(self.scale, unit)
-            self._read()
+            self.reading.read()
 
     def close(self) -> None:
         """Cancel pending measurements."""
-        self._reading.stop()
+        self.reading.timer.stop()
         self._resting.stop()
         self._task.close()
 
@@ -152,12 +142,12 @@ class HeatMap(MouseTool, QObject):
             self._legend.show_scale(self.scale, self.unit)
             self._color()
             self._canvas.viewport.update()
-            self._read()
+            self.reading.read()
             self.changed.emit()
 
     def _fit(self) -> None:
         """Let the scale end at the largest value, up or down."""
-        span = self.span
+        span = self.reading.span
         if span is not None and self.measure is not None:
             fitted = self.scale.fitted(span, self._size)
             self._rescale(fitted.reach, fitted.neutral)
@@ -165,8 +155,8 @@ class HeatMap(MouseTool, QObject):
     # Measuring
 
     def _forget(self) -> None:
-        self.values, self._places, self._seen = None, None, ()
-        self._mark.show(None)
+        self.reading.values, self._seen = None, ()
+        self.extremes.forget()
         self._resting.stop()
 
     def _prepare(self) -> None:
@@ -201,10 +191,9 @@ class HeatMap(MouseTool, QObject):
                 surface.wear(None)
             self._resting.start()
         else:
-            self.values = measure.words.values(self._change, surface.shape, lambda: False)
+            self.reading.values = measure.words.values(self._change, surface.shape, lambda: False)
             self._color()
-        if not self._reading.isActive():
-            self._reading.start()
+        self.reading.read_soon()
 
     def _measure_slowly(self) -> None:
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
@@ -222,86 +211,25 @@ class HeatMap(MouseTool, QObject):
             self._legend.say("")
             self._canvas.viewport.update()
         elif isinstance(result, _Slow) and result.seen == self._seen:
-            self.values = result.values
+            self.reading.values = result.values
             self._legend.say("")
             self._color()
             self._canvas.viewport.update()
-            self._read()
+            self.reading.read()
 
     def _color(self) -> None:
         """Show the values in the colours of their scale."""
-        if self.values is None:
+        values = self.reading.values
+        if values is None:
             return
         surface, scale = self._canvas.surface, self.scale
-        write_shades(self.values, scale.measure.is_signed, scale.end, surface.shades)
+        write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
         surface.shades_changed()
         neutral = scale.neutral_share if scale.measure.is_signed else -1.0
         surface.wear(scale.measure.colors, neutral)
 
-    # Reading
-
-    @property
-    def span(self) -> tuple[float, float] | None:
-        """Least and largest value on the shape, or None."""
-        return span_of(self.values)
-
-    def value_at(self, position: QPointF) -> float | None:
-        """Value under a position in the viewport."""
-        surface = self._canvas.surface
-        hit = None if self.values is None else surface.hit(position)
-        if hit is None or self.values is None or surface.skin is None:
-            return None
-        return float(surface.shares(hit) @ self.values[surface.skin.F[hit.face]])
-
-    def _read(self) -> None:
-        """Update the legend's extreme and the value under the cursor."""
-        if self.measure is not None:
-            value = None if self._cursor is None else self.value_at(self._cursor)
-            self._legend.show_values(self.span, value)
-
-    def move(self, event: QMouseEvent) -> bool:
-        """Read the value under the cursor without consuming the event."""
-        if self.measure is not None:
-            self._cursor = event.position()
-            if not self._reading.isActive():
-                self._read()
-        return False
-
-    def leave(self) -> None:
-        """There is no cursor any more."""
-        if self._cursor is not None:
-            self._cursor = None
-            self._read()
-
-    # The worst places
-
     def next_worst(self, step: int = 1) -> None:
         """Frame the next or previous extreme; nothing without one."""
-        if self.values is None:
-            return
-        surface = self._canvas.surface
-        if self._places is None:
-            self._places = worst(self.values, surface.U, _APART * self._size, _PLACES)
-        if not len(self._places):
-            return
-        before = np.flatnonzero(self._places == self._mark.vertex)
-        k = (int(before[0]) + step) % len(self._places) if len(before) else 0
-        vertex = int(self._places[k])
-        text = tr("{number} of {count}: {value}").format(
-            number=k + 1,
-            count=len(self._places),
-            value=self.scale.written(float(self.values[vertex]), self.unit),
-        )
-        self._mark.show(vertex, text)
-        away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
-        around = np.flatnonzero(away <= (_AROUND * self._size) ** 2)
-        self._canvas.bring_into_view(around, QRectF(self._covered()))
-
-    def cancel(self) -> bool:
-        """Remove the mark; nothing is cancelled for Esc."""
-        self._mark.show(None)
-        return False
-
-    def paint(self, painter: QPainter) -> None:
-        """Draw the mark."""
-        self._mark.paint(painter)
+        values = self.reading.values
+        if values is not None:
+            self.extremes.step(values, self._size, step, lambda value: self.scale.written(value, self.unit))

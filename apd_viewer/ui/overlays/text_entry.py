@@ -132,9 +132,9 @@ class Typed:
         if isinstance(meant, tuple):
             radius, pixels = meant
             if pixels:
-                self._canvas.painter.radius = radius
+                self._canvas.painter.size.radius = radius
             else:
-                self._canvas.painter.length = radius
+                self._canvas.painter.size.length = radius
             self.brush.close_card()
 
     # The pivot

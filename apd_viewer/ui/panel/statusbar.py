@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.tools.brush import Painter
+    from apd_viewer.ui.tools.brush_size import BrushSize
 
 
 class Hint(QLabel):
@@ -66,7 +66,7 @@ class StatusBar(QStatusBar):
         self._hint.setText(text)
         self._hint.setToolTip(text)
 
-    def say_brush(self, brush: Painter, unit: Unit) -> None:
+    def say_brush(self, brush: BrushSize, unit: Unit) -> None:
         """Tell for a moment how large the brush is."""
         size = f"{brush.radius:.0f} px" if brush.length is None else unit.length(short(brush.length))
         self.showMessage(tr("Brush {size}").format(size=size), 1500)

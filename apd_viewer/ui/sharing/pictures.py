@@ -142,5 +142,5 @@ class Pictures:
         painter.setPen(QPen(QColor(theme.line), 1.0))
         painter.setBrush(QColor(theme.raised))
         painter.drawRoundedRect(card, _ROUND, _ROUND)
-        svg = legend_svg(heat.scale, heat.unit, heat.span, theme.ink)
+        svg = legend_svg(heat.scale, heat.unit, heat.reading.span, theme.ink)
         QSvgRenderer(QByteArray(svg.encode())).render(painter, card)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPen, QPolygonF
 
+from apd_viewer.ui.tools.brush_size import BrushSize
 from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.surface import Hit, Surface
     from apd_viewer.ui.scene.viewport import Viewport
 
-SMALLEST, LARGEST = 4.0, 200.0
 RADIUS_PER_NOTCH = 1.12
 RING_POINTS = 65
 STEEPEST = 4.0  # two hits farther apart than this many times their distance on the screen are not joined
@@ -37,68 +37,16 @@ class Painter(Selector):
 
     Attributes
     ----------
-    size_changed : Signal()
-        The radius is another one, or meant in another way.
+    size : BrushSize
     """
-
-    size_changed = Signal()
 
     def __init__(self, viewport: Viewport, surface: Surface) -> None:
         super().__init__(viewport, surface)
-        self._radius = 24.0
-        self._length: float | None = None
+        self.size = BrushSize(viewport)
         self._covered: np.ndarray | None = None  # (n,) bool while a stroke goes on
         self._cursor: QPointF | None = None
         self._hit: Hit | None = None
         self._seen: tuple[object, ...] = ()  # what the hit depends on
-
-    @property
-    def radius(self) -> float:
-        """Radius of the brush in logical pixels, from 4 to 200."""
-        return self._radius
-
-    @radius.setter
-    def radius(self, radius: float) -> None:
-        radius = float(np.clip(radius, SMALLEST, LARGEST))
-        if radius != self._radius or self._length is not None:
-            self._radius, self._length = radius, None
-            self._changed()
-
-    @property
-    def length(self) -> float | None:
-        """Radius on the mesh, in its units, whatever the camera does; None where it is meant in pixels."""
-        return self._length
-
-    @length.setter
-    def length(self, length: float | None) -> None:
-        if length != self._length:
-            self._length = length
-            self._changed()
-
-    def scale(self, factor: float) -> None:
-        """Make the brush so many times as large."""
-        if self._length is None:
-            self.radius = self._radius * factor
-        else:
-            self.length = self._length * factor
-
-    def _changed(self) -> None:
-        self._viewport.overlay.update()
-        self.size_changed.emit()
-
-    def _reach(self, hit: Hit) -> float:
-        """Radius on the mesh."""
-        return (
-            self._radius * self._viewport.look.eye.world_per_pixel(hit.point)
-            if self._length is None
-            else self._length
-        )
-
-    def _step(self, hit: Hit | None) -> float:
-        """How far the cursor may go so that dabs leave no gap, in pixels."""
-        if self._length is None or hit is None:
-            return max(self._radius / 2, SMALLEST)
-        return max(self._length / (2 * self._viewport.look.eye.world_per_pixel(hit.point)), 1.0)
 
     def press(self, event: QMouseEvent) -> bool:
         """Begin a stroke if the cursor is on the surface."""
@@ -140,7 +88,7 @@ class Painter(Selector):
             return False
         # Qt turns the wheel sideways while Alt is down.
         notches = (event.angleDelta().y() or event.angleDelta().x()) / 120
-        self.scale(RADIUS_PER_NOTCH**notches)
+        self.size.scale(RADIUS_PER_NOTCH**notches)
         return True
 
     def leave(self) -> None:
@@ -192,7 +140,7 @@ class Painter(Selector):
         lies between the two was never touched.
         """
         way = end - start
-        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self._step(last))))
+        count = max(1, int(np.ceil(np.hypot(way.x(), way.y()) / self.size.step(last))))
         spacing = np.hypot(way.x(), way.y()) / count
         for i in range(1, count + 1):
             hit = self._surface.hit(start + way * (i / count))
@@ -222,7 +170,7 @@ class Painter(Selector):
         skin = self._surface.touchable
         assert skin is not None
         return skin.under_brush(
-            self._surface.U, (hit.face, last.face), last.point, hit.point, self._reach(hit)
+            self._surface.U, (hit.face, last.face), last.point, hit.point, self.size.reach(hit)
         )
 
     def _ring(self, hit: Hit) -> np.ndarray:
@@ -231,4 +179,4 @@ class Painter(Selector):
         a /= np.linalg.norm(a)
         b = np.cross(hit.normal, a)
         turn = np.linspace(0.0, 2 * np.pi, RING_POINTS)
-        return hit.point + self._reach(hit) * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))
+        return hit.point + self.size.reach(hit) * (np.outer(np.cos(turn), a) + np.outer(np.sin(turn), b))

@@ -236,7 +236,7 @@ class Canvas(QObject):
         self.surface.set_mesh(state.skin, state.frame.U, self.coloring.begin(state.document))
 
     def _show_whole(self, document: Document) -> None:
-        self.painter.length = self.line = None  # they were of another mesh
+        self.painter.size.length = self.line = None  # they were of another mesh
         self.picker.shown = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):

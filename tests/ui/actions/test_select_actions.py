@@ -125,11 +125,11 @@ def test_keys_of_through_and_of_the_size_of_the_brush(scene, keyboard):
         assert scene.canvas.ways[Way.BOX].through is on
         assert scene.canvas.ways[Way.LASSO].through is on
         assert scene.canvas.ways[Way.POLYGON].through is on
-    radius = scene.canvas.painter.radius
+    radius = scene.canvas.painter.size.radius
     keyboard(Qt.Key.Key_BracketRight)
-    assert scene.canvas.painter.radius > radius
+    assert scene.canvas.painter.size.radius > radius
     keyboard(Qt.Key.Key_BracketLeft)
-    assert scene.canvas.painter.radius == pytest.approx(radius)
+    assert scene.canvas.painter.size.radius == pytest.approx(radius)
 
 
 # Changes of a part

@@ -114,11 +114,11 @@ def test_the_slider_shows_the_way_from_rest_while_it_is_held(qtbot, globe):
 def test_the_overlay_says_what_is_so_and_not_what_lies_on_the_way(qtbot, globe):
     globe.actions_.looks.measures[Measure.STRAIN].trigger()
     heat = globe.looks.heat
-    qtbot.waitUntil(lambda: heat.values is not None, timeout=60_000)
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     answer(qtbot, globe, 1.5 * document(globe).mesh.V)
     globe.canvas.surface.blend(document(globe).mesh.V, 0.0)
     settle(qtbot, globe.canvas.viewport)
-    np.testing.assert_allclose(heat.values, np.log(1.5))
+    np.testing.assert_allclose(heat.reading.values, np.log(1.5))
 
 
 def test_keys_and_another_mesh_end_the_comparison(qtbot, globe):

@@ -43,7 +43,7 @@ def area(qtbot, globe):
 def choose(qtbot, window, measure):
     window.actions_.looks.measures[measure].trigger()
     heat = window.looks.heat
-    qtbot.waitUntil(lambda: heat._change is not None and heat.values is not None, timeout=60_000)
+    qtbot.waitUntil(lambda: heat._change is not None and heat.reading.values is not None, timeout=60_000)
     settle(qtbot, window.canvas.viewport)
 
 
@@ -117,9 +117,9 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
     qtbot.keyClick(globe.canvas.viewport, key, ALT)
     assert globe.looks.heat.measure is measure
     heat, legend = globe.looks.heat, globe.looks.legend
-    qtbot.waitUntil(lambda: heat.values is not None, timeout=60_000)
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     settle(qtbot, globe.canvas.viewport)
-    heat._reading.stop()
+    heat.reading.timer.stop()
     Mouse(globe.canvas.viewport).move(centre(globe.canvas.viewport))
     said = legend._cursor.text().replace("\u00a0", " ")
     if measure is Measure.DISTANCE:  # from the facets, which are a little inside the sphere
@@ -129,7 +129,7 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
         assert said.endswith("mm⁻¹")
     else:
         assert said == expected
-    assert legend.bar._value == heat.value_at(centre(globe.canvas.viewport))
+    assert legend.bar._value == heat.reading.value_at(centre(globe.canvas.viewport))
     globe.canvas.viewport.mouse.leave()
     assert legend._cursor.text() == "–"
 
@@ -139,12 +139,12 @@ def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     heat = globe.looks.heat
     heat._resting.setInterval(10**6)
     answer(qtbot, globe, 1.2 * document(globe).mesh.V)
-    assert heat.values is None
+    assert heat.reading.values is None
     assert globe.canvas.surface.worn is None, "colours of another shape would be a lie"
     assert "converged" in globe.looks.legend._note.text()
     assert heat._resting.isActive()
     heat._resting.start(0)
-    qtbot.waitUntil(lambda: heat.values is not None)
+    qtbot.waitUntil(lambda: heat.reading.values is not None)
     assert globe.canvas.surface.worn is SEQUENTIAL
     assert not globe.looks.legend._note.isVisible()
 
@@ -152,8 +152,10 @@ def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
 def test_another_mesh_is_compared_with_its_own_rest_shape(qtbot, area):
     area.session.files.open_sample("bottle")
     idle(qtbot, area)
-    qtbot.waitUntil(lambda: area.looks.heat.values is not None and len(area.looks.heat.values) > 10_000)
-    assert not area.looks.heat.values.any()
+    qtbot.waitUntil(
+        lambda: area.looks.heat.reading.values is not None and len(area.looks.heat.reading.values) > 10_000
+    )
+    assert not area.looks.heat.reading.values.any()
 
 
 # Colours
@@ -349,17 +351,17 @@ def test_a_key_goes_to_the_worst_places_one_after_another(qtbot, area):
     answer(qtbot, area, U)
     heat, view = area.looks.heat, area.canvas.viewport
     qtbot.keyClick(view, Qt.Key.Key_C)
-    first = heat._mark.vertex
-    assert abs(heat.values[first]) == np.abs(heat.values).max()
+    first = heat.extremes.mark.vertex
+    assert abs(heat.reading.values[first]) == np.abs(heat.reading.values).max()
     assert view.look.eye.axes[2] @ V[first] < 0, "it is seen, though it was at the back"
     assert view.rect().contains(*map(int, view.look.eye.project(U[[first]])[0]))
-    assert heat._mark._text.startswith("1 of")
+    assert heat.extremes.mark._text.startswith("1 of")
     qtbot.keyClick(view, Qt.Key.Key_C)
-    second = heat._mark.vertex
+    second = heat.extremes.mark.vertex
     assert np.linalg.norm(U[second] - U[first]) > 0.05
     qtbot.keyClick(view, Qt.Key.Key_C, Qt.KeyboardModifier.ShiftModifier)
-    assert heat._mark.vertex == first
+    assert heat.extremes.mark.vertex == first
     answer(qtbot, area, V)
-    assert heat._mark.vertex is None, "there is no worst place any more"
+    assert heat.extremes.mark.vertex is None, "there is no worst place any more"
     qtbot.keyClick(view, Qt.Key.Key_C)
-    assert heat._mark.vertex is None
+    assert heat.extremes.mark.vertex is None

@@ -20,7 +20,7 @@ def on_screen(window, point):
 
 
 def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
-    brush, typed = bottle.canvas.painter, bottle.editing.typed.brush
+    brush, typed = bottle.canvas.painter.size, bottle.editing.typed.brush
     bottle.actions_.select.sizes[2].trigger()
     assert bottle.canvas.tool is Tool.HANDLE
     entered(qtbot, typed, "31 px")
@@ -35,7 +35,7 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
 
 @pytest.mark.parametrize("text", ["0", "-3px", "large px", "3 apples", "60deg"])
 def test_a_brush_of_no_size_is_refused_in_a_sentence(qtbot, bottle, text):
-    brush, typed = bottle.canvas.painter, bottle.editing.typed.brush
+    brush, typed = bottle.canvas.painter.size, bottle.editing.typed.brush
     before = brush.radius, brush.length
     bottle.actions_.select.sizes[2].trigger()
     entered(qtbot, typed, text)

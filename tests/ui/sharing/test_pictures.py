@@ -102,7 +102,7 @@ def test_what_is_painted_has_its_stripes_where_the_view_has_them(qtbot, still):
     """Also in a picture of another size."""
     view = still.canvas.viewport
     still.looks.heat.choose(Measure.AREA)
-    qtbot.waitUntil(lambda: still.looks.heat.values is not None, timeout=20_000)
+    qtbot.waitUntil(lambda: still.looks.heat.reading.values is not None, timeout=20_000)
     seen = scene_picture(view, view.size(), transparent=True)
     for times in (2.0, 0.5):
         size = view.size() * times
@@ -185,7 +185,7 @@ def test_the_legend_has_the_colours_of_the_overlay(qtbot, still):
     plain = pixels(pictures.taken(Wish(size, True)))
     assert plain[-20, 20, 3] == 0
     still.looks.heat.choose(Measure.DISPLACEMENT)
-    qtbot.waitUntil(lambda: heat.span is not None, timeout=30_000)
+    qtbot.waitUntil(lambda: heat.reading.span is not None, timeout=30_000)
     assert pictures.has_legend
     image = pixels(pictures.taken(Wish(size, True)))
     corner = image[-90:, :290]

@@ -51,7 +51,7 @@ def test_a_dab_covers_what_lies_within_the_radius(view, surface, painter, heard,
     at = centre(view)
     mouse(view).drag(at, at)
     hit = surface.hit(at)
-    radius = painter.radius * view.look.eye.world_per_pixel(hit.point)
+    radius = painter.size.radius * view.look.eye.world_per_pixel(hit.point)
     within = np.flatnonzero(np.linalg.norm(surface.U - hit.point, axis=1) <= radius)
     assert heard.words == ["add", "ended"]
     assert len(within) > 10
@@ -104,7 +104,7 @@ def test_a_stroke_does_not_touch_what_it_leaps_over(qtbot, view, painter, surfac
     assert len(behind) > 5
     edge = view.look.eye.project(np.array([[0.0, 0.0, 0.0]]))[0][0]
     # Nothing of the back plate that is hidden by the front one, but for the width of the brush.
-    assert view.look.eye.project(behind)[:, 0].min() > edge - painter.radius - 2
+    assert view.look.eye.project(behind)[:, 0].min() > edge - painter.size.radius - 2
 
 
 def test_alt_erases(view, painter, heard, mouse):
@@ -134,7 +134,7 @@ def test_a_brush_that_is_put_away_does_nothing(view, painter, heard, mouse):
     mouse(view).drag(centre(view), centre(view))
     mouse(view).wheel(centre(view), 1)
     assert heard.words == []
-    assert painter.radius == 24
+    assert painter.size.radius == 24
 
 
 def test_escape_takes_the_stroke_back(view, painter, heard, mouse):
@@ -156,14 +156,14 @@ def test_putting_the_brush_away_cancels_a_stroke(view, painter, heard, mouse):
 
 def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
     heard, before = [], view.look.eye.key
-    painter.size_changed.connect(lambda: heard.append(painter.radius))
+    painter.size.changed.connect(lambda: heard.append(painter.size.radius))
     mouse(view).wheel(centre(view), 1)
-    assert painter.radius > 24
+    assert painter.size.radius > 24
     mouse(view).wheel(centre(view), 100)
-    assert painter.radius == 200
+    assert painter.size.radius == 200
     mouse(view).wheel(centre(view), 1)  # nothing changes, nothing is said
     mouse(view).wheel(centre(view), -200)
-    assert painter.radius == 4
+    assert painter.size.radius == 4
     assert heard == [pytest.approx(24 * 1.12), 200, 4]
     assert view.look.eye.key == before
 
@@ -171,7 +171,7 @@ def test_the_wheel_changes_the_radius_within_limits(view, painter, mouse):
 def test_control_and_the_wheel_zoom(view, painter, mouse):
     before = view.look.eye.distance
     mouse(view).wheel(centre(view), 1, CONTROL)
-    assert painter.radius == 24
+    assert painter.size.radius == 24
     assert view.look.eye.distance < before
 
 
@@ -212,7 +212,7 @@ def test_covered_vertices_are_those_of_the_deformed_mesh(view, surface, painter,
     hit = surface.hit(centre(view))
     assert hit.point[2] == pytest.approx(0.2, abs=0.01)
     reach = np.linalg.norm(surface.U[heard.ids] - hit.point, axis=1).max()
-    assert reach <= painter.radius * view.look.eye.world_per_pixel(hit.point) * 1.001
+    assert reach <= painter.size.radius * view.look.eye.world_per_pixel(hit.point) * 1.001
 
 
 def test_a_stroke_crosses_seams(view, surface, painter, mouse):
@@ -229,7 +229,7 @@ def test_a_stroke_crosses_seams(view, surface, painter, mouse):
 
 
 def test_a_brush_with_a_length_is_as_large_on_the_mesh_however_near_it_is(view, surface, painter, mouse):
-    painter.length = 0.2
+    painter.size.length = 0.2
     counts = []
     for _ in range(2):
         heard = Heard(painter)
@@ -243,7 +243,7 @@ def test_a_brush_with_a_length_is_as_large_on_the_mesh_however_near_it_is(view, 
 
 
 def test_a_stroke_with_a_small_length_leaves_no_gap(view, surface, painter, heard, mouse):
-    painter.length = 0.05
+    painter.size.length = 0.05
     start, end = centre(view) - QPointF(60, 0), centre(view) + QPointF(60, 0)
     mouse(view).drag(start, end)
     way = np.linspace(0, 1, 600).tolist()
@@ -253,8 +253,8 @@ def test_a_stroke_with_a_small_length_leaves_no_gap(view, surface, painter, hear
 
 
 def test_the_wheel_scales_a_length_and_pixels_put_it_aside(view, painter, mouse):
-    painter.length = 0.2
+    painter.size.length = 0.2
     mouse(view).wheel(centre(view), 1)
-    assert painter.length == pytest.approx(0.2 * 1.12)
-    painter.radius = painter.radius
-    assert painter.length is None
+    assert painter.size.length == pytest.approx(0.2 * 1.12)
+    painter.size.radius = painter.size.radius
+    assert painter.size.length is None

@@ -293,7 +293,7 @@ def looking_into_the_cup(scene):
 
 
 def test_a_brush_inside_a_cup_leaves_its_outside_alone(cup):
-    cup.canvas.painter.radius = 50.0
+    cup.canvas.painter.size.radius = 50.0
     cup.take(Tool.BASE, Way.BRUSH)
     at = looking_into_the_cup(cup)
     sight = Sight(cup.window)

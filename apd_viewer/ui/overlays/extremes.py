@@ -1,0 +1,88 @@
+"""Extremes of the deviation, marked on the mesh one after another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from apd_viewer.geometry.analysis.extremes import worst
+from apd_viewer.language import tr
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.scene.vertex_callout import PlaceMark
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import QRect
+    from PySide6.QtGui import QPainter
+
+    from apd_viewer.ui.tools.canvas import Canvas
+
+_PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
+_APART, _AROUND = 0.08, 0.04
+
+
+class Extremes(MouseTool):
+    """Steps through the extremes and marks the current one.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    covered : callable
+        The part of the viewport hidden at its lower left.
+
+    Attributes
+    ----------
+    mark : PlaceMark
+    """
+
+    def __init__(self, canvas: Canvas, covered: Callable[[], QRect]) -> None:
+        self._canvas, self._covered = canvas, covered
+        self._places: np.ndarray | None = None
+        self.mark = PlaceMark(canvas.viewport, canvas.surface)
+        canvas.viewport.tools.insert(0, self)
+
+    def forget(self) -> None:
+        """Remove the mark; the values are out of date."""
+        self._places = None
+        self.mark.show(None)
+
+    def step(self, values: np.ndarray, size: float, by: int, written: Callable[[float], str]) -> None:
+        """Frame the next or previous extreme, if there is any.
+
+        Parameters
+        ----------
+        values : (n,) float array
+            Of the vertices.
+        size : float
+            Of the mesh.
+        by : int
+        written : callable
+            Text of a value.
+        """
+        surface = self._canvas.surface
+        if self._places is None:
+            self._places = worst(values, surface.U, _APART * size, _PLACES)
+        if not len(self._places):
+            return
+        before = np.flatnonzero(self._places == self.mark.vertex)
+        k = (int(before[0]) + by) % len(self._places) if len(before) else 0
+        vertex = int(self._places[k])
+        text = tr("{number} of {count}: {value}").format(
+            number=k + 1, count=len(self._places), value=written(float(values[vertex]))
+        )
+        self.mark.show(vertex, text)
+        away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
+        around = np.flatnonzero(away <= (_AROUND * size) ** 2)
+        self._canvas.bring_into_view(around, QRectF(self._covered()))
+
+    def cancel(self) -> bool:
+        """Remove the mark; nothing is cancelled for Esc."""
+        self.mark.show(None)
+        return False
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the mark."""
+        self.mark.paint(painter)
