@@ -160,9 +160,9 @@ class Workbench(QObject):
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
-        canvas.stroke_began.connect(self._begin_stroke)
+        canvas.strokes.began.connect(self._begin_stroke)
         connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
-        canvas.stroke_ended.connect(self._end_stroke)
+        canvas.strokes.ended.connect(self._end_stroke)
         canvas.drag_began.connect(self.next_step.moved)
         canvas.painter.size.changed.connect(self._show_brush)
         self.tools.taken.connect(self._show_tool)
@@ -206,12 +206,16 @@ class Workbench(QObject):
             self.tools.take(Tool.ORBIT)
 
     def _view(self) -> View:
-        return self.measuring.in_view(self.canvas.view(self.session.store.unit.value))
+        return self.measuring.in_view(self.canvas.view.saved(self.session.store.unit.value))
 
     def _studied(self) -> tuple[State, int, View] | None:
         if self.session.store.state is None:
             return None
-        return self.session.store.state, self.parts.handle, self.canvas.view(self.session.store.unit.value)
+        return (
+            self.session.store.state,
+            self.parts.handle,
+            self.canvas.view.saved(self.session.store.unit.value),
+        )
 
     # Showing
 
@@ -248,7 +252,7 @@ class Workbench(QObject):
         self.actions_.file.fill_recent(self.memory.recent)
 
     def _look_as(self, view: View) -> None:
-        self.canvas.look_as(view)
+        self.canvas.view.restore(view)
         self.measuring.look_as(view)
         self._choose_unit(Unit(view.unit))
         self.filing.viewed()

@@ -346,7 +346,7 @@ def files(driver):
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     for write in (
         lambda: session.files.export(folder / "out.obj"),
-        lambda: session.files.save(folder / "out.apd", window.canvas.view(""), True),
+        lambda: session.files.save(folder / "out.apd", window.canvas.view.saved(""), True),
         lambda: session.files.save_selection(folder / "out.sel"),
         lambda: session.files.save_selection(folder / "out.json"),
         lambda: session.files.load_selection(folder / "out.json"),

@@ -121,7 +121,7 @@ class Editing:
     def reshape(self, operation: PartOperation) -> None:
         """Change the whole part painted by the current tool."""
         if self._may_begin():
-            self._session.painting.reshape(self._canvas.part, operation)
+            self._session.painting.reshape(self._canvas.strokes.part, operation)
 
     def choose_by_numbers(self) -> None:
         """Choose vertices by ids or coordinates, in a card."""

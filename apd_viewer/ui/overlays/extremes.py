@@ -76,7 +76,7 @@ class Extremes(MouseTool):
         self.mark.show(vertex, text)
         away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)
         around = np.flatnonzero(away <= (_AROUND * size) ** 2)
-        self._canvas.bring_into_view(around, QRectF(self._covered()))
+        self._canvas.view.show(around, QRectF(self._covered()))
 
     def cancel(self) -> bool:
         """Remove the mark; nothing is cancelled for Esc."""

@@ -41,7 +41,7 @@ class Health(QObject):
         self.list.chosen.connect(self._show)
         self.list.dismissed.connect(self._dismiss)
         canvas.viewport.clicked.connect(self._clicked)
-        for begun in (canvas.stroke_began, canvas.drag_began):
+        for begun in (canvas.strokes.began, canvas.drag_began):
             begun.connect(self.close)
 
     def show(self, findings: tuple[Finding, ...]) -> None:
@@ -95,7 +95,7 @@ class Health(QObject):
         self.list.show_marked(number)
         vertices = self._findings[number].vertices
         self._canvas.coloring.mark(vertices)
-        self._canvas.bring_into_view(vertices, QRectF(self.list.geometry()))
+        self._canvas.view.show(vertices, QRectF(self.list.geometry()))
 
     def _clicked(self, _: QPointF) -> None:
         self.close()

@@ -108,7 +108,8 @@ class Typed:
     def _choose(self, text: str, act: Act) -> None:
         ids = self._understood(self.vertices, text, self._session.typed.vertices)
         if isinstance(ids, np.ndarray) and not self._give_up():
-            self._canvas.choose_vertices(ids, act)
+            self._canvas.preview(None)
+            self._canvas.strokes.choose(ids, act)
 
     # The brush
 

@@ -127,7 +127,7 @@ class Reporting:
         session = self._session
         if (state := session.store.state) is None:
             return
-        view = self._measuring.in_view(self._canvas.view(session.store.unit.value))
+        view = self._measuring.in_view(self._canvas.view.saved(session.store.unit.value))
         examining = session.shape_checks
         subject = Subject(
             state,

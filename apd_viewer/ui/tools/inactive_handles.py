@@ -9,11 +9,13 @@ import numpy as np
 from PySide6.QtCore import QObject, QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
+from apd_viewer.presentation.palette import handle_color
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent
 
+    from apd_viewer.session.model.document import Document
     from apd_viewer.ui.scene.viewport import Viewport
 
 DOT = 6.0
@@ -37,6 +39,18 @@ class Pivot(NamedTuple):
         """The centre of the handle now, (3,)."""
         moved: np.ndarray = self.pose[:3, :3] @ self.gripped + self.pose[:3, 3]
         return moved
+
+
+def movable(document: Document) -> tuple[Pivot, ...]:
+    """Pivots of the handles that can be moved."""
+    if document.problem is not None:
+        return ()
+    found = []
+    for k, handle in enumerate(document.handles):
+        gripped = document.pivot(k)
+        if gripped is not None:
+            found.append(Pivot(k, handle.name, handle_color(k), handle.pose, gripped))
+    return tuple(found)
 
 
 class Pivots(MouseTool, QObject):

@@ -105,7 +105,7 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert options.twist == []
     state, view = open_session(options.file)
     np.testing.assert_array_equal(state.document.handles[0].pose, document(bar).handles[0].pose)
-    assert view.camera == bar.canvas.view("").camera
+    assert view.camera == bar.canvas.view.saved("").camera
 
 
 def test_cancel_leaves_nothing(qtbot, dialog):

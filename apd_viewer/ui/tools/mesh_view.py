@@ -1,0 +1,73 @@
+"""View of the mesh: framed, saved and restored."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.model.view import Standpoint, View
+from apd_viewer.ui.scene.framing import aside, facing, in_view, surroundings
+from apd_viewer.ui.tools.gizmo_layout import SIZE
+
+if TYPE_CHECKING:
+    from PySide6.QtCore import QRectF
+
+    from apd_viewer.ui.scene.look import Look
+    from apd_viewer.ui.scene.surface import Surface
+
+
+class MeshView:
+    """Moves the camera to the mesh or to parts of it.
+
+    Parameters
+    ----------
+    look : Look
+    surface : Surface
+    """
+
+    def __init__(self, look: Look, surface: Surface) -> None:
+        self._look, self._surface = look, surface
+
+    def frame(self, gizmo: np.ndarray | None) -> None:
+        """Show the whole mesh, and all of a gizmo at a point (3,)."""
+        points, room = self._surface.U, np.zeros(len(self._surface.U))
+        if gizmo is not None:
+            points = np.vstack([points, gizmo])
+            room = np.append(room, SIZE)
+        self._look.frame(points, room)
+
+    def show(self, vertices: np.ndarray, covered: QRectF) -> None:
+        """Move the camera as little as necessary to show vertices, or all if none are given.
+
+        ``covered`` is the hidden part of the viewport, at its lower right.
+        """
+        U, look = self._surface.U, self._look
+        points = U[vertices] if len(vertices) else U
+        low, high = U.min(axis=0), U.max(axis=0)
+        if len(vertices):
+            normals, size = self._surface.normals[vertices], float(np.linalg.norm(high - low))
+            look.eye = facing(look.eye, points, normals, size, self._surface.distances)
+        if not in_view(look.eye, points, covered):
+            shift = aside(look.eye, covered)
+            look.frame(surroundings(points, low, high), room=-sum(shift))
+            look.eye = look.eye.panned(*shift)
+
+    def saved(self, unit: str) -> View:
+        """View for a file, with the unit of length."""
+        eye = self._look.eye
+        return View(
+            Standpoint(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle)), unit
+        )
+
+    def restore(self, view: View) -> None:
+        """Move the camera to the standpoint saved in a file, if any."""
+        if view.camera is not None:
+            at = view.camera
+            position, focal, up = np.array(at.position), np.array(at.focal), np.array(at.up)
+            self._look.eye = replace(self._look.eye, position=position, focal=focal, up=up, angle=at.angle)
+
+
+def _point(x: np.ndarray) -> tuple[float, float, float]:
+    return float(x[0]), float(x[1]), float(x[2])
