@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.actions.inert_chrome import InertChrome
 from apd_viewer.ui.docks import Docks
 from apd_viewer.ui.filing.file_requests import FileRequests
-from apd_viewer.ui.overlays.findings import Badge
+from apd_viewer.ui.overlays.findings_badge import Badge
 from apd_viewer.ui.panel.history_list import HistoryList
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
-from apd_viewer.ui.tools.gizmo import Along
+from apd_viewer.ui.tools.gizmo_layout import Along
 
 if TYPE_CHECKING:
     from apd_viewer.ui.actions.action_factory import ActionMaker

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QPointF, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
-from apd_viewer.language import tr, trn
+from apd_viewer.language import tr
 from apd_viewer.presentation.palette import MARK_COLOR
-from apd_viewer.ui.preferences.shortcut_hints import with_keys
+from apd_viewer.ui.overlays.findings_badge import ENTER, counted
 from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
-from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
+from apd_viewer.ui.widgets.theme import Theme, mark
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,63 +24,6 @@ if TYPE_CHECKING:
 _MARGIN = 12
 _WIDEST = 380
 _ROOM = 0.5  # of the height of the canvas: its middle, where a finding is shown, stays free
-_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-
-
-def _counted(number: int) -> str:
-    return trn("{n} issue", "{n} issues", number).format(n=number)
-
-
-class Badge(QToolButton):
-    """Number of findings: a quiet label, or a button to the list."""
-
-    def __init__(self) -> None:
-        super().__init__(objectName="badge", checkable=True, iconSize=QSize(16, 16))
-        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self._theme = LIGHT
-        self._action: QAction | None = None
-        self._number: int | None = None
-        self.count(None)
-
-    def count(self, number: int | None) -> None:
-        """Show the number of findings; None without a mesh."""
-        self._number = number
-        self.setVisible(number is not None)
-        self.setEnabled(bool(number))
-        if not number:
-            self.setText(tr("No issues"))
-            self.setToolTip(tr("No issues were found when the mesh was opened"))
-        else:
-            self.setText(_counted(number))
-            tip = tr("Issues found in the mesh, and where they are")
-            self.setToolTip(with_keys(tip, self._action) if self._action else tip)
-        self.setAccessibleName(self.text())
-        self._draw_symbol()
-
-    def name_keys(self, action: QAction) -> None:
-        """Show the equivalent action's keys in the tip."""
-        self._action = action
-        action.changed.connect(lambda: self.count(self._number))
-
-    def set_theme(self, theme: Theme) -> None:
-        """Redraw the symbol."""
-        self._theme = theme
-        self._draw_symbol()
-
-    def _draw_symbol(self) -> None:
-        if self.isEnabled():
-            warm = replace(self._theme, ink=self._theme.warm, on_accent=self._theme.warm)
-            self.setIcon(icon("warning", warm))
-        else:
-            self.setIcon(icon("sound", replace(self._theme, faint=self._theme.quiet)))
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter presses the button too."""
-        if event.key() in _ENTER:
-            self.click()
-        else:
-            super().keyPressEvent(event)
 
 
 class _Spot(QWidget):
@@ -142,7 +84,7 @@ class FindingRow(QFrame):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Ask to be shown, or go to a neighbour."""
-        if event.key() in (*_ENTER, Qt.Key.Key_Space):
+        if event.key() in (*ENTER, Qt.Key.Key_Space):
             self.chosen.emit()
         elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             self.stepped.emit(-1 if event.key() == Qt.Key.Key_Up else 1)
@@ -199,7 +141,7 @@ class FindingList(QFrame):
             row.stepped.connect(lambda step, k=k: self._step(k + step))
         column.addStretch(1)
         self._scroll.setWidget(body)
-        self._title.setText(_counted(len(self.rows)))
+        self._title.setText(counted(len(self.rows)))
         self.setAccessibleName(self._title.text())
         self.show()
         self.raise_()

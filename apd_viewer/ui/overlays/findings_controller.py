@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
-from apd_viewer.ui.overlays.findings import Badge, FindingList
+from apd_viewer.ui.overlays.findings import FindingList
+from apd_viewer.ui.overlays.findings_badge import Badge
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.findings import Finding

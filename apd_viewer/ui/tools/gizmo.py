@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +10,8 @@ from PySide6.QtCore import QObject, Qt, Signal
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drag import Drag, begin
-from apd_viewer.ui.tools.gizmo_drawing import Look, draw, draw_hint
-from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
+from apd_viewer.ui.tools.gizmo_drawing import Appearance, draw, draw_hint
+from apd_viewer.ui.tools.gizmo_layout import Along, GizmoFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,14 +20,6 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QMouseEvent, QPainter
 
     from apd_viewer.ui.scene.viewport import Viewport
-
-
-class Along(Enum):
-    """What the axes of the gizmo are: the world's, the handle's, or those of the picture."""
-
-    WORLD = "world"
-    HANDLE = "handle"
-    VIEW = "view"
 
 
 class Gizmo(MouseTool, QObject):
@@ -180,7 +171,7 @@ class Gizmo(MouseTool, QObject):
         """Draw on the overlay."""
         if not self._visible:
             return
-        draw(painter, self.frame, Look(self._viewport.dark, self._hot, self._drag))
+        draw(painter, self.frame, Appearance(self._viewport.dark, self._hot, self._drag))
         if self._drag is not None and self._drag.text:
             draw_hint(painter, self._drag, (self._viewport.width(), self._viewport.height()))
 

@@ -1,4 +1,4 @@
-"""What the gizmo looks like."""
+"""Drawing of the gizmo."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
+from PySide6.QtGui import QColor, QFont, QPainter, QPainterPath, QPen
 
 from apd_viewer.ui.scene.camera import rotation, unit
 from apd_viewer.ui.tools.gizmo_drag import in_plane
@@ -22,6 +22,7 @@ from apd_viewer.ui.tools.gizmo_layout import (
     GizmoFrame,
     axis_index,
 )
+from apd_viewer.ui.tools.polylines import hull, polygon, runs, stroke, translucent
 
 if TYPE_CHECKING:
     from apd_viewer.ui.tools.gizmo_drag import Drag
@@ -36,7 +37,7 @@ BACK = 0.34  # of the far half of a ring
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """State that the drawing depends on.
 
     Parameters
@@ -53,7 +54,7 @@ class Look:
     drag: Drag | None
 
     def opacity(self, handle: str) -> float:
-        """How present a handle is."""
+        """Opacity of a handle, less during a drag of another."""
         return FADED if self.drag is not None and self.drag.handle != handle else 1.0
 
     def width(self, handle: str) -> float:
@@ -71,7 +72,7 @@ class Look:
         return colour.lighter(112) if handle == self.hot else colour
 
 
-def draw(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
+def draw(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
     """Draw the gizmo, far things first."""
     if not frame.visible:
         return
@@ -104,17 +105,17 @@ def draw_hint(painter: QPainter, drag: Drag, size: tuple[float, float]) -> None:
     painter.drawText(QRectF(x, y, width, 26), Qt.AlignmentFlag.AlignCenter, drag.text)
 
 
-def _draw_ring(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
+def _draw_ring(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
-    for part in _runs(points, ~near):
-        _stroke(painter, part, look.colour(name), look.width(name) - 0.8)
+    for part in runs(points, ~near):
+        stroke(painter, part, look.colour(name), look.width(name) - 0.8)
     painter.setOpacity(look.opacity(name))
-    for part in _runs(points, near):
-        _stroke(painter, part, look.colour(name), look.width(name), INK[look.dark])
+    for part in runs(points, near):
+        stroke(painter, part, look.colour(name), look.width(name), INK[look.dark])
 
 
-def _draw_square(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
+def _draw_square(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
     if not frame.usable(name):
         return
     visible = min(1.0, (abs(frame.facing[i]) - EDGE_ON) / 0.1)
@@ -124,20 +125,20 @@ def _draw_square(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name:
     fill.setAlphaF(0.75 if name in (look.hot, look.drag and look.drag.handle) else 0.38)
     painter.setPen(QPen(colour, 1.4))
     painter.setBrush(fill)
-    painter.drawPolygon(_polygon(frame.square(i)))
+    painter.drawPolygon(polygon(frame.square(i)))
 
 
-def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: Look, i: int, name: str) -> None:
+def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
     if not frame.usable(name):
         return
     start, end, _, letter = frame.arrow(i)
     visible = min(1.0, (ALONG_VIEW - abs(frame.facing[i])) / 0.06)
     painter.setOpacity(look.opacity(name) * visible)
     colour = look.colour(name)
-    _stroke(painter, np.array([start, end]), colour, look.width(name), INK[look.dark])
+    stroke(painter, np.array([start, end]), colour, look.width(name), INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.2))
     painter.setBrush(colour)
-    painter.drawPolygon(_polygon(_hull(frame.tip(i))))
+    painter.drawPolygon(polygon(hull(frame.tip(i))))
     _draw_letter(painter, name.upper(), letter, colour, INK[look.dark])
 
 
@@ -148,24 +149,24 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
     path = QPainterPath()
     path.addText(0, 0, font, letter)
     path.translate(QPointF(*at) - path.boundingRect().center())
-    painter.strokePath(path, QPen(_translucent(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
+    painter.strokePath(path, QPen(translucent(halo), 3.0, j=Qt.PenJoinStyle.RoundJoin))
     painter.fillPath(path, colour)
 
 
-def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
+def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
     hot = "scale" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("scale"))
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
     half = 5.5 if hot else 4.5
     way = (corner - frame.middle) / np.linalg.norm(corner - frame.middle)
     ends = np.array([frame.middle + (RING + 6.0) * way, corner - 8.0 * way])
-    _stroke(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
+    stroke(painter, ends, look.colour("scale"), 1.4, INK[look.dark])
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
     painter.setBrush(look.colour("scale"))
     painter.drawRoundedRect(QRectF(corner[0] - half, corner[1] - half, 2 * half, 2 * half), 1.5, 1.5)
 
 
-def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
+def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
     hot = "centre" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))
@@ -174,7 +175,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     painter.drawEllipse(QPointF(*frame.on_screen(np.zeros((1, 3)))[0]), radius, radius)
 
 
-def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
+def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
     """Show where the drag came from: a slice of the ring, or a line from the old centre."""
     drag = look.drag
     if drag is None:
@@ -186,13 +187,13 @@ def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Look) -> None:
     if drag.handle in ARROWS:
         reach = min(2000 * frame.pixel, 0.8 * float(frame.camera.depth(frame.centre)))
         line = frame.camera.project(frame.centre + np.outer([-reach, reach], drag.axis))
-        painter.setPen(QPen(_translucent(colour, 0.35), 1.2))
-        painter.drawPolyline(_polygon(line))
+        painter.setPen(QPen(translucent(colour, 0.35), 1.2))
+        painter.drawPolyline(polygon(line))
     ends = frame.camera.project(np.array([drag.frame.centre, frame.centre]))
     painter.setPen(QPen(colour, 1.6, Qt.PenStyle.DotLine))
-    painter.drawPolyline(_polygon(ends))
+    painter.drawPolyline(polygon(ends))
     painter.setPen(QPen(colour, 1.6))
-    painter.setBrush(_translucent(INK[look.dark]))
+    painter.setBrush(translucent(INK[look.dark]))
     painter.drawEllipse(QPointF(*ends[0]), 4, 4)
 
 
@@ -206,58 +207,5 @@ def _draw_slice(painter: QPainter, frame: GizmoFrame, drag: Drag, colour: QColor
     rim = np.array([rotation(drag.axis, a) @ spoke for a in angles])
     points = frame.camera.project(frame.centre + np.vstack([np.zeros((1, 3)), rim]))
     painter.setPen(QPen(colour, 1.4))
-    painter.setBrush(_translucent(colour, 0.34))
-    painter.drawPolygon(_polygon(points))
-
-
-def _stroke(
-    painter: QPainter, line: np.ndarray, colour: QColor, width: float, halo: str | None = None
-) -> None:
-    shape = _polygon(line)
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    if halo is not None:
-        painter.setPen(QPen(_translucent(halo), width + 2.2, c=Qt.PenCapStyle.FlatCap))
-        painter.drawPolyline(shape)
-    painter.setPen(QPen(colour, width, c=Qt.PenCapStyle.FlatCap, j=Qt.PenJoinStyle.RoundJoin))
-    painter.drawPolyline(shape)
-
-
-def _translucent(colour: str | QColor, alpha: float = 0.65) -> QColor:
-    clear = QColor(colour)
-    clear.setAlphaF(alpha)
-    return clear
-
-
-def _polygon(points: np.ndarray) -> QPolygonF:
-    return QPolygonF([QPointF(x, y) for x, y in points])
-
-
-def _runs(points: np.ndarray, chosen: np.ndarray) -> list[np.ndarray]:
-    """Stretches of a closed polyline, (k, 2) with the first point repeated, whose points are chosen."""
-    if chosen.all():
-        return [points]
-    # Begin at a point that is not chosen, so that no stretch is cut by the seam.
-    first = int(np.argmin(chosen[:-1]))
-    order = (np.arange(len(points)) + first) % (len(points) - 1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen[order], [False]]).astype(np.int8)))
-    # One point more at both ends, so that near and far parts meet.
-    return [points[order[max(a - 1, 0) : b + 1]] for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _hull(points: np.ndarray) -> np.ndarray:
-    """Corners of the convex hull of (k, 2) points, in order."""
-    ordered = points[np.lexsort(points.T[::-1])]
-
-    def chain(sequence: np.ndarray) -> list[np.ndarray]:
-        corners: list[np.ndarray] = []
-        for p in sequence:
-            while len(corners) > 1 and _side(corners[-2], corners[-1], p) <= 0:
-                corners.pop()
-            corners.append(p)
-        return corners[:-1]
-
-    return np.array(chain(ordered) + chain(ordered[::-1]))
-
-
-def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> float:
-    return float((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]))
+    painter.setBrush(translucent(colour, 0.34))
+    painter.drawPolygon(polygon(points))

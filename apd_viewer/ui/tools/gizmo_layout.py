@@ -6,6 +6,7 @@ Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (ring
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +35,14 @@ _TURN = np.linspace(0.0, 2 * np.pi, 73)
 def axis_index(handle: str) -> int:
     """0, 1 or 2: the axis of an arrow or a ring, the normal of a square."""
     return {**{h: i for hs in (ARROWS, SQUARES, RINGS) for i, h in enumerate(hs)}}[handle]
+
+
+class Along(Enum):
+    """Axes of the gizmo."""
+
+    WORLD = "world"
+    HANDLE = "handle"
+    VIEW = "view"
 
 
 @dataclass(frozen=True, eq=False)

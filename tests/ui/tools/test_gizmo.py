@@ -5,9 +5,9 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.ui.scene.camera import UP, Camera, rotation
-from apd_viewer.ui.tools.gizmo import Along, Gizmo
+from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import begin, nice_step, rotated, signed, snapped
-from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, GizmoFrame
+from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, Along, GizmoFrame
 
 CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)

@@ -10,8 +10,7 @@ from apd_viewer.api import deform
 from apd_viewer.files.samples import resource
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
-from apd_viewer.ui.tools.gizmo import Along
-from apd_viewer.ui.tools.gizmo_layout import RING, RINGS
+from apd_viewer.ui.tools.gizmo_layout import RING, RINGS, Along
 from apd_viewer.ui.tools.toolbox import Tool
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
