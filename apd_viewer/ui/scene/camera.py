@@ -101,7 +101,7 @@ class Camera:
         )
 
     def panned(self, dx: float, dy: float) -> Camera:
-        """Camera panned so that the focal plane follows a drag of (dx, dy) pixels."""
+        """Camera panned by (dx, dy) pixels at the depth of the focal point."""
         right, up, _ = self.axes
         shift = self.pixel * self.distance * (dy * up - dx * right)
         return replace(self, position=self.position + shift, focal=self.focal + shift)

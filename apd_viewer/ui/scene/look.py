@@ -77,7 +77,7 @@ class Look:
             self._framed = points, room, self.eye.position
 
     def keep_framing(self) -> None:
-        """Frame the same points in a viewport of another size, unless the camera was moved."""
+        """Frame the same points again at another size, unless the camera was moved."""
         if self._framed is not None and np.array_equal(self._framed[2], self.eye.position):
             self.frame(*self._framed[:2])
 

@@ -1,4 +1,4 @@
-"""Mouse events to the tool that holds the button, else to the first that wants them."""
+"""Dispatch of mouse events to the tools of a viewport."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class MouseDispatcher:
-    """Hands events to the tools of a viewport, and to the camera what no tool wants.
+    """Dispatches mouse events to the tools in order, then to the camera.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class MouseDispatcher:
         self._button = Qt.MouseButton.NoButton
 
     def press(self, event: QMouseEvent) -> None:
-        """Offer a press; the one who takes it has the mouse until the button is up again."""
+        """Offer a press; its taker holds the mouse until the button is released."""
         if self._holder is not None:
             return
         self._button = event.button()
@@ -41,7 +41,7 @@ class MouseDispatcher:
         self._holder = next(takers, None)
 
     def move(self, event: QMouseEvent) -> None:
-        """Let the holder have the move, else let the tools show what a press would do."""
+        """Send the move to the holder, or to all tools for a preview."""
         if self._holder is not None and not event.buttons() & self._button:
             self.release(event)  # the release went to another window
         elif self._holder is not None:
@@ -50,7 +50,7 @@ class MouseDispatcher:
             self._hover(event)
 
     def release(self, event: QMouseEvent) -> None:
-        """End the drag when the button that began it goes up."""
+        """End the drag on release of its button."""
         if self._holder is not None and not event.buttons() & self._button:
             holder, self._holder = self._holder, None
             holder.release(event)
@@ -62,27 +62,27 @@ class MouseDispatcher:
         any(tool.wheel(event) for tool in self._everyone())
 
     def leave(self) -> None:
-        """Tell the tools that the cursor is gone, but not during a drag, which goes on outside."""
+        """Notify the tools of the cursor's leaving, except during a drag."""
         if self._holder is None:
             for tool in self._tools:
                 tool.leave()
 
     def cancel(self) -> bool:
-        """Ask the tools to cancel what they are doing; True if one did."""
+        """Cancel the tools' work; True if there was any."""
         done = any(tool.cancel() for tool in self._tools)
         if done:
             self._holder = None
         return done
 
     def finish(self) -> bool:
-        """Ask the tools to end what takes several clicks; True if one did."""
+        """Finish a shape of several clicks; True if there was one."""
         return any(tool.finish() for tool in self._tools)
 
     def _everyone(self) -> tuple[MouseTool, ...]:
         return (*self._tools, self._navigation)
 
     def _hover(self, event: QMouseEvent) -> None:
-        """Offer a move; for the tools behind the one that takes it the cursor has left."""
+        """Offer a move; for tools behind its taker the cursor has left."""
         taken = False
         for tool in self._tools:
             if taken:

@@ -1,4 +1,4 @@
-"""Mouse tools: objects that a viewport offers its mouse events to, and that draw on its overlay."""
+"""Mouse tools of a viewport."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class MouseTool:
         return False
 
     def move(self, _event: QMouseEvent) -> bool:
-        """Go on with a drag, or preview a press; True hides the cursor from the tools behind."""
+        """Continue a drag or preview a press; True hides the cursor from later tools."""
         return False
 
     def release(self, _event: QMouseEvent) -> None:
@@ -45,7 +45,7 @@ class MouseTool:
         return False
 
     def leave(self) -> None:
-        """Forget the cursor, which has left the viewport or is taken by another tool."""
+        """Forget the cursor, now outside the viewport or taken by another tool."""
 
     def cancel(self) -> bool:
         """Cancel a drag or a stroke; True if there was one."""

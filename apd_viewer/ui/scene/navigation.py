@@ -1,4 +1,4 @@
-"""Moving the camera with the mouse: what happens to events that no tool wants.
+"""Camera navigation with the mouse, for events not taken by a tool.
 
 ======================================  =====================================================
 left drag (background), right drag      orbit; the horizon stays level
@@ -54,7 +54,7 @@ class Navigation(MouseTool):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Move the camera by what the cursor moved since the last event."""
+        """Move the camera by the cursor's motion since the last event."""
         d = event.position() - self._last
         if not self._mode or d.isNull():
             return False

@@ -1,4 +1,4 @@
-"""Which handle and which region the hand works on; none of it is part of the document."""
+"""Active handle and active region, neither part of the document."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ActiveParts(QObject):
         self.handle = self.region = 0
 
     def follow(self, old: Document | None, new: Document) -> None:
-        """Stay with a part that is still there."""
+        """Keep the active parts while they exist."""
         if old is None or old.mesh is not new.mesh:
             self.handle = self.region = 0
         self.handle = min(self.handle, len(new.handles) - 1)
@@ -56,21 +56,21 @@ class ActiveParts(QObject):
             self.choose_handle((self.handle + 1) % len(state.document.handles))
 
     def add_handle(self) -> None:
-        """One more handle, which is active from now on."""
+        """Add a handle and make it active."""
         self.choose_handle(self._session.parts.add_handle())
 
     def add_region(self) -> None:
-        """One more region, which is active from now on."""
+        """Add a region and make it active."""
         self.choose_region(self._session.parts.add_region())
 
     def remove_handle(self, k: int) -> None:
-        """Remove handle ``k``; the active one stays so unless it was that."""
+        """Remove handle ``k`` and keep the active one, if it is another."""
         if k < self.handle:
             self.handle -= 1
         self._session.parts.remove_handle(k)
 
     def remove_region(self, k: int) -> None:
-        """Remove region ``k``; the active one stays so unless it was that."""
+        """Remove region ``k`` and keep the active one, if it is another."""
         if k < self.region:
             self.region -= 1
         self._session.parts.remove_region(k)

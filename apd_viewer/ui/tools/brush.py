@@ -25,7 +25,7 @@ STEEPEST = 4.0  # two hits farther apart than this many times their distance on 
 
 
 class Painter(Selector):
-    """Tool that paints vertices.
+    """Brush to paint vertices by strokes.
 
     A left press on the surface begins a stroke; the wheel changes the radius, with Ctrl it zooms; Esc takes
     the stroke back. What ``painted`` brings are the vertices that a stroke covers for the first time.
@@ -106,7 +106,7 @@ class Painter(Selector):
         return True
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the ring where the brush lies on the surface."""
+        """Draw the ring of the brush on the surface."""
         if self._cursor is not None and self._seen != self._sight:
             self._pick()  # the mesh or the camera has moved under a resting cursor
         if self._hit is None:
@@ -119,7 +119,7 @@ class Painter(Selector):
         painter.drawPolyline(ring)
 
     def _look(self, event: QMouseEvent) -> None:
-        """Note where the cursor is, and draw the ring anew if it has to change."""
+        """Note the cursor's position and redraw the ring if necessary."""
         before = self._hit, self.act
         self._cursor = event.position() if self._enabled else None
         self.act = act_of(event)
@@ -134,7 +134,7 @@ class Painter(Selector):
     def _steps(
         self, start: QPointF, last: Hit | None, end: QPointF
     ) -> Iterator[tuple[Hit | None, Hit | None]]:
-        """Pairs of neighbouring hits along the way of the cursor, so close that the brush leaves no gap.
+        """Pairs of neighbouring hits along the cursor's path, without gaps.
 
         The first of a pair is None where the surface under the cursor leaps to another depth: what
         lies between the two was never touched.
@@ -153,7 +153,7 @@ class Painter(Selector):
         return bool(np.linalg.norm(b.point - a.point) <= reach)
 
     def _cover(self, steps: list[tuple[Hit | None, Hit | None]]) -> None:
-        """Emit the vertices under the steps that the stroke has not covered before."""
+        """Emit the vertices under the steps not yet covered by the stroke."""
         if self._covered is None:
             return
         fresh = []
@@ -174,7 +174,7 @@ class Painter(Selector):
         )
 
     def _ring(self, hit: Hit) -> np.ndarray:
-        """Circle around the hit, in the plane that touches the surface there, (65, 3)."""
+        """Circle (65, 3) around the hit in the tangent plane of the surface."""
         a = np.cross(hit.normal, np.eye(3)[np.argmin(np.abs(hit.normal))])
         a /= np.linalg.norm(a)
         b = np.cross(hit.normal, a)

@@ -1,4 +1,4 @@
-"""The view of the mesh with its brush and its gizmo: shows states, says what the hand does."""
+"""Canvas: the mesh in a viewport, with its tools."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _NUDGE = 5.0  # pixels, about
 
 
 class Canvas(QObject):
-    """Puts surface, brush and gizmo into a viewport and keeps them in step with the state.
+    """Puts surface and tools into a viewport and follows the state.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Canvas(QObject):
         self._put_into_hand()
 
     def select_through(self, on: bool) -> None:
-        """Choose what the surface hides too, or only what is seen."""
+        """Select hidden vertices too, or only visible ones."""
         for selector in self.ways.values():
             if isinstance(selector, OutlineSelector):
                 selector.through = on
@@ -151,7 +151,7 @@ class Canvas(QObject):
         self.viewport.set_theme(theme.canvas_top, theme.canvas_bottom)
 
     def sketch(self, mesh: Mesh, labels: np.ndarray) -> None:
-        """Draw a mesh that is about to be opened; nothing of it can be touched yet."""
+        """Draw a mesh still being opened, not yet editable."""
         self._sketched = mesh.V
         self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]
@@ -159,7 +159,7 @@ class Canvas(QObject):
         self.view.frame(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
-        """Show what differs between two states, with the active handle and region."""
+        """Show the differences between two states, and the active parts."""
         document, self._document = new.document, new.document
         self._handle, self._region = handle, region
         self._prepare_strokes()
@@ -189,13 +189,13 @@ class Canvas(QObject):
             self.frame_mesh()
 
     def preview(self, ids: np.ndarray | None) -> None:
-        """Tint what a press or a release would choose."""
+        """Tint the vertices of a possible selection."""
         erases = self.ways[self.way].act is Act.REMOVE
         paint = self.painter.color
         self.coloring.preview(ids, FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue()))
 
     def nudged(self, step: tuple[int, int, int]) -> np.ndarray | None:
-        """The pose of the active handle after a small step in the picture: right, up, to the viewer."""
+        """Pose of the active handle after a small step: right, up, to the viewer."""
         active, eye = _active(self._pivots, self._handle), self.viewport.look.eye
         if active is None:
             return None
@@ -234,7 +234,7 @@ class Canvas(QObject):
         return self._handle_at(position) == self._handle
 
     def _handle_at(self, position: QPointF) -> int | None:
-        """Number of the handle that is painted at a position in the viewport."""
+        """Number of the handle painted at a position in the viewport."""
         hit = self.surface.hit(position)
         if hit is None or self._document is None or self.surface.skin is None:
             return None

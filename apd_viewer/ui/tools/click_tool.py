@@ -1,4 +1,4 @@
-"""Choosing a whole part of the mesh with one click: up to the creases, a piece, a loop of the border."""
+"""Selection of connected parts of the mesh with one click."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NONE = np.empty(0, dtype=np.int64)
 
 
 class Reach(Enum):
-    """How far a click goes."""
+    """Extent of a selection by one click."""
 
     CREASE = "crease"
     PIECE = "piece"
@@ -31,7 +31,7 @@ class Reach(Enum):
 
 
 class ClickSelector(Selector):
-    """Tool that chooses what belongs to the place under the cursor; it is previewed before the click.
+    """Tool to select connected vertices at the cursor, with a preview.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class ClickSelector(Selector):
         self._known: tuple[object, np.ndarray] = (None, _NONE)
 
     def press(self, event: QMouseEvent) -> bool:
-        """Choose what is previewed."""
+        """Select the previewed vertices."""
         if not self._enabled or not begins(event):
             return False
         self._look(event)
@@ -64,7 +64,7 @@ class ClickSelector(Selector):
         return self._pressed
 
     def move(self, event: QMouseEvent) -> bool:
-        """Show what a press would choose."""
+        """Preview the selection of a press."""
         if not self._enabled:
             return False
         self._look(event)
@@ -111,7 +111,7 @@ class ClickSelector(Selector):
             self.previewed.emit(None)
 
     def paint(self, _painter: QPainter) -> None:
-        """Look again if the mesh or the camera has moved under a resting cursor; it draws nothing."""
+        """Update the preview if mesh or camera moved under a resting cursor."""
         if self._cursor is not None and self._seen != self._sight:
             self._pick()
 
@@ -128,7 +128,7 @@ class ClickSelector(Selector):
         self.previewed.emit(self._under() if self._hit is not None else None)
 
     def _under(self) -> np.ndarray:
-        """What belongs to the place under the cursor."""
+        """Vertices connected to the place under the cursor."""
         skin = self._surface.touchable
         if skin is None or self._hit is None:
             return _NONE

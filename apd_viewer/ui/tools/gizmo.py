@@ -1,4 +1,4 @@
-"""The gizmo: arrows, squares and rings that move and turn a handle."""
+"""Gizmo: arrows, squares and rings to move and rotate a handle."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Gizmo(MouseTool, QObject):
-    """Tool that edits a rigid pose.
+    """Tool to edit a rigid pose.
 
     Drag an arrow, a square between two arrows, a ring, or the dot in the middle, which moves in the
     plane of the picture, as does what :attr:`grabs` says; the square out at the corner scales. Ctrl snaps to
@@ -72,7 +72,7 @@ class Gizmo(MouseTool, QObject):
 
     @property
     def visible(self) -> bool:
-        """Whether the gizmo is there; hiding it cancels a drag."""
+        """True while shown; hiding it cancels a drag."""
         return self._visible
 
     @visible.setter
@@ -85,7 +85,7 @@ class Gizmo(MouseTool, QObject):
 
     @property
     def along(self) -> Along:
-        """What the axes are."""
+        """Choice of the axes."""
         return self._along
 
     @along.setter
@@ -94,7 +94,7 @@ class Gizmo(MouseTool, QObject):
         self._viewport.overlay.update()
 
     def place(self, pose: np.ndarray, pivot: np.ndarray) -> None:
-        """Stand at ``pose`` applied to ``pivot``. During a drag the pose is the drag's, and this waits.
+        """Stand at ``pose`` applied to ``pivot``; ignored during a drag.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class Gizmo(MouseTool, QObject):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Follow the cursor with the handle, or show what a press would take."""
+        """Drag the handle, or highlight the one under the cursor."""
         if self._drag is None:
             handle = self._handle_at(event)
             self._show(handle, Qt.CursorShape.OpenHandCursor)

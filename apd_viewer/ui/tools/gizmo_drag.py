@@ -1,4 +1,4 @@
-"""What a drag of a handle of the gizmo does to a pose: pure functions, angles in radians."""
+"""Drags of the gizmo as changes of a pose; angles in radians."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SNAP_SCALE = 0.1  # and no handle is made smaller than that
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """A drag under way. All of it is measured from where it began, so nothing drifts.
+    """Drag under way, measured from its start to avoid drift.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def begin(handle: str, frame: GizmoFrame, pose: np.ndarray, x: float, y: float) 
 
 
 def along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
-    """Position along axis ``i``, in mesh units from the centre, that the cursor points at.
+    """Position of the cursor along axis ``i``, in mesh units from the centre.
 
     The cursor's ray is cut with the plane through the axis that faces the camera most. None when
     the ray passes that plane by.
@@ -134,7 +134,7 @@ def along_axis(frame: GizmoFrame, i: int, x: float, y: float) -> float | None:
 
 
 def in_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.ndarray | None:
-    """Offset (3,) from the centre to where the cursor's ray cuts the plane through the centre."""
+    """Offset (3,) from the centre to the cursor's ray in a plane through it."""
     point = _on_plane(frame, normal, x, y)
     return None if point is None else point - frame.centre
 
@@ -150,7 +150,7 @@ def _on_plane(frame: GizmoFrame, normal: np.ndarray, x: float, y: float) -> np.n
 
 
 def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[float, float]) -> float:
-    """Angle, radians, by which a cursor that moved turned the ring about axis ``i``.
+    """Rotation about axis ``i`` by the cursor's motion, in radians.
 
     Seen from the side a ring is a line: there the way along the line counts.
     """
@@ -165,7 +165,7 @@ def turn(frame: GizmoFrame, i: int, before: tuple[float, float], after: tuple[fl
 
 
 def _tangent(frame: GizmoFrame, axis: np.ndarray) -> np.ndarray:
-    """Way in pixels, (2,), of the point of a ring nearest to the viewer for a turn by one radian."""
+    """Motion in pixels (2,), per radian, of the ring's point nearest to the viewer."""
     towards = frame.camera.position - frame.centre
     radial = RING * frame.pixel * unit(towards - (towards @ axis) * axis)
     near, ahead = frame.camera.project(frame.centre + np.array([radial, radial + np.cross(axis, radial)]))

@@ -38,7 +38,7 @@ BACK = 0.34  # of the far half of a ring
 
 @dataclass(frozen=True)
 class Appearance:
-    """State that the drawing depends on.
+    """State of the gizmo's drawing.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def draw(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
 
 
 def draw_hint(painter: QPainter, drag: Drag, size: tuple[float, float]) -> None:
-    """Write what the drag does beside the cursor."""
+    """Write the amount of the drag beside the cursor."""
     font = QFont(painter.font())
     font.setPixelSize(13)
     font.setWeight(QFont.Weight.DemiBold)
@@ -176,7 +176,7 @@ def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None
 
 
 def _draw_motion(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
-    """Show where the drag came from: a slice of the ring, or a line from the old centre."""
+    """Show the start of the drag: a slice of the ring, or a line."""
     drag = look.drag
     if drag is None:
         return

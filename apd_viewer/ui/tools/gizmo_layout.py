@@ -1,4 +1,4 @@
-"""Where the handles of the gizmo are on the screen, and which one the cursor is on.
+"""Layout of the gizmo's handles on the screen, and hit testing.
 
 Handles are named ``x y z`` (arrows), ``yz zx xy`` (squares), ``rx ry rz`` (rings), ``centre`` and ``scale``.
 """
@@ -79,16 +79,16 @@ class GizmoFrame:
 
     @property
     def corner(self) -> np.ndarray:
-        """Pixel position of the handle that scales, (2,)."""
+        """Pixel position (2,) of the scale handle."""
         return self.middle + SCALE
 
     @property
     def visible(self) -> bool:
-        """Whether the centre is in front of the camera."""
+        """True if the centre is in front of the camera."""
         return float(self.camera.depth(self.centre)) > 1e-6 * self.camera.distance
 
     def usable(self, handle: str) -> bool:
-        """Whether a drag of the handle has a meaning from this side."""
+        """True if the handle can be dragged from this side."""
         if handle in ARROWS:
             return bool(abs(self.facing[axis_index(handle)]) < ALONG_VIEW)
         if handle in SQUARES:
@@ -104,12 +104,12 @@ class GizmoFrame:
         return self.on_screen(np.outer([*SHAFT, TIP, LABEL], np.eye(3)[i]))
 
     def tip(self, i: int) -> np.ndarray:
-        """Outline of the cone at the end of an arrow, (k, 2) pixels, in no order: its hull counts."""
+        """Outline (k, 2) of an arrow's cone in pixels, in no order."""
         circle = _circle(i, _TURN[::6]) * TIP_RADIUS + SHAFT[1] * np.eye(3)[i]
         return np.vstack([self.on_screen(circle), self.arrow(i)[2]])
 
     def square(self, i: int) -> np.ndarray:
-        """Corners of the square whose normal is axis ``i``, (4, 2) pixels."""
+        """Corners (4, 2) in pixels of the square with normal along axis ``i``."""
         a, b = np.delete(np.eye(3), i, axis=0)
         near, far = SQUARE
         return self.on_screen(
@@ -117,13 +117,13 @@ class GizmoFrame:
         )
 
     def ring(self, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Points of a ring, (73, 2) pixels, and which of them are on the near side."""
+        """Points (73, 2) of a ring in pixels, and a mask of the near side."""
         circle = _circle(i, _TURN)
         towards = circle @ self.facing
         return self.on_screen(RING * circle), towards > -0.12
 
     def handle_at(self, x: float, y: float) -> str | None:
-        """Handle that a press at a pixel position takes, or None."""
+        """Handle at a pixel position, or None."""
         if not self.visible:
             return None
         cursor = np.array([x, y])
@@ -159,14 +159,14 @@ def _circle(i: int, turn: np.ndarray) -> np.ndarray:
 
 
 def inside(polygon: np.ndarray, point: np.ndarray) -> bool:
-    """Whether a point lies in a convex polygon, (k, 2), of either orientation."""
+    """True if a point lies in a convex polygon (k, 2) of either orientation."""
     edge, to = np.roll(polygon, -1, axis=0) - polygon, point - polygon
     turn = edge[:, 0] * to[:, 1] - edge[:, 1] * to[:, 0]
     return bool((turn >= 0).all() or (turn <= 0).all())
 
 
 def distance_to_polyline(points: np.ndarray, cursor: np.ndarray, parts: np.ndarray | None = None) -> float:
-    """Distance from a point to a polyline, (k, 2), of which only some ``parts``, (k - 1,) bool, count."""
+    """Distance of a point to the ``parts`` (k - 1,) bool of a polyline (k, 2)."""
     start, edge = points[:-1], np.diff(points, axis=0)
     t = np.einsum("ij,ij->i", cursor - start, edge) / np.maximum(np.einsum("ij,ij->i", edge, edge), 1e-12)
     distance = np.linalg.norm(start + np.clip(t, 0, 1)[:, None] * edge - cursor, axis=1)

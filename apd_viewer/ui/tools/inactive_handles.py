@@ -1,4 +1,4 @@
-"""The handles that are not active: a quiet dot at each pivot, which a press makes active."""
+"""Dots at the pivots of inactive handles, to activate them by a press."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REACH = 11.0
 
 
 class Pivot(NamedTuple):
-    """Where a handle is taken: its number, name and colour, its pose (4, 4), and what that turns about.
+    """Pivot of a handle, with its number, name, colour and pose (4, 4).
 
     ``gripped`` (3,) is the centre of the handle before the pose is applied.
     """
@@ -42,7 +42,7 @@ class Pivot(NamedTuple):
 
 
 def movable(document: Document) -> tuple[Pivot, ...]:
-    """Pivots of the handles that can be moved."""
+    """Pivots of the movable handles."""
     if document.problem is not None:
         return ()
     found = []
@@ -54,7 +54,7 @@ def movable(document: Document) -> tuple[Pivot, ...]:
 
 
 class Pivots(MouseTool, QObject):
-    """Tool that lets another handle be taken: by its dot, or by a click on what is painted with it.
+    """Tool to activate another handle by its dot or its painted patch.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Pivots(MouseTool, QObject):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Show the name of the handle that a press or a click would take."""
+        """Show the name of the handle under the cursor."""
         number = self._dot_at(event.position())
         if number is None and self._pivots:
             number = self._painted_at(event.position())
@@ -107,7 +107,7 @@ class Pivots(MouseTool, QObject):
         self._show(None)
 
     def paint(self, painter: QPainter) -> None:
-        """Draw the dots, and the name of the one that is pointed at."""
+        """Draw the dots, and the name of the one under the cursor."""
         for pivot in self._pivots:
             at = self._on_screen(pivot)
             if at is not None:

@@ -39,7 +39,7 @@ class MeshView:
         self._look.frame(points, room)
 
     def show(self, vertices: np.ndarray, covered: QRectF) -> None:
-        """Move the camera as little as necessary to show vertices, or all if none are given.
+        """Move the camera as little as necessary to show vertices, or all if none.
 
         ``covered`` is the hidden part of the viewport, at its lower right.
         """

@@ -1,4 +1,4 @@
-"""Choosing all that lies within an outline on the screen: a box, a lasso or a polygon."""
+"""Selection by an outline on the screen: a box, a lasso or a polygon."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PAUSE = 30  # ms between previews
 
 
 class OutlineKind(Enum):
-    """What an outline is drawn as."""
+    """Kinds of outline."""
 
     BOX = "box"
     LASSO = "lasso"
@@ -34,7 +34,7 @@ class OutlineKind(Enum):
 
 
 class OutlineSelector(Selector):
-    """Tool that chooses the vertices within an outline: those that are seen, or all.
+    """Tool to select the vertices within an outline, visible ones or all.
 
     A box and a lasso are dragged. A polygon is clicked, corner by corner, and ended by a double click, by a
     click on its first corner or by Return. Esc gives either up.
@@ -53,7 +53,7 @@ class OutlineSelector(Selector):
 
     @property
     def through(self) -> bool:
-        """Whether vertices that the surface hides are chosen too."""
+        """True if hidden vertices are selected too."""
         return self._through
 
     @through.setter
@@ -174,7 +174,7 @@ class OutlineSelector(Selector):
         return found if self.through else found[self._visible(skin, found)]
 
     def _visible(self, skin: Skin, vertices: np.ndarray) -> np.ndarray:
-        """Which of the vertices are seen, (k,) bool: each is looked at once for a view and a shape."""
+        """Mask (k,) of the visible vertices, cached for a view and a shape."""
         key = self._sight
         if self._seen is None or self._seen[0] != key:
             U = self._surface.U

@@ -1,4 +1,4 @@
-"""Picking points of the mesh: the one that a handle turns about, or two on the axis of a bend."""
+"""Picking of points on the mesh, as a pivot or as an axis."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ARM = 9.0
 
 
 class PointPicker(MouseTool, QObject):
-    """Tool that takes clicks on the mesh, once it is asked to; Esc calls it off.
+    """Tool for clicks on the mesh on request; Esc cancels.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class PointPicker(MouseTool, QObject):
 
     @property
     def shown(self) -> np.ndarray:
-        """The points that are marked, (k, 3)."""
+        """Marked points (k, 3)."""
         return self._shown
 
     @shown.setter
@@ -55,7 +55,7 @@ class PointPicker(MouseTool, QObject):
         self._viewport.overlay.update()
 
     def ask(self, count: int, then: Callable[[np.ndarray], object], words: str) -> None:
-        """Take ``count`` clicks, as ``words`` say, and hand over their points, (count, 3), to ``then``."""
+        """Pass ``count`` clicked points (count, 3) to ``then``; ``words`` is the hint."""
         self._wanted, self._then, self._points = count, then, []
         self.asks.emit(words)
 
@@ -67,7 +67,7 @@ class PointPicker(MouseTool, QObject):
         return self._hit is not None
 
     def move(self, event: QMouseEvent) -> bool:
-        """Show the point that a click would take."""
+        """Show the point under the cursor."""
         if not self._wanted:
             return False
         self._hit = self._surface.hit(event.position())

@@ -1,4 +1,4 @@
-"""What all tools have in common that choose vertices: a stroke, what it does with them, and a preview."""
+"""Base of the selection tools: stroke, effect and preview."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Act(Enum):
-    """What is done with the vertices that are chosen."""
+    """Effect of a stroke on the selection."""
 
     ADD = "add"
     REMOVE = "remove"
@@ -27,7 +27,7 @@ class Act(Enum):
 
 
 def act_of(event: QInputEvent) -> Act:
-    """Alt removes, Ctrl puts in the place of what was there."""
+    """Effect by the modifiers: Alt removes, Ctrl replaces."""
     modifiers = event.modifiers()
     if modifiers & Qt.KeyboardModifier.AltModifier:
         return Act.REMOVE
@@ -35,13 +35,13 @@ def act_of(event: QInputEvent) -> Act:
 
 
 def begins(event: QMouseEvent) -> bool:
-    """Whether a press may begin a stroke: Shift is the camera's."""
+    """True if a press may begin a stroke: Shift is the camera's."""
     left = event.button() == Qt.MouseButton.LeftButton
     return left and not event.modifiers() & Qt.KeyboardModifier.ShiftModifier
 
 
 class Selector(MouseTool, QObject):
-    """A tool of the viewport that chooses vertices by strokes; what for is up to who listens.
+    """Tool to select vertices by strokes, for any listener.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Selector(MouseTool, QObject):
 
     @property
     def enabled(self) -> bool:
-        """Whether it is in use; to put it away, or to take it for something else, cancels a stroke."""
+        """True while in use; any change cancels a stroke."""
         return self._enabled
 
     @enabled.setter
@@ -88,7 +88,7 @@ class Selector(MouseTool, QObject):
 
     @property
     def color(self) -> QColor:
-        """Colour of what it draws: of what is painted."""
+        """Colour of the drawing, the same as of the paint."""
         return self._color
 
     @color.setter
@@ -98,7 +98,7 @@ class Selector(MouseTool, QObject):
 
     @property
     def _halo(self) -> QColor:
-        """What sets lines of the colour off from the mesh."""
+        """Halo colour to set lines off from the mesh."""
         return QColor(0, 0, 0, 150) if self._color.lightnessF() > 0.5 else QColor(255, 255, 255, 200)
 
     @property
@@ -107,7 +107,7 @@ class Selector(MouseTool, QObject):
 
     @property
     def _sight(self) -> tuple[object, ...]:
-        """What all that is found under the cursor depends on: the shape, and from where it is seen."""
+        """Key of anything found under the cursor: the shape and the camera."""
         return self._surface.revision, self._viewport.look.eye.key
 
     def _apply(self, act: Act, vertices: np.ndarray) -> None:

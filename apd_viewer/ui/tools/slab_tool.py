@@ -1,4 +1,4 @@
-"""Choosing all that lies between two parallel planes, which are dragged across the mesh."""
+"""Selection between two parallel planes dragged across the mesh."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MARGIN = 0.06  # of the planes around the mesh, in its extent
 
 
 class SlabSelector(Selector):
-    """Tool that chooses the vertices between the plane where a drag begins and that where it ends.
+    """Tool to select the vertices between the planes at start and end of a drag.
 
     The planes are perpendicular to an axis, which the wheel changes. A drag begins on the mesh and may end
     beyond it.
@@ -66,7 +66,7 @@ class SlabSelector(Selector):
         return True
 
     def move(self, event: QMouseEvent) -> bool:
-        """Drag the second plane, or show where the first would be."""
+        """Drag the second plane, or preview the first."""
         if not self._enabled:
             return False
         if self._start is None:
@@ -82,7 +82,7 @@ class SlabSelector(Selector):
         return True
 
     def release(self, _event: QMouseEvent) -> None:
-        """Choose what lies between the planes."""
+        """Select the vertices between the planes."""
         if self._start is not None:
             act, vertices = self.act, self._between()
             self._finish()
@@ -135,7 +135,7 @@ class SlabSelector(Selector):
             painter.drawPolygon(shape)
 
     def _plane(self, height: float) -> np.ndarray:
-        """Corners of the part of a plane that is drawn, (4, 3)."""
+        """Corners (4, 3) of the drawn part of a plane."""
         low, high = self._surface.U.min(axis=0), self._surface.U.max(axis=0)
         pad = _MARGIN * float((high - low).max())
         low, high = low - pad, high + pad

@@ -82,7 +82,7 @@ class Strokes(QObject):
         (self.region_painted if self.part.is_region else self.painted).emit(ids, code)
 
     def _erase(self, ids: np.ndarray) -> None:
-        """Erase base and handles; then, with the eraser only, the region of the other vertices."""
+        """Erase base and handles; the eraser also erases regions elsewhere."""
         if self._document is None:
             return
         held = self._document.labels[ids] != FREE

@@ -1,4 +1,4 @@
-"""The tool in use, and the way in which it selects vertices."""
+"""Current tool and current mode of selection."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ToolChoice(QObject):
         self.taken.emit(tool)
 
     def choose_way(self, way: Way) -> None:
-        """Select vertices in another way; a tool that paints nothing gives way to one that does."""
+        """Select vertices in another way, with a painting tool if none is in use."""
         self._canvas.choose_way(way)
         self.way_chosen.emit(way)
         self.take(self._canvas.tool if self._canvas.tool.words.is_brush else Tool.HANDLE)

@@ -1,4 +1,4 @@
-"""The tools that the mouse can hold, and the words for them."""
+"""Mouse tools and their words."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Tool(Enum):
         return words
 
     def hint(self, way: Way) -> str:
-        """What it does, with the modifiers, when it paints in this way."""
+        """Hint with the modifiers for painting in this way."""
         if not self.words.is_brush:
             return tr("{tool}: {deed}").format(tool=self.words.title, deed=self.words.hint)
         return tr("{tool}: {deed}; {modifiers}").format(
@@ -67,12 +67,12 @@ class Tool(Enum):
 
     @property
     def modifiers(self) -> str:
-        """What other keys do while it paints."""
+        """Effects of the modifier keys while painting."""
         return tr("Esc cancels") if self is Tool.ERASE else _MODIFIERS
 
 
 class Way(Enum):
-    """How vertices are chosen by the tools that paint; its value holds the words."""
+    """Ways of selecting vertices; the value holds the words."""
 
     BRUSH = _ToolWords(
         tr("Brush"),
