@@ -86,6 +86,8 @@ DRAWS = {
     "ui/scene/offscreen_scene.py",
     "ui/scene/surface.py",
     "ui/scene/viewport.py",
+    "ui/scene/look.py",
+    "ui/scene/antialiasing.py",
 }
 CONFINED = {
     "cholespy": {"geometry/linalg/linear_solver.py"},

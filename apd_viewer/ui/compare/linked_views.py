@@ -58,7 +58,7 @@ class LinkedViews(QWidget):
         self._grid.setContentsMargins(0, 1, 0, 1)
         self._reading = QTimer(self, singleShot=True, interval=_READ)
         self._reading.timeout.connect(self._read)
-        link([view.viewport for view in self.views.values()])
+        link([view.viewport.look for view in self.views.values()])
         for view in self.views.values():
             view.pointer.hovered.connect(self.point_at)
             view.measured.connect(self._measured)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QTimer
 
 if TYPE_CHECKING:
-    from apd_viewer.ui.scene.viewport import Viewport
+    from pyvistaqt import QtInteractor
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "gdi generic", "basic render")
 SAMPLES = 8  # on a GPU; each sample costs a software renderer as much as a frame
@@ -19,7 +19,7 @@ class Antialiasing:
 
     Parameters
     ----------
-    viewport : Viewport
+    viewport : QtInteractor
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Antialiasing:
         Running between a draw without smooth edges and the one with them.
     """
 
-    def __init__(self, viewport: Viewport) -> None:
+    def __init__(self, viewport: QtInteractor) -> None:
         self._viewport = viewport
         self.software = self.next = False
         self.still = QTimer(viewport, singleShot=True, interval=STILL)

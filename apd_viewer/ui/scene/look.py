@@ -10,11 +10,10 @@ import numpy as np
 from apd_viewer.ui.scene.camera import UP, Camera
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from PySide6.QtCore import QPointF
-
-    from apd_viewer.ui.scene.viewport import Viewport
+    from pyvistaqt import QtInteractor
 
 HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
 OPENING = np.deg2rad(30.0)
@@ -27,17 +26,19 @@ class Look:
 
     Parameters
     ----------
-    viewport : Viewport
+    viewport : QtInteractor
+    pick : callable
+        From a position in the widget to the point of the surface seen there, or None.
 
     Attributes
     ----------
-    linked : sequence of Viewport
-        Others that look through the same camera; see :func:`link`.
+    linked : sequence of Look
+        Of other viewports with the same camera; see :func:`link`.
     """
 
-    def __init__(self, viewport: Viewport) -> None:
-        self._viewport = viewport
-        self.linked: Sequence[Viewport] = ()
+    def __init__(self, viewport: QtInteractor, pick: Callable[[QPointF], np.ndarray | None]) -> None:
+        self._viewport, self._pick = viewport, pick
+        self.linked: Sequence[Look] = ()
         self._extent = 1.0
         # Points, the room around them, and where the camera went to show them.
         self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
@@ -65,8 +66,8 @@ class Look:
         camera.SetViewUp(*eye.up)
         camera.SetViewAngle(np.rad2deg(eye.angle))
         # All at once: the window is put together once for all that is drawn, and not for each.
-        for view in (self._viewport, *self.linked):
-            view.update()
+        for look in (self, *self.linked):
+            look._viewport.update()
 
     def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
         """Frame the points (k, 3) in the current direction, ``room`` pixels apart."""
@@ -96,8 +97,7 @@ class Look:
 
     def zoom_at(self, position: QPointF, factor: float) -> None:
         """Zoom by a factor, keeping the point under a position."""
-        eye, pick = self.eye, self._viewport.pick
-        point = pick(position) if pick is not None else None
+        eye, point = self.eye, self._pick(position)
         if point is None:
             point = eye.on_focal_plane(position.x(), position.y())
         closer = eye.zoomed(point, factor)
@@ -105,9 +105,9 @@ class Look:
             self.eye = closer
 
 
-def link(viewports: Sequence[Viewport]) -> None:
+def link(looks: Sequence[Look]) -> None:
     """Let viewports of one size share the first one's camera."""
-    camera = viewports[0].renderer.GetActiveCamera()
-    for view in viewports:
-        view.renderer.SetActiveCamera(camera)
-        view.look.linked = [other for other in viewports if other is not view]
+    camera = looks[0]._viewport.renderer.GetActiveCamera()
+    for look in looks:
+        look._viewport.renderer.SetActiveCamera(camera)
+        look.linked = [other for other in looks if other is not look]

@@ -84,7 +84,7 @@ class Viewport(QtInteractor):
         self.renderer.GetCullers().RemoveAllItems()
         self.antialiasing = Antialiasing(self)
         self.overlay = Overlay(self, self.tools)
-        self.look = Look(self)
+        self.look = Look(self, lambda position: self.pick(position) if self.pick is not None else None)
         self.mouse = MouseDispatcher(self, self.tools, Navigation(self.look, self.clicked.emit))
         self.set_theme("#f4f5f7")
 
