@@ -139,7 +139,7 @@ class _Pen:
         self._window, self._written = window, written
 
     def fontMetrics(self):
-        return self._window.fontMetrics()
+        return self._window.shell.fontMetrics()
 
     def drawText(self, _room, _flags, text):
         self._written.append(text)

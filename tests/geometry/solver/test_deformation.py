@@ -378,7 +378,7 @@ REFUSED = {
     "targets not numbers": ({"targets": not_a_number(TARGETS)}, "Targets must be"),
     "targets infinite": ({"targets": TARGETS + np.inf}, "Targets must be"),
     "targets missing": ({"targets": None}, "Targets must be"),
-    "method unknown": ({"method": "magic"}, "There is no method 'magic'; choose one of"),
+    "method unknown": ({"method": "magic"}, "Unknown method 'magic'; choose one of"),
     "method missing": ({"method": None}, "Unknown method"),
     "tolerance zero": ({"tolerance": 0.0}, "tolerance must be greater than 0"),
     "tolerance negative": ({"tolerance": -1e-3}, "tolerance must be greater than 0"),

@@ -118,8 +118,11 @@ def test_ticks_never_go_back_and_can_end_it(bar):
 WRONG = {
     "no motion": (lambda bar: sweep_of(bar, 3), "No handle has moved"),
     "no steps": (lambda bar: sweep_of(bar.with_pose(0, BENT), 0), "1 to 1000 steps"),
-    "no end": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, 0.0), "above 0"),
-    "an end without a number": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, float("nan")), "above 0"),
+    "no end": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, 0.0), "greater than 0"),
+    "an end without a number": (
+        lambda bar: sweep_of(bar.with_pose(0, BENT), 3, float("nan")),
+        "greater than 0",
+    ),
     "no method": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=[]), "at least one"),
     "a method twice": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=["arap"] * 2), "once"),
     "an unknown method": (

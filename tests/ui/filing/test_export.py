@@ -56,7 +56,7 @@ def test_what_another_format_has_no_room_for_is_said_before(ask, tmp_path, name,
     assert target == (tmp_path / "out.stl" if written else None)
     assert len(asked) == 1
     assert "texture coordinates and materials" in asked[0]
-    assert "As OBJ, nothing is lost." in asked[0]
+    assert "Exporting as OBJ loses nothing." in asked[0]
 
 
 def test_thinking_better_of_it(ask):

@@ -122,7 +122,7 @@ def test_a_bad_selection_is_said_and_changes_nothing(qtbot, bottle, tmp_path, ch
 def test_a_session_shows_the_overlay_that_was_shown(qtbot, bottle, tmp_path, measure):
     heat, path = bottle.looks.heat, tmp_path / "a.apd"
     heat.choose(measure)
-    bottle.session.files.save(path, bottle.filing._view(""))
+    bottle.session.files.save(path, bottle.filing._view())
     idle(qtbot, bottle)
     heat.choose(Measure.STRAIN if measure is Measure.AREA else Measure.AREA)
     bottle.filing.open_path(path)

@@ -104,7 +104,7 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     asked, answers = [], []
     monkeypatch.setattr(file_dialogs, "ask_for_session", lambda *_: asked.append(1) or answers.pop())
     window = started()
-    assert window.recovery.text == "Unsaved when the program ended: my duck.obj, 3 minutes ago"
+    assert window.recovery.text == "Unsaved work: my duck.obj, 3 minutes ago"
     window.filing.open_path(tmp_path / "earlier.apd")
     idle(qtbot, window)
     assert not window.filing.worth_asking
@@ -159,7 +159,7 @@ def test_what_is_damaged_is_refused_and_goes_only_when_it_is_discarded(qtbot, st
     before = window.session.store.state
     assert "a damaged session" in window.recovery.text
     restore(qtbot, window)
-    assert window.notice.text.startswith("What was left of a damaged session cannot be restored: ")
+    assert window.notice.text.startswith("The unsaved work on a damaged session cannot be restored: ")
     assert window.session.store.state is before
     assert window.recovery.restore.isVisible()
     assert path.exists()
