@@ -1,1 +1,1 @@
-"""Room 4: what the user sees and touches. The only room that knows Qt and VTK."""
+"""The window; the only room with Qt and VTK, besides the drawing process."""

@@ -91,14 +91,14 @@ def make_application(argv: list[str]) -> QApplication:
 
 
 def _translate(application: QApplication) -> None:
-    """Have Qt's own words, such as those on the buttons of a question, in the language of the program."""
+    """Load Qt's own texts, such as button labels, in the program's language."""
     words = QTranslator(application)
     if words.load(f"qtbase_{LANGUAGE}", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)):
         application.installTranslator(words)
 
 
 def _surface_format() -> QSurfaceFormat:
-    """Desktop OpenGL 3.2 core; Wayland shows a black widget when a top-level window came first."""
+    """Desktop OpenGL 3.2 core, set before any window: Wayland needs it."""
     surface = QSurfaceFormat()
     surface.setRenderableType(QSurfaceFormat.RenderableType.OpenGL)
     surface.setProfile(QSurfaceFormat.OpenGLContextProfile.CoreProfile)
@@ -116,7 +116,7 @@ def _report(kind: QtMsgType, context: QMessageLogContext, message: str) -> None:
 
 
 def run(mesh: object = None) -> None:
-    """Open the window on ``mesh``, a path, or the sample bottle, and return when it is closed.
+    """Open the window on ``mesh``, a path or the bottle, until it is closed.
 
     Parameters
     ----------
@@ -158,13 +158,13 @@ def run(mesh: object = None) -> None:
 
 
 def recovery_folder() -> Path:
-    """Where the platform keeps what is done for the case of a crash."""
+    """Folder for autosaves and recovery."""
     place = QStandardPaths.StandardLocation.AppLocalDataLocation
     return Path(QStandardPaths.writableLocation(place)) / "recovery"
 
 
 def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Workbench | None:
-    """Build the workbench on a shell that is still open; the first one of all begins the tour on the bottle.
+    """Build the workbench on an open shell; start the tour the first time.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def build_workbench(shell: Shell, recovery: Path | None, on_bottle: bool) -> Wor
 
 
 def as_mesh(mesh: object) -> Mesh | Path | None:
-    """What there is to show, as a Mesh; a path that can be read is left for the window to open."""
+    """Mesh to show; a readable path is left for the window to open."""
     if mesh is None or isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, str | Path):
@@ -206,7 +206,7 @@ def as_mesh(mesh: object) -> Mesh | Path | None:
 
 
 def _check_display() -> None:
-    """Qt ends the process where there is no display; say it in one line instead."""
+    """Raise InputError without a display: Qt would end the process."""
     named = any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"))
     if sys.platform.startswith("linux") and not named:
         raise InputError(

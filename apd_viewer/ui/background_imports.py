@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 
 
 class BackgroundImports(QObject):
-    """Imports and compiles on a thread what the workbench needs.
+    """Imports and compiles the workbench's modules on a thread.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class BackgroundImports(QObject):
             self._thread.start()
 
     def join(self) -> None:
-        """Wait for the end: a thread that compiles while the interpreter ends would crash it."""
+        """Wait for the thread: compiling at interpreter exit would crash it."""
         if self._thread.ident is not None:
             self._thread.join()
 

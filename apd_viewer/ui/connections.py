@@ -1,4 +1,4 @@
-"""What is done on the canvas and set in the panel, brought to the session."""
+"""Connections from canvas and panel to the session."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def connect_settings(panel: Panel, session: Session) -> None:
-    """Have the session do what is set in the panel; the sweep of a slider is one gesture."""
+    """Connect the settings; a slider's drag is one gesture."""
     panel.area.target.chosen.connect(session.settings.set_area)
     panel.area.held.connect(session.settings.hold_area)
     panel.volume.kept.connect(session.settings.set_volume)
@@ -36,7 +36,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
 
 
 def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
-    """Have the session and the hand do what is asked in the lists of handles and regions."""
+    """Connect the lists of handles and regions."""
     panel.handles.list.chosen.connect(parts.choose_handle)
     panel.handles.list.renamed.connect(session.parts.rename_handle)
     panel.handles.list.removed.connect(parts.remove_handle)
@@ -60,7 +60,7 @@ def connect_hand(
     tell: Callable[[str], None],
     prompt: Callable[[str], None],
 ) -> None:
-    """Have the session paint and move what the hand does; a drag is one gesture.
+    """Connect painting and dragging on the canvas; a drag is one gesture.
 
     ``tell`` says a sentence to the user, ``prompt`` what is to be done next, or nothing any more.
     """
@@ -68,6 +68,8 @@ def connect_hand(
     assert isinstance(loop, ClickSelector)
     loop.missed.connect(lambda: tell(tr("This surface is closed: it has no boundary to select.")))
     canvas.picker.asks.connect(prompt)
+    canvas.strokes.began.connect(partial(_begin_stroke, session))
+    canvas.strokes.ended.connect(session.painting.end_stroke)
     canvas.strokes.painted.connect(session.painting.paint)
     canvas.strokes.region_painted.connect(session.painting.paint_region)
     canvas.drag_began.connect(session.gestures.begin)
@@ -75,3 +77,8 @@ def connect_hand(
     canvas.drag_ended.connect(partial(session.gestures.end, tr("Move handle")))
     canvas.gesture_cancelled.connect(session.gestures.cancel)
     canvas.handle_chosen.connect(parts.choose_handle)
+
+
+def _begin_stroke(session: Session) -> None:
+    if session.store.state is not None:  # a box can be dragged in an empty view too
+        session.gestures.begin()

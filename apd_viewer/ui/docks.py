@@ -1,4 +1,4 @@
-"""The panels beside the canvas, each of which can be closed, put elsewhere or taken out of the window."""
+"""Dock panels beside the canvas: closable, movable, floating."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _BUTTONS = {"qt_dockwidget_closebutton": "remove", "qt_dockwidget_floatbutton": 
 
 
 class Docks:
-    """The docks of a window, in the order in which they are offered in its menu.
+    """Docks of a window, in menu order.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Docks:
         area: Qt.DockWidgetArea = Qt.DockWidgetArea.RightDockWidgetArea,
         shown: bool = True,
     ) -> QDockWidget:
-        """Put ``content`` into a dock; ``name`` is what the layout is remembered by."""
+        """Put ``content`` into a dock; ``name`` identifies it in the layout."""
         dock = QDockWidget(title, self._window, objectName=name)
         dock.setWidget(content)
         self._window.addDockWidget(area, dock)
@@ -60,5 +60,5 @@ class Docks:
 
     @property
     def toggles(self) -> list[QAction]:
-        """What shows and hides each of them."""
+        """Actions to show and hide the docks."""
         return [dock.toggleViewAction() for dock in self._docks.values()]

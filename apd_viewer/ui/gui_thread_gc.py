@@ -1,4 +1,4 @@
-"""Cyclic garbage collection on the thread that owns the Qt objects, and nowhere else."""
+"""Garbage collection confined to the UI thread, the owner of Qt objects."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class SessionSignals(QObject):
     examined = Signal()
 
     def listener(self) -> Listener:
-        """Make a listener that emits the signals."""
+        """Listener emitting the signals."""
         return Listener(
             wake=self.woken.emit,
             changed=self.changed.emit,

@@ -113,13 +113,13 @@ class Shell(QMainWindow):
     # Events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Announce an Esc that no widget used."""
+        """Announce an unused Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.escaped.emit()
         super().keyPressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept a single file of any kind; opening reports what is wrong with it."""
+        """Accept a single file; opening reports any problem with it."""
         if len(event.mimeData().urls()) == 1 and event.mimeData().urls()[0].isLocalFile():
             event.acceptProposedAction()
 

@@ -160,11 +160,13 @@ class Workbench(QObject):
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas
-        canvas.strokes.began.connect(self._begin_stroke)
         connect_hand(canvas, self.session, self.parts, self.notice.tell, self.status.showMessage)
-        canvas.strokes.ended.connect(self._end_stroke)
+        canvas.strokes.began.connect(lambda: self.invitation.say(""))
+        canvas.strokes.ended.connect(self._show_next_step)
         canvas.drag_began.connect(self.next_step.moved)
-        canvas.painter.size.changed.connect(self._show_brush)
+        canvas.painter.size.changed.connect(
+            lambda: self.status.say_brush(canvas.painter.size, self.session.store.unit)
+        )
         self.tools.taken.connect(self._show_tool)
         self.tools.way_chosen.connect(lambda way: self.actions_.select.ways[way].setChecked(True))
         for change in (self.help.tour.began, self.help.tour.ended):
@@ -182,15 +184,6 @@ class Workbench(QObject):
     def _type_motion(self) -> None:
         self.docks["readings"].show()
         self.panel.show_motion()
-
-    def _begin_stroke(self) -> None:
-        if self.session.store.state is not None:
-            self.session.gestures.begin()
-            self.invitation.say("")
-
-    def _end_stroke(self, gesture: str) -> None:
-        self.session.painting.end_stroke(gesture)
-        self._show_next_step()
 
     def _choose_unit(self, unit: Unit) -> None:
         if (state := self.session.store.state) is not None:
@@ -288,9 +281,6 @@ class Workbench(QObject):
             self.invitation.say("")  # the card says it
         elif state is not None:
             self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
-
-    def _show_brush(self) -> None:
-        self.status.say_brush(self.canvas.painter.size, self.session.store.unit)
 
     def _set_theme(self, theme: Theme) -> None:
         over = self.notice, self.recovery, self.health.list, self.help, self.looks, self.way_bar

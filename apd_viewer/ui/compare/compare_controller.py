@@ -1,4 +1,4 @@
-"""Opens the window in which methods are compared, and ends it with the main one."""
+"""Opens and closes the comparison window."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _AT_REST = tr("All methods agree on a mesh at rest; move a handle first, then co
 
 
 class Comparing:
-    """One window at most, on what is open when it is asked for.
+    """The single comparison window, on the document at its opening.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Comparing:
         self.window: ComparisonWindow | None = None
 
     def lend_keys(self, views: Mapping[str, QAction], frame: QAction) -> None:
-        """Give the window, whenever it is opened, the keys that turn and frame the view of the mesh.
+        """Give the window, once open, the shortcuts for turning and framing.
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class Comparing:
         self._views, self._frame = views, frame
 
     def open(self) -> None:
-        """Compare methods on the document as it is now, or say what is missing for that."""
+        """Compare methods on the current document, or say the missing step."""
         if (state := self._store.state) is None:
             return
         if sentence := _why_not(state):
@@ -107,13 +107,13 @@ class Comparing:
             window.deleteLater()
 
     def measure_in(self, unit: Unit) -> None:
-        """Write lengths in another unit, if it is the mesh at hand that is compared."""
+        """Write lengths in another unit, if the current mesh is compared."""
         state = self._store.state
         if state is not None and self.window is not None and self.window.is_of(state.document.mesh):
             self.window.measure_in(unit)
 
     def set_theme(self, theme: Theme) -> None:
-        """Recolour what the style sheet does not reach."""
+        """Recolour the parts beyond the style sheet's reach."""
         self._theme = theme
         if self.window is not None:
             self.window.set_theme(theme)
@@ -125,5 +125,5 @@ class Comparing:
 
 
 def _why_not(state: State) -> str | None:
-    """What has to be done before methods can be compared, as a sentence; None if nothing."""
+    """Missing step before a comparison, as a sentence; None if none."""
     return state.document.problem or (_AT_REST if state.is_at_rest else None)

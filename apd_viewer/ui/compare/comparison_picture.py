@@ -1,4 +1,4 @@
-"""The picture of a comparison: all shapes under their names, and the legend that they share."""
+"""Picture of a comparison: titled shapes with a common legend."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LEGEND = QSize(320, 14)
 
 
 class Shown(NamedTuple):
-    """A shape in the picture: its name, a line about it, and its pixels (h, w, 3) uint8."""
+    """Shape in the picture: name, line below and pixels (h, w, 3) uint8."""
 
     title: str
     line: str

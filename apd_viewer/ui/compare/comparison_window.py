@@ -1,4 +1,4 @@
-"""The window in which methods are compared: a shape each, and a table of what they come to."""
+"""Comparison window: a shape for each method, and a table of readings."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class ComparisonWindow(QWidget):
 
     @property
     def chosen(self) -> list[str]:
-        """The methods that are compared."""
+        """Methods compared."""
         return [method for method, check in self.checks.items() if check.isChecked()]
 
     def compare(self, state: State, unit: Unit) -> None:
@@ -169,7 +169,7 @@ class ComparisonWindow(QWidget):
         self.views[self.chosen[0]].viewport.setFocus()
 
     def is_of(self, mesh: Mesh) -> bool:
-        """Whether it is this mesh that is compared."""
+        """True if this mesh is compared."""
         return self._state is not None and self._state.document.mesh is mesh
 
     def measure_in(self, unit: Unit) -> None:
@@ -179,7 +179,7 @@ class ComparisonWindow(QWidget):
             self._show()
 
     def _prepare(self, state: State) -> None:
-        """Get ready to measure: what is compiled for it takes a while at the first time."""
+        """Compile the measurements in the background."""
         mesh, skin = state.document.mesh, state.skin
 
         def work(_: Callable[[], bool]) -> object:
@@ -195,7 +195,7 @@ class ComparisonWindow(QWidget):
         self.linked.measure_by(result, self.legend.scale)
 
     def _choose(self) -> None:
-        """Compare the methods that are checked, two at least."""
+        """Compare the checked methods, at least two."""
         chosen = self.chosen
         self._memory.compared = chosen
         for method, check in self.checks.items():
@@ -244,7 +244,7 @@ class ComparisonWindow(QWidget):
         mark(self.status, "warn", warn)
 
     def refuse(self, sentence: str) -> None:
-        """Say why something that was asked for is not done."""
+        """Show the reason for a refusal."""
         self._say(sentence, warn=True)
 
     def _rescale(self) -> None:
@@ -296,7 +296,7 @@ class ComparisonWindow(QWidget):
     # Events
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Stop on Esc; close where there is nothing to stop."""
+        """Stop on Esc; close if nothing is running."""
         if event.key() == Qt.Key.Key_Escape:
             if self.stop.isEnabled():
                 self._stop()
@@ -317,7 +317,7 @@ class ComparisonWindow(QWidget):
 
 
 def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
-    """How far a method is, more about that, and what went wrong."""
+    """Progress of a method, details, and its failure."""
     outcome = comparison.outcomes.get(method)
     if outcome is None:
         return (tr("queued") if method in comparison.waiting else tr("not started")), "", ""
@@ -333,7 +333,7 @@ def _how_far(method: str, comparison: Comparison) -> tuple[str, str, str]:
 
 
 def _progress(comparison: Comparison, chosen: list[str]) -> str:
-    """What is being done, in a line."""
+    """Progress in a line."""
     method = comparison.under_way or ""
     name, count = METHODS[method].title, len(chosen)
     number = chosen.index(method) + 1

@@ -1,4 +1,4 @@
-"""The shapes that are compared, beside each other: one camera, one scale, one place under the cursor."""
+"""Linked views of the compared shapes: one camera, scale and cursor."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _READ = 250  # ms between two readings while shapes move
 
 
 class LinkedViews(QWidget):
-    """As many views as are shown, laid out so that the shapes are as large as they can be.
+    """Views laid out for the largest shapes.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class LinkedViews(QWidget):
             view.begin(state)
 
     def look(self, state: State, eye: Camera) -> None:
-        """Look in the direction of another camera at all that there will be to see, as far as is known."""
+        """Look along another camera at the extent of all shapes, as known."""
         look = self._first.viewport.look
         look.eye = replace(look.eye, position=eye.position - eye.focal, focal=np.zeros(3), up=eye.up)
         right, up, _ = look.eye.axes
@@ -88,7 +88,7 @@ class LinkedViews(QWidget):
 
     @property
     def _first(self) -> MethodView:
-        """Through whose camera all others look."""
+        """View with the leading camera."""
         return next(iter(self.views.values()))
 
     def _frame(self, points: np.ndarray) -> None:
@@ -163,7 +163,7 @@ class LinkedViews(QWidget):
 
 
 def _across(count: int, width: int, height: int, aspect: float) -> int:
-    """How many of ``count`` views stand beside each other so that shapes of an aspect are largest."""
+    """Columns for ``count`` views with the largest shapes of an aspect."""
 
     def size(across: int) -> float:
         return min(width / across / aspect, height * across / count - HEAD)

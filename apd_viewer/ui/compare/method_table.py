@@ -1,4 +1,4 @@
-"""The readings of the methods that are compared, a line each."""
+"""Table of the compared methods' readings."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class OutcomeTable(QTableWidget):
         self.updateGeometry()
 
     def show_readings(self, row: int, found: Readings) -> None:
-        """Write a line; where nothing is known yet it stays empty."""
+        """Write a row; unknown values stay empty."""
         for k, column in enumerate(self.columns):
             text = column.written(found) if found else ""
             item = self.item(row, k)

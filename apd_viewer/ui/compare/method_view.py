@@ -1,4 +1,4 @@
-"""The shape that one method makes, under its name, in the colours of its local change."""
+"""View of one method's shape, coloured by local area change."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class MethodView(QWidget):
         self.viewport.update()
 
     def say(self, state: str, tip: str = "", note: str = "") -> None:
-        """Say how far the shape is, more about that, and what went wrong."""
+        """Show the progress, details and failure."""
         if state != self._state.text():
             self._state.setText(state)
         self._state.setToolTip(tip)
@@ -108,11 +108,11 @@ class MethodView(QWidget):
 
     @property
     def said(self) -> tuple[str, str]:
-        """How far the shape is, and what went wrong."""
+        """Progress and failure."""
         return self._state.text(), self._note.text()
 
     def picture(self, sharpness: int) -> np.ndarray:
-        """The shape on white, with so many pixels for each on the screen, (h, w, 3) uint8 array."""
+        """Shape on white at a pixel ratio, (h, w, 3) uint8."""
         view = self.viewport
         wide, high = view.ren_win.GetSize()
         view.set_theme("#ffffff")
@@ -122,7 +122,7 @@ class MethodView(QWidget):
         return pixels
 
     def _refresh(self) -> None:
-        """Measure the shape that is about to be drawn, and colour it."""
+        """Measure and colour the shape about to be drawn."""
         surface = self.surface
         if self._change is None or surface.shape_revision == self._measured:
             return
@@ -135,7 +135,7 @@ class MethodView(QWidget):
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """The least and the largest of the values; None where there are none."""
+        """Least and largest value, or None."""
         return span_of(self.values)
 
     def point_at(self, place: Place | None, unit: Unit) -> None:
@@ -148,7 +148,7 @@ class MethodView(QWidget):
 
     @property
     def read(self) -> str:
-        """The change at the place that is marked, as it is written."""
+        """Change at the marked place, as text."""
         return self._value.text()
 
     def _read(self, place: Place) -> float:

@@ -1,4 +1,4 @@
-"""The scale that several shapes are coloured by: what the colours mean, and how far they reach."""
+"""Colour scale shared by several shapes."""
 
 from __future__ import annotations
 

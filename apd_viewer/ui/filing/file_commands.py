@@ -1,4 +1,4 @@
-"""The commands that open and write files, and the questions that they ask."""
+"""Commands on files, with their questions."""
 
 from __future__ import annotations
 

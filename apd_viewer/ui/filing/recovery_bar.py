@@ -88,7 +88,7 @@ class RecoveryBar(QFrame):
         return self._text.text() if not self.isHidden() else ""
 
     def offer(self, leftovers: list[Leftover]) -> None:
-        """Offer leftovers, which are locked for this window."""
+        """Offer recovered sessions locked for this window."""
         self._waiting = leftovers
         self._show_next()
 

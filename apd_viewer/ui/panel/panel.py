@@ -177,7 +177,7 @@ class Panel(QScrollArea):
         name_keys(self.regions.add, add_region)
 
     def show_status(self, session: Session) -> None:
-        """Show the activity of the solver, and enable what the state allows."""
+        """Show the solver's activity and enable the possible controls."""
         state = session.store.state
         self.setEnabled(state is not None)
         self.handles.reset.setEnabled(state is not None and not state.is_at_rest)

@@ -1,4 +1,4 @@
-"""The plots: how a shape came to be what it is, and how it differs from rest, drawn with every frame."""
+"""Live plots of the gesture and the deviation from rest."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _FINE = 2.0 ** np.linspace(-2.0, 2.0, 161)  # ratios of areas between which a fi
 
 
 class _ChartWords(NamedTuple):
-    """What is said of a chart that can be chosen."""
+    """Texts of a chart in the menu."""
 
     title: str
     tip: str
@@ -69,7 +69,7 @@ _AT_FIRST = ("error", "area", "local")
 
 
 class Plots(QWidget):
-    """Charts beside each other, or below each other where there is more room, and what chooses among them.
+    """Charts side by side or stacked, and the menu to choose them.
 
     They read the session when they are drawn, so they cost nothing while they cannot be seen.
 
@@ -151,14 +151,14 @@ class Plots(QWidget):
         return menu
 
     def _offer(self) -> None:
-        """Offer to save what there is."""
+        """Offer to save the plots."""
         for action in self._pictures:
             action.setEnabled(any(not view.isHidden() for view in self.views.values()))
         self._numbers.setEnabled(len(self._store.trace) > 1)
         self._histogram.setEnabled(self._store.state is not None)
 
     def end(self) -> None:
-        """Wait for what is compiled: while the interpreter ends it would take that down."""
+        """Wait for compilation: at interpreter exit it would crash."""
         if self._loading.ident is not None:
             self._loading.join()
 
@@ -195,7 +195,7 @@ class Plots(QWidget):
         self._none.setVisible(not any(button.isChecked() for button in self.choices.values()))
 
     def sizeHint(self) -> QSize:
-        """So much that the charts are no strip, and the canvas stays the largest."""
+        """Height for readable charts below a larger canvas."""
         return _SIZE
 
     def minimumSizeHint(self) -> QSize:
@@ -203,7 +203,7 @@ class Plots(QWidget):
         return _SMALLEST
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Put the charts beside each other where it is wide, below each other where it is high."""
+        """Arrange the charts by the aspect of the dock."""
         super().resizeEvent(event)
         self._turn(self.width() > max(_WIDE, self.height()))
 
@@ -218,14 +218,14 @@ class Plots(QWidget):
         self._head.addWidget(self.save, 0, len(self.choices) + 1)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Keep no shape that nobody looks at."""
+        """Drop the shapes kept while visible."""
         self._measured = None
         super().hideEvent(event)
 
     # What is plotted
 
     def _chart(self, name: str) -> Chart:
-        """What a view shows, as things are now."""
+        """Current content of a chart."""
         state, trace = self._store.state, self._store.trace
         if name == "error":
             return reading_charts.area_error(state, trace)
@@ -242,7 +242,7 @@ class Plots(QWidget):
         return reading_charts.local_change(self._local_change(state))
 
     def _ready(self) -> bool:
-        """Whether the histogram can be found; the very first time it is compiled, which takes seconds."""
+        """True if the histogram is compiled; at first that takes seconds."""
         if self._loading.ident is None:
             self._loading.start()
         if self._loading.is_alive():
@@ -252,7 +252,7 @@ class Plots(QWidget):
         return True
 
     def _local_change(self, state: State) -> LocalChange:
-        """How the triangles differ from rest; found once for a shape."""
+        """Local area change of a state, computed once a shape."""
         U, mesh = state.frame.U, state.document.mesh
         if self._measured is None or self._measured[0] is not U:
             self._measured = U, local_change(U, state.skin.F, triangle_areas(mesh.V, mesh.F))
@@ -292,7 +292,7 @@ class Plots(QWidget):
         write_table(path, COLUMNS, self._store.trace.rows)
 
     def write_histogram(self, path: Path) -> None:
-        """Write the histogram of the local change as CSV, finer than it is drawn; raises InputError."""
+        """Write the histogram as CSV, finer than drawn; raises InputError."""
         state = self._store.state
         assert state is not None
         octaves = np.concatenate([[-np.inf], np.log2(_FINE), [np.inf]])
@@ -302,7 +302,7 @@ class Plots(QWidget):
 
 
 class ChartView(QWidget):
-    """A place in which a chart is drawn.
+    """Widget of a chart.
 
     Parameters
     ----------

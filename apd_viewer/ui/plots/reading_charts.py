@@ -30,7 +30,7 @@ _SMALLEST = 0.02  # % of the area and the volume; changes smaller than that are 
 
 
 def area_error(state: State | None, trace: Trace) -> Chart:
-    """How far the area is from what is asked, by iteration, against what is accepted."""
+    """Chart of the area error by iteration, against the tolerance."""
     title = tr("Area error by iteration")
     if state is None or len(trace) < 2:
         return Chart(title, empty=tr("Move a handle to see the area error here."))
@@ -52,7 +52,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
 
 
 def _accepted(document: Document) -> tuple[float | None, str]:
-    """The relative error of the area that is accepted, and its name; None where the area is free."""
+    """Tolerance of the area and its name; None if the area is free."""
     if kept_percentages(document)[0] is None:
         return None, ""
     if document.traits.has_tolerance:
@@ -80,7 +80,7 @@ def energy(trace: Trace, unit: Unit) -> Chart:
 
 
 def area_and_volume(state: State | None, trace: Trace) -> Chart:
-    """How area and volume change along the gesture, against rest."""
+    """Chart of area and volume along the gesture, against rest."""
     title = tr("Area and volume along the gesture")
     if state is None or len(trace) < 2:
         return Chart(title, empty=tr("Move a handle to see area and volume here."))
@@ -96,7 +96,7 @@ def area_and_volume(state: State | None, trace: Trace) -> Chart:
 
 
 def local_change(change: LocalChange | None, empty: str = "") -> Chart:
-    """How much of the surface has grown and shrunk, and by how much."""
+    """Chart of the surface shares grown and shrunk."""
     title = tr("Local area change")
     if change is None:
         return Chart(title, empty=empty)
@@ -119,13 +119,13 @@ def _seconds(trace: Trace) -> Axis:
 
 
 def _let_go(trace: Trace) -> tuple[Mark, ...]:
-    """Where the hand let go, and the shape began to settle."""
+    """Mark of the release, after which the shape converges."""
     moment, last = trace.released_at, float(trace["seconds"][-1])
     return (Mark(moment, tr("released")),) if moment is not None and moment < last else ()
 
 
 def _percent(fraction: float) -> str:
-    """A fraction in percent, with three digits that count; what is nothing but rounding is zero."""
+    """Fraction in percent, three digits, rounding shown as zero."""
     percent = 100.0 * fraction
     if percent < 100.0 * _ROUNDING:
         return "0"

@@ -1,4 +1,4 @@
-"""Text for a report of a defect: versions, OpenGL, the end of the log, the last crash."""
+"""Diagnostics for bug reports: versions, OpenGL, log, last crash."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _LINES = 100  # of the log
 
 
 def diagnostics(opengl: str) -> str:
-    """Return all that helps to find a defect, without a folder of the user and without a mesh.
+    """Diagnostics as text, without the user's folders and meshes.
 
     Parameters
     ----------
@@ -28,13 +28,13 @@ def diagnostics(opengl: str) -> str:
 
 
 def _last_lines() -> list[str]:
-    """End of the log of this process; empty where none is written."""
+    """End of this process's log; empty if there is none."""
     file = log.current_file()
     return [] if file is None else _lines(file)[-_LINES:]
 
 
 def _last_crash() -> list[str]:
-    """The last crash of any process, after the name of its file; empty if none is kept."""
+    """Last crash of any process, after its file name; empty if none."""
     for path in sorted(log.folder().glob("*.crash"), reverse=True):  # named by their time
         if lines := _lines(path):
             return [path.name, *lines]

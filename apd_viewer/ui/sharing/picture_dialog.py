@@ -1,4 +1,4 @@
-"""Asks what a picture shall be, and shows it small."""
+"""Dialog for a picture, with a preview."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SQUARE = 8  # px
 
 
 class _Preview(QWidget):
-    """A picture as large as there is room, on squares where it is transparent."""
+    """Preview on squares for transparency."""
 
     def __init__(self) -> None:
         super().__init__(accessibleName=tr("Preview"))
@@ -53,7 +53,7 @@ class _Preview(QWidget):
 
 
 class PictureDialog(QDialog):
-    """Size, background and what is drawn over it.
+    """Size, background and overlays of a picture.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ class PictureDialog(QDialog):
 
     @property
     def wish(self) -> Wish:
-        """What was said."""
+        """Chosen settings."""
         size = QSize(int(self.width_.value()), int(self.height_.value()))
         return Wish(size, self.transparent.isChecked(), self.legend.isChecked(), self.gizmo.isChecked())
 
@@ -171,13 +171,13 @@ class PictureDialog(QDialog):
         self._soon.start()
 
     def _show_times(self) -> None:
-        """Name the multiple of the view that the size is."""
+        """Name the multiple of the view's size."""
         size = self.wish.size
         found = [times for times in _TIMES if self._pictures.view_size * times == size]
         self.times.setCurrentIndex(self.times.findData(found[0] if found else 0))
 
     def _show(self) -> None:
-        """Take the picture small, and say where it cannot be taken at its size."""
+        """Preview the picture, and tell if its size cannot be drawn."""
         wish = self.wish
         small = wish.size.scaled(_PREVIEW, Qt.AspectRatioMode.KeepAspectRatio).expandedTo(QSize(1, 1))
         try:

@@ -28,7 +28,7 @@ _MARGIN, _ROUND = 12.0, 8.0  # pixels of the window
 
 @dataclass(frozen=True)
 class Wish:
-    """What a picture shall be.
+    """Settings of a picture.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Wish:
 
 
 class Pictures:
-    """Takes pictures of what a canvas shows.
+    """Takes pictures of a canvas.
 
     Parameters
     ----------
@@ -68,12 +68,12 @@ class Pictures:
 
     @property
     def has_legend(self) -> bool:
-        """Whether there is an overlay, and a legend of it."""
+        """True if an overlay with a legend is shown."""
         return self._looks.heat.measure is not None
 
     @property
     def has_gizmo(self) -> bool:
-        """Whether there is a gizmo to be seen."""
+        """True if the gizmo is shown."""
         return self._canvas.gizmo.visible
 
     def save(self, path: Path, wish: Wish) -> None:
@@ -110,7 +110,7 @@ class Pictures:
         check_size(self._canvas.viewport, size)
 
     def taken(self, wish: Wish) -> QImage:
-        """The picture; raises InputError where it is too large to be drawn."""
+        """Picture; raises InputError if too large to be drawn."""
         view = self._canvas.viewport
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
@@ -136,7 +136,7 @@ class Pictures:
         return image
 
     def _draw_legend(self, painter: QPainter) -> None:
-        """Draw a card above the lower left corner, where the painter stands."""
+        """Draw a card above the painter's lower left corner."""
         heat, theme = self._looks.heat, DARK if self._canvas.viewport.dark else LIGHT
         card = QRectF(_MARGIN, -_MARGIN - HEIGHT, WIDTH, HEIGHT)
         painter.setPen(QPen(QColor(theme.line), 1.0))

@@ -1,4 +1,4 @@
-"""What others are given to look at: the report, and pictures."""
+"""Reports and pictures for others."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _LONGEST = 24_000_000  # bytes of a session; base64 adds a third
 
 @dataclass(frozen=True, eq=False)
 class _Measured:
-    """What was found out for a report, and how the area has changed at the vertices."""
+    """Slow measurements for a report, and the area change at the vertices."""
 
     evidence: Evidence
     values: np.ndarray
@@ -95,12 +95,12 @@ class Reporting:
         self._wish: Wish | None = None
 
     def copy_diagnostics(self) -> None:
-        """Copy what helps to find a defect to the clipboard."""
+        """Copy diagnostics to the clipboard."""
         QGuiApplication.clipboard().setText(diagnostics(self._canvas.viewport.opengl))
         self._notice.tell(tr("Diagnostics copied; paste them into your report."))
 
     def ask(self) -> None:
-        """Let the user choose where to write a report."""
+        """Choose a target and write a report."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_where_to_report(self._window, self._memory.folder, state.document.mesh)
@@ -108,7 +108,7 @@ class Reporting:
             self.write(path)
 
     def ask_for_picture(self) -> None:
-        """Let the user say what picture to take, and where to write it."""
+        """Choose a picture's settings and target, and write it."""
         if (state := self._session.store.state) is None:
             return
         pictures = self.pictures
@@ -145,13 +145,13 @@ class Reporting:
         )
 
     def _scale(self, state: State) -> Scale:
-        """The scale on which the user looks at the local change."""
+        """Colour scale of the local area change in use."""
         V, F = state.document.mesh.V, state.document.mesh.F
         size = float(np.linalg.norm(np.ptp(V[F.ravel()], axis=0))) or 1.0
         return self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, size)
 
     def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
-        """Take the pictures, for which there is only this thread, and have the page written."""
+        """Take the pictures on this thread, and write the page in the background."""
         session, now = self._session, self._session.store.state
         if now is not None and now.frame.U is subject.state.frame.U:  # its shape check may be finished by now
             examining = session.shape_checks
@@ -205,7 +205,7 @@ class Reporting:
 
 
 def _measured(state: State, view: View, scale: Scale) -> _Measured:
-    """Find out what takes a while."""
+    """Compute the slow measurements."""
     mesh, skin, U = state.document.mesh, state.skin, state.frame.U
     values = Deviation(mesh.V, skin.joined, skin.source).area(U)
     shades = np.full(len(U), 255, dtype=np.uint8)
@@ -219,7 +219,7 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
 
 
 def _session_of(state: State, view: View) -> bytes:
-    """A session with all of it, which tells nobody where the mesh was; nothing where it is too long."""
+    """Session file without the mesh's place; empty if too long."""
     document = state.document
     state = replace(state, document=replace(document, mesh=document.mesh.homeless()))
     with tempfile.TemporaryDirectory() as folder:

@@ -51,7 +51,7 @@ class CommandProcess(QObject):
 
     @property
     def running(self) -> bool:
-        """Whether a command is under way."""
+        """True while a command runs."""
         return self._process is not None
 
     def start(self, words: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""Dialog that re-runs the paper's tables and compares the results."""
+"""Dialog for re-running the paper's tables and comparing results."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class PaperDialog(QDialog):
         resize_on_screen(self, QSize(640, self._column.totalHeightForWidth(640)))
 
     def _make_room(self) -> None:
-        """Grow where the progress bar would cover text."""
+        """Grow if the progress bar would cover text."""
         self._column.activate()
         needed = self._column.totalHeightForWidth(self.width())
         if needed > self.height():
