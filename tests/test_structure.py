@@ -1,0 +1,108 @@
+"""The structure stays readable: limits on sizes, on late construction and on the words of docstrings."""
+
+import pytest
+from structure import (
+    QUESTION,
+    RELATIVE,
+    Module,
+    body_lengths,
+    first_lines,
+    folder_sizes,
+    forwarders,
+    homonyms,
+    late_starts,
+    local_imports,
+    method_comparisons,
+    method_counts,
+    modules,
+    percentile,
+)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return modules()
+
+
+def test_folders_and_files_are_small(found):
+    assert max(folder_sizes(found).values()) <= 20
+    assert percentile([len(module.lines) for module in found], 0.9) <= 200
+
+
+def test_functions_and_classes_are_small(found):
+    assert percentile(body_lengths(found), 0.9) <= 15
+    assert {name: count for name, count in method_counts(found).items() if count > 25} == {}
+
+
+def test_few_methods_only_forward(found):
+    assert len(forwarders(found)) < 0.02 * len(body_lengths(found))
+
+
+def test_nothing_in_the_window_is_completed_after_its_constructor(found):
+    assert late_starts(found) == []
+
+
+def test_traits_decide_and_not_the_names_of_methods(found):
+    assert method_comparisons(found) == []
+
+
+def test_imports_in_functions_have_their_reason(found):
+    assert [place for place, explained in local_imports(found) if not explained] == []
+
+
+def test_each_class_has_a_name_of_its_own(found):
+    assert homonyms(found) == []
+
+
+def test_docstrings_begin_with_a_name_or_an_imperative(found):
+    lines = first_lines(found)
+    assert [place for place, text in lines if QUESTION.match(text)] == []
+    assert [place for place, text in lines if len(text) > 80] == []
+
+
+def test_relative_clauses_are_rare_in_first_lines(found):
+    texts = [text for _, text in first_lines(found)]
+    assert sum(len(RELATIVE.findall(text)) for text in texts) <= 0.1 * len(texts)
+
+
+BAD = Module(
+    "ui/odd.py",
+    '''
+class Odd:
+    """What is odd, which nobody names."""
+
+    def start(self):
+        import json
+
+        return self.part.of(json)
+
+    def forward(self, a, b):
+        return self.part.forward(a, b)
+
+    @property
+    def length(self):
+        """Length."""
+        return self.part.length
+
+    def total(self, a):
+        return self.part.total(a, 1)
+
+
+def odd(method):
+    return method == "paper" or method in ("exact", "local")
+''',
+)
+
+
+def test_the_figures_see_what_they_should():
+    """A measure that finds nothing would keep all limits."""
+    assert [line.split()[1] for line in forwarders([BAD])] == ["forward", "length"]
+    assert len(method_comparisons([BAD])) == 2
+    assert [line.split()[1] for line in late_starts([BAD])] == ["start"]
+    assert [explained for _, explained in local_imports([BAD])] == [False]
+    assert method_counts([BAD]) == {"Odd": 4}
+    texts = [text for _, text in first_lines([BAD])]
+    assert [bool(QUESTION.match(text)) for text in texts] == [True, False]
+    assert len(RELATIVE.findall(texts[0])) == 2
+    assert homonyms([BAD, BAD]) == ["Odd"]
+    assert folder_sizes([BAD]) == {"ui": 1}
