@@ -93,7 +93,7 @@ class RunBar(QWidget):
 
     @property
     def running(self) -> bool:
-        """Whether a command is in progress."""
+        """True while a command is in progress."""
         return self._job is not None or self._command.running
 
     @property
