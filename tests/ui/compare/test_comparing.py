@@ -208,7 +208,7 @@ def asked(monkeypatch, path):
 def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, tmp_path):
     asked(monkeypatch, tmp_path / "methods")
     qtbot.mouseClick(side.save_table, LEFT)
-    assert side.status.text() == "Wrote methods.csv."
+    assert side.status.text() == "Saved methods.csv."
     with (tmp_path / "methods.csv").open(newline="", encoding="utf-8") as stream:
         lines = list(csv.DictReader(stream))
     assert [line["method"] for line in lines] == list(side.views)

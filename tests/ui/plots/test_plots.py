@@ -237,7 +237,7 @@ def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
     texts = ["".join(node.itertext()).strip() for node in tree.iter("{http://www.w3.org/2000/svg}text")]
     assert [text for text in texts if text in shown] == shown
     assert not any("gesture" in text for text in texts)
-    assert plotted.notice.text == "Wrote plots.svg."
+    assert plotted.notice.text == "Saved plots.svg."
     asked(monkeypatch, tmp_path / "plots.png")
     png.trigger()
     image = QImage(str(tmp_path / "plots.png"))

@@ -129,7 +129,7 @@ def test_the_screen_stays_as_it_is(still):
 
 def test_a_picture_that_is_too_large_is_refused_in_a_sentence(still, tmp_path):
     view = still.canvas.viewport
-    with pytest.raises(InputError, match=r"up to [\d,]+ pixels a side on this computer"):
+    with pytest.raises(InputError, match=r"up to [\d,]+ pixels per side on this computer"):
         scene_picture(view, QSize(1_000_000, 10))
     with pytest.raises(InputError, match="up to 200 million pixels"):
         scene_picture(view, QSize(15_000, 15_000))
@@ -144,7 +144,7 @@ def test_a_file_has_the_picture(qtbot, still, tmp_path):
     wish = Wish(SIZE, transparent=True, gizmo=True)
     still.reporting.pictures.save(tmp_path / "p.png", wish)
     idle(qtbot, still)
-    assert still.notice.text == "Wrote p.png: 400 × 300 pixels."
+    assert still.notice.text == "Saved p.png: 400 × 300 pixels."
     image = QImage(str(tmp_path / "p.png"))
     assert image.size() == SIZE
     taken = pixels(still.reporting.pictures.taken(wish))
@@ -213,7 +213,9 @@ def test_the_clipboard_has_the_view(qtbot, still):
 
 @pytest.fixture
 def dialog(qtbot, still):
-    dialog = PictureDialog(still, still.reporting.pictures, Wish(still.reporting.pictures.view_size * 2))
+    dialog = PictureDialog(
+        still.shell, still.reporting.pictures, Wish(still.reporting.pictures.view_size * 2)
+    )
     dialog.show()
     qtbot.waitExposed(dialog)
     yield dialog

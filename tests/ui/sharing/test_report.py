@@ -81,7 +81,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     page = write(qtbot, window, path)
     panel, rows = window.panel, page.rows
     assert page.wrong == []
-    assert window.notice.text == "Wrote report.html."
+    assert window.notice.text == "Saved report.html."
 
     area = rows["Area"]
     assert area["Area"] == f"{panel.area.percent.text()}\n{panel.area.area.text()}"
