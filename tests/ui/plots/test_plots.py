@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMenu
 
 from apd_viewer.presentation.color_maps import DIVERGING
 from apd_viewer.session.model.trace import COLUMNS
-from apd_viewer.ui.filing import plot_export
+from apd_viewer.ui.plots import plots as plots_module
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.widgets.theme import DARK, LIGHT
 
@@ -211,7 +211,7 @@ def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size)
 
 
 def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
-    plotted._set_scheme(Qt.ColorScheme.Dark)
+    plotted.shell.set_scheme(Qt.ColorScheme.Dark)
     twist(qtbot, plotted)
     picture = plotted.plots.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
     pixels = np.frombuffer(picture.constBits(), np.uint32).reshape(picture.height(), -1) & 0xFFFFFF
@@ -221,7 +221,7 @@ def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
 
 
 def asked(monkeypatch, path):
-    monkeypatch.setattr(plot_export, "ask_where", lambda *_: path)
+    monkeypatch.setattr(plots_module, "ask_where", lambda *_: path)
 
 
 def test_pictures_show_what_is_shown(qtbot, plotted, monkeypatch, tmp_path):
