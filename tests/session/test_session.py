@@ -589,7 +589,7 @@ def test_the_first_drag_after_painting_does_not_leap(session, method, most):
 
 @pytest.mark.parametrize(
     ("error", "said"),
-    [(ValueError("not positive definite"), "not positive definite"), (MemoryError(), "not enough memory")],
+    [(ValueError("not positive definite"), "not positive definite"), (MemoryError(), "Not enough memory")],
 )
 def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch, caplog, error, said):
     session.drag(BENT)

@@ -40,7 +40,7 @@ _log = logging.getLogger(__name__)
 _NOTHING = np.zeros((0, 3))
 _MOMENT = 0.0005  # s
 _SOON = 1.0  # s
-_NO_ROOM = tr("There is not enough memory for this mesh; close other programs and try again.")
+_NO_ROOM = tr("Not enough memory for this mesh; close other programs and try again.")
 # Matrices with this many rows take more than half a second to factor.
 _LARGE = 100_000
 

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
-from apd_viewer.geometry.solver.methods import METHODS, OFFERED
+from apd_viewer.geometry.solver.methods import OFFERED, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_parts import IDENTITY
@@ -61,12 +61,7 @@ def sweep_of(
     if iterations < 1:
         raise InputError(tr("Each step needs at least one iteration; enter a larger number."))
     for method in methods:
-        if method not in METHODS:
-            raise InputError(
-                tr("Unknown method {method}; choose from {methods}.").format(
-                    method=method, methods=", ".join(METHODS)
-                )
-            )
+        method_named(method)
     if not methods or len(set(methods)) < len(methods):
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:

@@ -127,7 +127,7 @@ WRONG = {
     "a method twice": (lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=["arap"] * 2), "once"),
     "an unknown method": (
         lambda bar: sweep_of(bar.with_pose(0, BENT), 3, methods=["fast"]),
-        "no method fast",
+        "Unknown method 'fast'",
     ),
     "half turn": (
         lambda bar: sweep_of(bar.with_pose(0, turned_about([1, 1, 0], [0, 0, 1], np.pi)), 3),

@@ -66,7 +66,7 @@ def side(qtbot, bar):
 
 def measured(side):
     """Whether what was measured last is what has settled."""
-    change = side.views["arap"]._measure[0]
+    change = side.views["arap"]._change
     return all(np.array_equal(v.values, change.area(v.surface.shape)) for v in side.views.values())
 
 
@@ -286,7 +286,7 @@ def test_esc_stops_and_the_window_goes_with_the_main_one(qtbot, bar, monkeypatch
     assert side.views["local"].said[0] == "not started"
     assert len(solvers()) == own
     assert side.isVisible()
-    bar.close()
+    bar.shell.close()
     assert not side.isVisible()
 
 
