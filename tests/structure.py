@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from apd_viewer.geometry.solver.methods import METHODS
+
 PACKAGE = Path(__file__).parents[1] / "apd_viewer"
-METHODS = {"arap", "paper", "exact", "local", "sr-arap"}
 METHOD_TABLE = "geometry/solver/methods.py"
 QUESTION = re.compile(r"(what|how|where|which|whether|who|whom|whose|when|why)\b", re.IGNORECASE)
 RELATIVE = re.compile(r"\b(that|which|who|whom|whose|where|what)\b", re.IGNORECASE)

@@ -30,6 +30,17 @@ class ScaleKind(Enum):
     LENGTH = "length"
     CURVATURE = "curvature"
 
+    @property
+    def factor(self) -> float:
+        """Displayed number for the value 1."""
+        return 100.0 if self is ScaleKind.RATIO else 1.0
+
+    def suffix(self, unit: Unit) -> str:
+        """Unit behind a displayed number."""
+        if self is ScaleKind.RATIO:
+            return "\u00a0%"
+        return unit.curvature("") if self is ScaleKind.CURVATURE else unit.length("")
+
 
 class Words(NamedTuple):
     """Title and tip of a measure, and its values.

@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, ScaleKind
+from apd_viewer.presentation.scales import Measure, Scale
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.scale_bar import ScaleBar
 from apd_viewer.ui.widgets.event_barrier import shield
@@ -110,18 +110,12 @@ class Legend(QFrame):
         self.choice.setCurrentIndex(list(Measure).index(scale.measure))
         self.choice.setToolTip(scale.measure.words.tip)
         self.bar.show_scale(scale, unit)
-        ratio = scale.measure.words.kind is ScaleKind.RATIO
-        factor = 100.0 if ratio else 1.0
-        suffix = {
-            ScaleKind.RATIO: "\u00a0%",
-            ScaleKind.LENGTH: unit.length(""),
-            ScaleKind.CURVATURE: unit.curvature(""),
-        }[scale.measure.words.kind]
+        kind = scale.measure.words.kind
         for field, value, least in ((self.reach, scale.reach, _LEAST), (self.neutral, scale.neutral, 0.0)):
             field.blockSignals(True)
             field.setRange(least, 1.0 / _LEAST)
-            field.setSuffix(suffix)
-            field.setValue(factor * value)
+            field.setSuffix(kind.suffix(unit))
+            field.setValue(kind.factor * value)
             field.blockSignals(False)
         self._show_lines()
         self.show()
@@ -168,5 +162,5 @@ class Legend(QFrame):
         self.worst.setIcon(icon("worst", theme))
 
     def _enter(self) -> None:
-        factor = 100.0 if self._scale.measure.words.kind is ScaleKind.RATIO else 1.0
+        factor = self._scale.measure.words.kind.factor
         self.scaled.emit(self.reach.value() / factor, self.neutral.value() / factor)

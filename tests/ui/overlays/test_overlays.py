@@ -14,9 +14,10 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR
-from apd_viewer.presentation.scales import Measure, Scale
+from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.workbench import Workbench
@@ -270,6 +271,16 @@ def test_the_legend_changes_the_overlay_and_switches_it_off(qtbot, area):
     qtbot.mouseClick(legend.close_button, LEFT)
     assert area.looks.heat.measure is None
     assert area.actions_.looks.off.isChecked()
+
+
+@pytest.mark.parametrize("measure", Measure)
+def test_the_legend_shows_the_scale_of_every_measure(qtbot, measure):
+    legend = Legend()
+    qtbot.addWidget(legend)
+    scale = usual(measure, 1.0)
+    legend.show_scale(scale, Unit.MILLIMETRE)
+    assert legend.reach.value() == pytest.approx(measure.words.kind.factor * scale.reach)
+    assert legend.reach.suffix() == measure.words.kind.suffix(Unit.MILLIMETRE) != ""
 
 
 def test_the_legend_is_beside_the_ways_to_choose_where_it_is_as_high(qtbot, window):
