@@ -100,7 +100,7 @@ def test_the_script_reproduces_the_samples(tmp_path):
 
 
 def test_every_icon_is_used_and_every_one_that_is_used_is_there():
-    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer" / "ui").glob("*.py"))
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "apd_viewer" / "ui").rglob("*.py"))
     assert [name for name in ICONS if f'"{name}"' not in sources and not name.startswith("nudge-")] == []
     assert set(re.findall(r'icon\("([a-z-]+)"', sources)) <= set(ICONS)
 

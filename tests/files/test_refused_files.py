@@ -101,7 +101,7 @@ REFUSED = {
     "absurd last.obj": (OBJ + "f 1 2 99999999999999999999 # 4\n", "has a vertex index out of range"),
     "thousands of digits.off": (OFF.replace("4 4 0", "9" * 5000 + " 4 0"), "“9+” is not a whole number"),
     "hexadecimal.off": (OFF.replace("1 0 0", "0x10 0 0"), "“0x10” is not a number"),
-    "beyond all sizes.obj": (OBJ.replace("v 1 0 0", "v 1e200 0 0"), r"coordinates of up to 1e\+200"),
+    "beyond all sizes.obj": (OBJ.replace("v 1 0 0", "v 1e200 0 0"), r"coordinates as large as 1e\+200"),
     "twice the vertices.ply": (PLY.replace("element face 4", "element vertex 4"), "uses one name twice"),
     "lists of coordinates.ply": (PLY.replace("float x", "list uchar float x"), "lists of coordinates"),
     "fractions for faces.ply": (PLY.replace("uchar int", "uchar float"), "have fractional vertex indices"),

@@ -373,7 +373,7 @@ def handouts(driver):
 
     window, path = driver.window, driver.folder / "out.html"
     pictures = window.reporting.pictures
-    dialog = PictureDialog(window, pictures, Wish(pictures.view_size))
+    dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
     dialog.show()
     driver.scene("a picture", dialog)
     dialog.width_.setValue(32_768)

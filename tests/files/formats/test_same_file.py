@@ -197,7 +197,7 @@ def test_whole_numbers_cannot_become_others(tmp_path):
     path = tmp_path / "whole.ply"
     path.write_bytes(ply(V, F).replace(b"double", b"int").replace(b".0", b""))
     mesh = open_mesh(path)
-    with pytest.raises(InputError, match="whole numbers"):
+    with pytest.raises(InputError, match="integer coordinates"):
         save_mesh(mesh, mesh.V * 1.01, tmp_path / "out.ply")
 
 

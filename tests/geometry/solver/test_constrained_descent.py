@@ -67,7 +67,7 @@ def test_without_goals_it_is_the_plain_iteration(move):
 
 def kkt_residual(rest, method):
     """The part of the energy's gradient that the goals' gradients do not balance, relative to it."""
-    elastic = method._elastic
+    elastic = method.elastic
     free = elastic.free
     slope = 4 * elastic.residual(method.held).ravel()
     gradients = np.empty((len(method.goals), *elastic.U.shape))

@@ -327,7 +327,7 @@ def test_a_changed_mesh_is_not_the_mesh(saved, bar):
     mesh = open_mesh(bar)
     save_mesh(mesh, mesh.V * [1.0, 1.0, 1.0 + 1e-12], bar)
     with pytest.raises(
-        InputError, match=r"bar\.obj is not the mesh that a\.apd was made with \(it has been changed"
+        InputError, match=r"bar\.obj is not the mesh that a\.apd was saved with \(it has been changed"
     ):
         open_session(saved)
     cube = Mesh(*box(1, 1, 1))

@@ -158,7 +158,7 @@ def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
     assert not shiboken6.isValid(process) or process.state() is QProcess.ProcessState.NotRunning
     bar.actions_.pose.sweep.trigger()
     assert bar.studies.dialogs["sweep"].isVisible()
-    bar.close()
+    bar.shell.close()
     assert bar.studies.dialogs == {}
 
 
