@@ -26,6 +26,7 @@ pytestmark = pytest.mark.usefixtures("process")
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
 ROOT = Path(__file__).parents[3]
+RESTART = 10.0  # s; a new solver process takes 1.3 to 2.1 s where nothing else wants the cores
 
 
 def pid_of(session: Driven) -> int | None:
@@ -81,8 +82,8 @@ def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
         kill(session)
         assert session.store.state.document is document
         session.handles.drag(pose(0.1 * k + 0.15))
-        next_frame(session, 3.0)
-        assert time.monotonic() - killed < 3.0
+        next_frame(session, RESTART)
+        assert time.monotonic() - killed < RESTART
         assert np.abs(session.U - U).max() < 1.0, "it goes on from where it was"
     document = session.store.state.document
     session.gestures.end("Move handle")
@@ -116,7 +117,7 @@ def test_without_a_word_from_the_user_it_goes_on_from_the_last_shape(empty, alte
     changes = len(session.changes)
     kill(session)
     session.until(lambda: session.told)
-    next_frame(session, 3.0)
+    next_frame(session, RESTART)
     session.listen(0.1)
     rest = session.store.state.document.mesh.V
     for _, state in session.changes[changes:]:
