@@ -123,7 +123,7 @@ class Group(QWidget):
         grid.setContentsMargins(0, 8, 0, 4)
         heading = QLabel(title, objectName="heading")
         heading.setContentsMargins(8, 0, 0, 4)
-        grid.addWidget(heading)
+        grid.addWidget(heading, 0, 0, Qt.AlignmentFlag.AlignLeft)  # no wider than its words
         for row in rows:
             grid.addWidget(row)
 
