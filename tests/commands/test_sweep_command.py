@@ -161,7 +161,10 @@ WRONG = {
         "use the ending .gif or",
     ),
     "an angle that is none": (lambda bar: [*bar, "--twist", "9mm"], "unit of length"),
-    "a method that is none": (lambda bar: [*bar, "--twist", "9", "--methods", "arap,x"], "Unknown method x"),
+    "a method that is none": (
+        lambda bar: [*bar, "--twist", "9", "--methods", "arap,x"],
+        "Unknown method 'x'",
+    ),
     "too many motions": (
         lambda bar: [*bar, *["--transform", bar[0].parent / "bent.def"] * 2],
         "1 handles but 2 motions",

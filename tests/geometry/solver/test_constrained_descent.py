@@ -98,7 +98,7 @@ def test_at_the_end_the_conditions_of_karush_kuhn_and_tucker_hold(mesh, shift, a
     assert method.met
     residual, multipliers = kkt_residual(rest, method)
     assert residual <= 1e-6
-    assert 4 * method._mult == pytest.approx(multipliers, rel=1e-4)
+    assert 4 * method.multipliers == pytest.approx(multipliers, rel=1e-4)
 
 
 def rest_scaled(rest, fixed, targets, iterations):
