@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from apd_viewer.presentation.number_format import raised
+from apd_viewer.presentation.number_format import grouped, raised, round_step, signed
 
-_MINUS = "−"
 _FEWEST = 1e-12
 
 Ticks: TypeAlias = list[tuple[float, str]]
@@ -37,18 +36,18 @@ def linear(low: float, high: float, suffix: str = "", whole: bool = False) -> Ax
         high = low + 1.0
 
     def ticks(most: int) -> Ticks:
-        step = _step((high - low) / max(1, most))
+        step = round_step((high - low) / max(1, most))
         step = max(step, 1.0) if whole else step
         decimals = max(0, -math.floor(math.log10(step) + 1e-9))
         first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-        return [(k * step, f"{_number(k * step, decimals)}{suffix}") for k in range(first, last + 1)]
+        return [(k * step, f"{grouped(k * step, decimals)}{suffix}") for k in range(first, last + 1)]
 
     return Axis(low, high, ticks)
 
 
 def rounded(low: float, high: float, suffix: str = "") -> Axis:
     """The axis extended to round numbers at both ends."""
-    step = _step((high - low) / 4.0) if high > low else 1.0
+    step = round_step((high - low) / 4.0) if high > low else 1.0
     return linear(step * math.floor(low / step + 1e-9), step * math.ceil(high / step - 1e-9), suffix)
 
 
@@ -87,11 +86,11 @@ def ratios(reach: float) -> Axis:
 
 
 def _percents(reach: float, most: int) -> Ticks:
-    step = _step(2.0 * (reach - 1.0) / max(1, most))
+    step = round_step(2.0 * (reach - 1.0) / max(1, most))
     decimals = max(0, -math.floor(math.log10(100.0 * step) + 1e-9))
     count = math.floor((reach - 1.0) / step + 1e-9)
     changes = [k * step for k in range(-count, count + 1)]
-    return [(math.log2(1.0 + c), f"{_signed(100.0 * c, decimals)} %") for c in changes]
+    return [(math.log2(1.0 + c), f"{signed(100.0 * c, decimals)} %") for c in changes]
 
 
 def _factors(high: float, most: int) -> Ticks:
@@ -99,19 +98,3 @@ def _factors(high: float, most: int) -> Ticks:
     count = math.floor(high / every + 1e-9)
     steps = [k * every for k in range(-count, count + 1)]
     return [(float(k), "1" if k == 0 else f"{'×' if k > 0 else '÷'}{2 ** abs(k):,}") for k in steps]
-
-
-def _step(least: float) -> float:
-    """Smallest 1-2-5 step not below a value."""
-    scale = 10.0 ** math.floor(math.log10(least))
-    return next(k * scale for k in (1.0, 2.0, 5.0, 10.0, 20.0) if k * scale >= least * (1.0 - 1e-9))
-
-
-def _number(x: float, decimals: int) -> str:
-    text = f"{x:,.{decimals}f}"
-    return (f"{0:.{decimals}f}" if float(text.replace(",", "")) == 0 else text).replace("-", _MINUS)
-
-
-def _signed(x: float, decimals: int) -> str:
-    text = _number(x, decimals)
-    return text if text.startswith(_MINUS) or float(text) == 0 else f"+{text}"

@@ -19,6 +19,12 @@ def length(value: float, size: float) -> str:
     return significant(value, 4) if value > _NOTHING * size else "0"
 
 
+def grouped(value: float, decimals: int) -> str:
+    """The number with its thousands grouped."""
+    text = f"{value:,.{decimals}f}"
+    return text.lstrip("-") if float(text.replace(",", "")) == 0 else text.replace("-", "−")
+
+
 def signed(value: float, decimals: int) -> str:
     """The number with its sign; no sign if it rounds to zero."""
     text = f"{value:+.{decimals}f}"
@@ -37,6 +43,15 @@ def place(value: float, step: float) -> str:
     decimals = max(0, -math.floor(math.log10(step)))
     near = abs(float(f"{value:.3g}") - value) <= 0.1 * step
     return (short(value) if near else f"{value:,.{decimals}f}").replace("-", "−")
+
+
+def round_step(least: float) -> float:
+    """Smallest number 1, 2 or 5 times a power of ten not below a value; 1 for 0 or infinity."""
+    if not 0.0 < least < math.inf:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(least))
+    factor = next(f for f in (1.0, 2.0, 5.0, 10.0) if f * power >= least * (1.0 - 1e-9))
+    return float(f"{factor * power:.3g}")
 
 
 def raised(exponent: int) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
-from apd_viewer.presentation.number_format import short
+from apd_viewer.presentation.number_format import round_step, short
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ class Scale:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
         if reach <= _ROUNDING * usual(self.measure, size).reach:
             return self
-        return replace(self, reach=nice(reach))
+        return replace(self, reach=round_step(reach))
 
     @property
     def neutral_share(self) -> float:
@@ -212,8 +212,8 @@ def usual(measure: Measure, size: float) -> Scale:
     if measure.words.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
     if measure.words.kind is ScaleKind.CURVATURE:
-        return Scale(measure, nice(8.0 / size), nice(0.08 / size))
-    return Scale(measure, nice((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
+        return Scale(measure, round_step(8.0 / size), round_step(0.08 / size))
+    return Scale(measure, round_step((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))
 
 
 def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
@@ -221,15 +221,6 @@ def span_of(values: np.ndarray | None) -> tuple[float, float] | None:
     if values is None or np.isnan(values).all():
         return None
     return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
-
-
-def nice(value: float) -> float:
-    """Next 1-2-5 number above a value."""
-    if not 0.0 < value < math.inf:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(value))
-    factor = next(f for f in (1.0, 2.0, 5.0, 10.0) if f * power >= value * (1.0 - 1e-9))
-    return float(f"{factor * power:.3g}")
 
 
 def _number(value: float, signed: bool) -> str:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
+from apd_viewer.presentation.number_format import round_step
 from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS
-from apd_viewer.presentation.scales import Measure, Scale, nice, usual
+from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.session.quantities.units import Unit
 
 # Machado, Oliveira and Fernandes 2009, severity 1.
@@ -86,7 +87,7 @@ def test_the_ends_of_a_ratio_are_one_over_each_other():
 
 @pytest.mark.parametrize(("value", "expected"), [(0.13, 0.2), (0.2, 0.2), (21.0, 50.0), (7e-5, 1e-4)])
 def test_a_nice_number_is_the_next_one_above(value, expected):
-    assert nice(value) == pytest.approx(expected)
+    assert round_step(value) == pytest.approx(expected)
 
 
 def test_a_scale_fits_the_size_of_the_mesh():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from apd_viewer.geometry.analysis.defects import defects
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import TOLERANCE
 from apd_viewer.language import tr, trn
@@ -164,7 +164,7 @@ def of_size(mesh: Mesh) -> Iterator[Finding]:
     mask = np.zeros(len(mesh.V), dtype=bool)
     mask[mesh.F.ravel()] = True
     used = mesh.V[mask]
-    size = float(np.linalg.norm(np.ptp(used, axis=0)))
+    size = diagonal(used)
     away = float(np.linalg.norm(used.mean(axis=0)))
     if size < _TINY:
         yield _found("tiny", tr("The mesh is only {size:.3g} across; check its unit.").format(size=size))

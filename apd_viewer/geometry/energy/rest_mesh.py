@@ -11,6 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
 from apd_viewer.geometry.mesh.loose_vertices import UnreferencedVertices
@@ -72,7 +73,7 @@ class RestMesh:
         self.shape = SolveMesh(V[self.weld.first], self.weld.inverse[F], thinnings)
         used = np.zeros(len(V), dtype=bool)
         used[F.ravel()] = True
-        self.diagonal = float(np.linalg.norm(np.ptp(V[used], axis=0)))
+        self.diagonal = diagonal(V[used])
 
     @cached_property
     def why_no_volume(self) -> str | None:

@@ -14,6 +14,11 @@ def frozen(array: np.ndarray) -> np.ndarray:
     return array
 
 
+def diagonal(points: np.ndarray) -> float:
+    """Diagonal of the bounding box of points (k, 3); a corner may occur twice."""
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
 def numbers(given: object, what: str) -> np.ndarray:
     """Float64 copy of a caller's array, or InputError."""
     try:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.operators import odd_edges, volume
 
@@ -76,5 +76,4 @@ def capped_volume(caps: Caps | None, U: np.ndarray, F: np.ndarray) -> float | No
     if caps is None:
         return None
     inside = volume(U, F) + caps.volume(U, U[F[0, 0]])
-    diagonal = np.linalg.norm(np.ptp(U[F.ravel()], axis=0))
-    return inside if abs(inside) > _FLAT * float(diagonal) ** 3 else None
+    return inside if abs(inside) > _FLAT * diagonal(U[F.ravel()]) ** 3 else None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 
 # Boundary vertices closer than this, in bounding-box diagonals, are welded.
 TOLERANCE = 1e-7
@@ -97,7 +97,7 @@ def _cracks_closed(V: np.ndarray, F: np.ndarray, representative: np.ndarray) -> 
     from scipy.spatial import KDTree  # most meshes have no cracks, and the window opens before it is loaded
 
     border = np.unique(np.concatenate([key[alone] // len(V), key[alone] % len(V)]))
-    near = TOLERANCE * np.linalg.norm(np.ptp(V[corners.ravel()], axis=0))
+    near = TOLERANCE * diagonal(V[corners.ravel()])
     pairs = border[np.sort(KDTree(V[border]).query_pairs(near, output_type="ndarray"), axis=1)]
     pairs = pairs[~np.isin(pairs[:, 0] * len(V) + pairs[:, 1], key)]
     joined = representative.copy()

@@ -22,6 +22,7 @@ from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereab
 from apd_viewer.files.storage.archive import Archive, npy, write_archive
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.files.storage.reading import content_of
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.state import State, opened
@@ -177,7 +178,7 @@ def _check_version(said: Fields, path: Path) -> None:
 def _arrays(said: Fields, archive: Archive, mesh: Mesh) -> dict[str, np.ndarray]:
     """Labels, regions and positions of all vertices, by their names."""
     there, n = said.texts("arrays", most=100), len(mesh.V)
-    farthest = _FARTHEST * float(np.linalg.norm(np.ptp(mesh.V, axis=0)))
+    farthest = _FARTHEST * diagonal(mesh.V)
     arrays = {name: archive.array(name, "|u1", (n,)) for name in _CODES}
     for name in _POSITIONS:
         arrays[name] = archive.array(name, "<f8", (n, 3)) if name in there else mesh.V

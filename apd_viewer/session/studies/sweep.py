@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn
 from apd_viewer.session.processes.deforming import deformation_of
@@ -103,7 +104,7 @@ class Sweep:
 
     @property
     def _diagonal(self) -> float:
-        return float(np.linalg.norm(np.ptp(self.document.mesh.V, axis=0)))
+        return diagonal(self.document.mesh.V)
 
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""

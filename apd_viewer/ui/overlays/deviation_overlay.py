@@ -10,6 +10,7 @@ from PySide6.QtCore import QObject, QRect, QTimer, Signal
 
 from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
 from apd_viewer.geometry.analysis.extremes import write_shades
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.presentation.scales import Measure, Scale, usual
 from apd_viewer.session.quantities.units import Unit
@@ -95,7 +96,7 @@ class HeatMap(QObject):
             return
         self._mesh, self._change = mesh, None
         used = mesh.V[mesh.F.ravel()]
-        self._size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+        self._size = diagonal(used) or 1.0
         for measure in [m for m, scale in self.scales.items() if not scale.travels]:
             del self.scales[measure]
         if self.measure is not None:

@@ -10,8 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import place, short
-from apd_viewer.presentation.scales import nice
+from apd_viewer.presentation.number_format import place, round_step, short
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.rest_actor import RestActor
@@ -62,7 +61,7 @@ class Ground(MouseTool, RestActor):
         used = mesh.V[mesh.F.ravel()]
         low, high = used.min(axis=0), used.max(axis=0)
         size = float((high - low).max())
-        self.step = nice(size / _LINES)
+        self.step = round_step(size / _LINES)
         around = np.array([_AROUND * size, 0.0, _AROUND * size])
         self._ends = np.array([low - around, high + around])
         for row, rounded in ((0, np.floor), (1, np.ceil)):

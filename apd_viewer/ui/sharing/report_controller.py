@@ -19,6 +19,7 @@ from apd_viewer.files.fingerprint import fingerprint
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.extremes import write_shades
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import legend_svg
 from apd_viewer.presentation.report_origin import Evidence
@@ -147,7 +148,7 @@ class Reporting:
     def _scale(self, state: State) -> Scale:
         """Colour scale of the local area change in use."""
         V, F = state.document.mesh.V, state.document.mesh.F
-        size = float(np.linalg.norm(np.ptp(V[F.ravel()], axis=0))) or 1.0
+        size = diagonal(V[F.ravel()]) or 1.0
         return self._looks.heat.scales.get(Measure.AREA) or usual(Measure.AREA, size)
 
     def _finish(self, path: Path, subject: Subject, measured: _Measured, scale: Scale) -> None:
