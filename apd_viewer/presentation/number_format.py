@@ -20,7 +20,7 @@ def length(value: float, size: float) -> str:
 
 
 def grouped(value: float, decimals: int) -> str:
-    """The number with its thousands grouped."""
+    """Number with grouped thousands."""
     text = f"{value:,.{decimals}f}"
     return text.lstrip("-") if float(text.replace(",", "")) == 0 else text.replace("-", "−")
 
@@ -46,7 +46,7 @@ def place(value: float, step: float) -> str:
 
 
 def round_step(least: float) -> float:
-    """Smallest number 1, 2 or 5 times a power of ten not below a value; 1 for 0 or infinity."""
+    """Smallest 1-2-5 step not below a value; 1 for zero and infinity."""
     if not 0.0 < least < math.inf:
         return 1.0
     power = 10.0 ** math.floor(math.log10(least))
