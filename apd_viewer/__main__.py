@@ -7,7 +7,6 @@ import sys
 from typing import TYPE_CHECKING
 
 import apd_viewer
-from apd_viewer import log
 from apd_viewer.commands.parser import Parser
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
@@ -35,6 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _command_parser(words.pop(0)).parse_args(words)
     else:
         options = _view_parser().parse_args(words)
+    # Here, because --version and --help, which end before, take twice as long with it.
+    from apd_viewer import log
+
     try:
         with log.recording(options.log_level):
             options.run(options)

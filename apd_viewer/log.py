@@ -29,8 +29,6 @@ from apd_viewer.redaction import redacted
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-LEVELS = "debug", "info", "warning", "error"
-
 _LOGGER = logging.getLogger("apd_viewer")
 _FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 _MOST_BYTES = 1 << 20  # of a file, before it is rotated
@@ -58,8 +56,8 @@ def recording(level: str | None = None) -> Iterator[None]:
     Parameters
     ----------
     level : str or None
-        One of LEVELS: the least that is recorded, which is then printed to the standard error as well. None
-        records from "info" on and prints nothing.
+        "debug", "info", "warning" or "error": the least that is recorded, which is then printed to the
+        standard error as well. None records from "info" on and prints nothing.
     """
     if current_file() is not None:
         yield

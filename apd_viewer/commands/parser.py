@@ -6,7 +6,6 @@ import argparse
 from typing import Any
 
 from apd_viewer.language import tr
-from apd_viewer.log import LEVELS
 
 
 class Parser(argparse.ArgumentParser):
@@ -18,7 +17,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(
             "--log-level",
             metavar="LEVEL",
-            choices=LEVELS,
+            choices=("debug", "info", "warning", "error"),
             help=tr(
                 "least severity to log and to print: debug, info, warning or error; "
                 "by default info is logged and nothing is printed"
