@@ -78,8 +78,6 @@ class Files:
         before, self._gestures.before = self._gestures.before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
-            if view is None:  # a session has settings of its own
-                state = state.at(state.document.with_settings_of(before.document))
         self._store.jump(state)
         if view is not None:
             self._written += [state.frame.U] if written else []

@@ -239,6 +239,7 @@ class Workbench(QObject):
         self.shell.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.of(mesh)
+        self.panel.handles.motion.clear()
         self.measuring.welcome(mesh)
         self.looks.measure_in(self.session.store.unit)
         self.filing.opened(state)

@@ -147,18 +147,6 @@ class Document:
 
     # The same document, but for one thing
 
-    def with_settings_of(self, other: Document) -> Document:
-        """The same document, deformed by the method and the weights of another."""
-        return replace(
-            self,
-            method=other.method,
-            tolerance=other.tolerance,
-            stiffness=other.stiffness,
-            area_stiffness=other.area_stiffness,
-            shear_stiffness=other.shear_stiffness,
-            hold_area=other.hold_area,
-        )
-
     def regripped(self, U: np.ndarray) -> Document:
         """The document with base and handles gripped at ``U`` (n, 3)."""
         return replace(self, grip=U, handles=tuple(handle.gripped() for handle in self.handles))

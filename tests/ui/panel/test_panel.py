@@ -113,17 +113,39 @@ def test_a_typed_target_is_asked_for_and_met(qtbot, bottle):
     assert document(bottle).area == 100.0
 
 
+def test_another_mesh_begins_with_the_defaults(qtbot, bottle):
+    panel, motion = bottle.panel, bottle.panel.handles.motion
+    choose(bottle, "local")
+    panel.method.stiffness.field.setValue(0.001)
+    panel.area.hold.setChecked(True)
+    motion.choice.setCurrentIndex(motion.choice.findData("SCALE"))
+    motion.amount.setText("240deg")
+    qtbot.keyClick(motion.amount, Qt.Key.Key_Return)
+    assert motion._problem.isVisible()
+    bottle.session.files.open_sample("duck")
+    idle(qtbot, bottle)
+    assert document(bottle).method == panel.method.method.currentData() == "exact"
+    assert document(bottle).stiffness == panel.method.stiffness.value == 0.0
+    assert not document(bottle).hold_area
+    assert (motion.motion, motion.amount.text()) == ("TWIST", "")
+    assert motion._problem.isHidden()
+    bottle.actions_.undo.trigger()
+    assert document(bottle).method == panel.method.method.currentData() == "local"
+    assert panel.method.stiffness.value == 0.001
+
+
 @pytest.mark.parametrize(
     ("typed", "becomes"),
     [("-5", 100), ("1e9", 100), ("abc", 100), ("", 100), ("1.1e2", 110), ("99,5 %", 99.5)],
 )
-def test_what_is_no_percentage_is_put_back(qtbot, bottle, typed, becomes):
+def test_what_is_no_percentage_is_put_back_by_escape(qtbot, bottle, typed, becomes):
     field = bottle.panel.area.target.field
     field.setFocus()
     field.selectAll()
     qtbot.keyClick(field, Qt.Key.Key_Delete)
     qtbot.keyClicks(field, typed)
     qtbot.keyClick(field, Qt.Key.Key_Return)
+    qtbot.keyClick(field, Qt.Key.Key_Escape)
     assert document(bottle).area == becomes
     assert field.value() == becomes
     assert field.text() == f"{becomes:.2f} %"
