@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QSettings, QSize, Qt, QTimer, Signal
+from typing import cast
+
+from PySide6.QtCore import QChildEvent, QEvent, QSettings, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
-from PySide6.QtWidgets import QMainWindow, QWidget
+from PySide6.QtWidgets import QMainWindow, QTabBar, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.inert_chrome import InertChrome
@@ -20,6 +22,7 @@ from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
+from apd_viewer.ui.widgets.wheel import pass_wheel
 
 
 class Shell(QMainWindow):
@@ -56,6 +59,7 @@ class Shell(QMainWindow):
         self._set_up_frame()
         self.canvas = Canvas(self)
         self.setCentralWidget(self.canvas.viewport)
+        self.setFocusProxy(self.canvas.viewport)  # where a field that is done returns the keys to
         self.panel = Panel()
         self.panel.folded = self.memory.folded
         self.history = HistoryList()
@@ -126,6 +130,12 @@ class Shell(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         """Open the file."""
         self.requests.open_path(event.mimeData().urls()[0].toLocalFile())
+
+    def childEvent(self, event: QChildEvent) -> None:
+        """Let the wheel over the tabs of docks, which Qt makes, turn no page."""
+        super().childEvent(event)
+        if event.type() is QEvent.Type.ChildPolished and isinstance(event.child(), QTabBar):
+            pass_wheel(cast(QTabBar, event.child()))
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the platform from light to dark."""

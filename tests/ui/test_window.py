@@ -31,6 +31,7 @@ from apd_viewer.session.store import Activity
 from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
+from apd_viewer.ui.widgets.fields import Entry, Number
 from apd_viewer.ui.workbench import Workbench
 
 
@@ -403,7 +404,7 @@ def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp
     assert not window.shell.isVisible()
 
 
-# The keyboard and the wheel
+# The keyboard
 
 
 def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
@@ -421,13 +422,37 @@ def test_a_number_typed_gives_the_keyboard_back(qtbot, bottle):
     assert bottle.shell.focusWidget() is bottle.canvas.viewport
 
 
-def test_the_wheel_scrolls_past_the_settings(qtbot, bottle):
-    bottle.canvas.viewport.setFocus()
+def test_after_enter_undo_takes_back_the_motion_not_the_text(qtbot, bottle):
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    bottle.actions_.pose.typed.trigger()
+    amount = bottle.panel.handles.motion.amount
+    assert bottle.shell.focusWidget() is amount
     before = document(bottle)
-    panel = bottle.panel
-    for field in (panel.method.method, panel.area.target.field, panel.area.target.slider):
-        Mouse(field).wheel((5, 5), -1)
+    qtbot.keyClicks(amount, "60deg")
+    qtbot.keyClick(amount, Qt.Key.Key_Return)
+    assert document(bottle) is not before
+    assert bottle.shell.focusWidget() is bottle.canvas.viewport
+    qtbot.keyClick(bottle.shell.focusWidget(), Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert document(bottle) is before
+    assert amount.text() == "60deg"
+
+
+def test_after_enter_in_any_field_of_the_panel_the_document_has_the_keys(qtbot, bottle):
+    bottle.session.parts.add_region()
+    bottle.session.settings.set_region_area(0, 100.0)
+    bottle.session.settings.set_method("local")
+    bottle.session.settings.set_volume(100.0)
+    bottle.panel.folded = []
+    idle(qtbot, bottle)
+    fields = [*bottle.panel.findChildren(Number), *bottle.panel.findChildren(Entry)]
+    used = [field for field in fields if field.isVisible() and field.isEnabled()]
+    assert len(used) > 8
+    for field in used:
+        if field is not bottle.panel.handles.motion.amount:
+            field.setFocus()
+            qtbot.keyClick(field, Qt.Key.Key_Return)
+            assert bottle.shell.focusWidget() is bottle.canvas.viewport, field.accessibleName()
 
 
 def test_undo_within_a_drag_takes_back_the_drag_and_no_more(qtbot, bottle):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.ui.widgets.fields import Choice
+from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import quiet
 
 # The names of Motion, which is loaded later, in the order that they are offered.
@@ -57,7 +56,7 @@ class MotionField(QWidget):
             self.choice.addItem(title, name)
         self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS[_LINE])
         self.pick.clicked.connect(self.line_asked)
-        self.amount = _Amount(objectName="typed", accessibleName=tr("Amount"), placeholderText="60deg")
+        self.amount = Entry(accessibleName=tr("Amount"), placeholderText="60deg")
         self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
         self.choice.currentIndexChanged.connect(self._choose)
         self._problem = quiet(tr("Error in the amount"))
@@ -84,10 +83,16 @@ class MotionField(QWidget):
         """True for a motion about a line picked on the mesh."""
         return self.motion == _LINE
 
-    def done(self) -> None:
-        """The motion was made: once more with the same amount is a press of Return."""
+    def clear(self) -> None:
+        """Begin anew, for another mesh."""
+        self.choice.setCurrentIndex(0)
+        self.amount.clear()
         self._problem.hide()
-        self.amount.selectAll()
+
+    def done(self) -> None:
+        """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
+        self._problem.hide()
+        return_keys(self.amount)
 
     def refuse(self, sentence: str) -> None:
         """Show an input error and keep the text for correction."""
@@ -103,12 +108,3 @@ class MotionField(QWidget):
         examples = {"MOVE": "0.15L", "SCALE": "1.2"}
         self.amount.setPlaceholderText(examples.get(kind, "60deg"))
         self._problem.hide()
-
-
-class _Amount(QLineEdit):
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Give the keyboard back on Esc."""
-        if event.key() == Qt.Key.Key_Escape:
-            self.clearFocus()
-        else:
-            super().keyPressEvent(event)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit
 
 from apd_viewer.errors import InputError
@@ -14,6 +14,7 @@ from apd_viewer.presentation import readings
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, mass
+from apd_viewer.ui.widgets.fields import Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 
 if TYPE_CHECKING:
@@ -102,10 +103,11 @@ class SizeSection(Section):
         self._grid.addLayout(line, row, 0, 1, 3)
 
     def _field(self, what: str, tip: str) -> QLineEdit:
-        field = _Field(objectName="typed", placeholderText=what, toolTip=tip)
+        field = Entry(placeholderText=what, toolTip=tip)
         field.setAccessibleName(tr("Wall, {what}").format(what=what))
         field.setMaxLength(MOST_CHARACTERS)
         field.editingFinished.connect(self._type)
+        field.returnPressed.connect(partial(return_keys, field))
         return field
 
     @property
@@ -163,11 +165,3 @@ class SizeSection(Section):
         if problem != self._problem.text():
             self._problem.setText(problem)
             self._problem.setVisible(bool(problem))
-
-
-class _Field(QLineEdit):
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Give the keyboard back on Enter and Esc."""
-        super().keyPressEvent(event)
-        if event.key() in (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter):
-            self.clearFocus()

@@ -1,38 +1,48 @@
-"""Controls for one value: a choice, a check box, a number."""
+"""Controls for one value: a choice, a check box, a number, a text."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import (
     QFocusEvent,
+    QHideEvent,
     QKeyEvent,
     QPainter,
     QPaintEvent,
     QPen,
     QValidator,
-    QWheelEvent,
 )
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDoubleSpinBox,
+    QLineEdit,
     QToolButton,
     QWidget,
 )
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import short
+from apd_viewer.ui.widgets.error_bubble import ErrorBubble
+from apd_viewer.ui.widgets.wheel import pass_wheel
+
+_UNBOUNDED = 1e9  # such a limit guards arithmetic, and is none for the user
+_QUOTED = 20  # characters quoted from invalid input
 
 
 class Choice(QComboBox):
     """Combo box ignoring the wheel, for a scrolled panel."""
 
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(**properties)
+        pass_wheel(self)
+
     def sizeHint(self) -> QSize:
         """As high as a field."""
         return QSize(super().sizeHint().width(), max(28, self.fontMetrics().height() + 12))
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to the panel."""
-        event.ignore()
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the choice and a chevron."""
@@ -83,7 +93,7 @@ class Check(QCheckBox):
 
 
 class Number(QDoubleSpinBox):
-    """Number field ignoring the wheel; Enter and Esc return the focus.
+    """Number field; Enter and Esc return the keys, what is refused is explained.
 
     Parameters
     ----------
@@ -99,7 +109,10 @@ class Number(QDoubleSpinBox):
         self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setFixedSize(84, max(28, self.fontMetrics().height() + 12))
         self.lineEdit().setTextMargins(4, 0, 4, 0)
-        self.lineEdit().returnPressed.connect(self.clearFocus)
+        self._error = ErrorBubble(self)
+        self.lineEdit().textEdited.connect(self._error.hide)
+        self.lineEdit().returnPressed.connect(partial(return_keys, self))
+        pass_wheel(self)
 
     def show_value(self, value: float) -> None:
         """Show a value without emitting a choice."""
@@ -119,9 +132,9 @@ class Number(QDoubleSpinBox):
         return f"{value:.10g}" if self._brief else super().textFromValue(value)
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
-        """Accept any text while typing; Enter restores invalid ones."""
-        fits = self._typed(text) is not None
-        return (QValidator.State.Acceptable if fits else QValidator.State.Intermediate), text, position
+        """Accept any text while typing; leaving the field restores invalid ones."""
+        wrong = self._problem(text)
+        return (QValidator.State.Intermediate if wrong else QValidator.State.Acceptable), text, position
 
     def fixup(self, _: str) -> str:
         """Previous number."""
@@ -129,17 +142,34 @@ class Number(QDoubleSpinBox):
 
     def valueFromText(self, text: str) -> float:
         """Number typed, such as 1e-3 or 0,5."""
-        typed = self._typed(text)
-        return self.value() if typed is None else typed
+        return self.value() if self._problem(text) else float(self._digits(text))
 
-    def _typed(self, text: str) -> float | None:
+    def _digits(self, text: str) -> str:
+        # The suffix remains after the typed text, which may repeat it.
+        number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
+        return number.strip(" %").replace(",", ".")
+
+    def _problem(self, text: str) -> str:
+        """Sentence about an invalid text and what is allowed; empty for a number."""
+        digits = self._digits(text)
         try:
-            # The suffix remains after the typed text, which may repeat it.
-            number = text.removesuffix(self.suffix()).strip().removesuffix(self.suffix().strip())
-            value = float(number.strip(" %").replace(",", "."))
+            if self.minimum() <= float(digits) <= self.maximum():
+                return ""
+            sentence = tr("“{text}” is out of range; enter a number {range}.")
         except ValueError:
-            return None
-        return value if self.minimum() <= value <= self.maximum() else None
+            sentence = tr("“{text}” is not a number; enter one {range}.")
+            if not digits:
+                sentence = tr("Enter a number {range}.")
+        return sentence.format(text=digits[:_QUOTED], range=self._range)
+
+    @property
+    def _range(self) -> str:
+        least, most, unit = self.minimum(), self.maximum(), self.suffix()
+        if most < _UNBOUNDED:
+            return tr("from {least} to {most}").format(least=short(least), most=short(most) + unit)
+        if least > 0.0:
+            return tr("greater than 0")
+        return tr("of at least {least}").format(least=short(least) + unit)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Select the number for overwriting."""
@@ -147,20 +177,55 @@ class Number(QDoubleSpinBox):
         if event.reason() in (Qt.FocusReason.TabFocusReason, Qt.FocusReason.BacktabFocusReason):
             self.selectAll()
 
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Restore the number, and say why if the text was invalid."""
+        self._refuse()
+        super().focusOutEvent(event)
+        self._error.leave()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Hide the error too."""
+        self._error.hide()
+        super().hideEvent(event)
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Restore the number on Esc."""
+        """Restore the number on Esc; on Enter keep an invalid text for correction."""
         if event.key() == Qt.Key.Key_Escape:
-            self.lineEdit().setText(f"{self.prefix()}{self.textFromValue(self.value())}{self.suffix()}")
-            self.clearFocus()
+            self.lineEdit().setText(self.fixup(""))
+            self._error.hide()
+            return_keys(self)
+        elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self._refuse():
+            self.selectAll()
         else:
             super().keyPressEvent(event)
 
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to the panel unless the field is in use."""
-        if self.hasFocus():
-            super().wheelEvent(event)
+    def _refuse(self) -> bool:
+        """Explain an invalid text; True if it is."""
+        problem = self._problem(self.lineEdit().text())
+        if problem:
+            self._error.say(problem)
+        return bool(problem)
+
+
+class Entry(QLineEdit):
+    """Line of text; Esc restores it and returns the keys."""
+
+    def __init__(self, **properties: Any) -> None:
+        super().__init__(objectName="typed", **properties)
+        self._before = self.text()
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Remember the text."""
+        super().focusInEvent(event)
+        self._before = self.text()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Restore the text on Esc."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.setText(self._before)
+            return_keys(self)
         else:
-            event.ignore()
+            super().keyPressEvent(event)
 
 
 def percent_field(name: str, tip: str) -> Number:
@@ -168,6 +233,11 @@ def percent_field(name: str, tip: str) -> Number:
     return Number(
         accessibleName=name, toolTip=tip, minimum=1.0, maximum=1000.0, value=100.0, decimals=2, suffix=" %"
     )
+
+
+def return_keys(field: QWidget) -> None:
+    """Give the keys back to the window, in which they are the document's."""
+    field.window().setFocus()
 
 
 def small_button(name: str, tip: str) -> QToolButton:

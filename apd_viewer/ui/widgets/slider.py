@@ -7,8 +7,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QSlider, QStyle
+
+from apd_viewer.ui.widgets.wheel import pass_wheel
 
 _KNOB = 14
 
@@ -72,6 +74,7 @@ class Slider(QSlider):
         self.setRange(0, scale.steps)
         self.setPageStep(10)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        pass_wheel(self)
 
     def sizeHint(self) -> QSize:
         """As high as its knob with the ring of the focus."""
@@ -144,10 +147,6 @@ class Slider(QSlider):
         self.blockSignals(False)
         self.given_up.emit()
         return True
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Leave the wheel to the panel."""
-        event.ignore()
 
     def _x_of(self, step: int) -> float:
         return _KNOB / 2 + (self.width() - _KNOB) * step / self.maximum()

@@ -2,8 +2,9 @@
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLineEdit, QWidget
 
-from apd_viewer.ui.widgets.fields import Number
+from apd_viewer.ui.widgets.fields import Number, percent_field
 
 
 @pytest.fixture
@@ -30,10 +31,76 @@ def test_enter_leaves_the_number_that_is_shown(qtbot, field, value):
 
 
 @pytest.mark.parametrize("text", ["nothing", "", "-5", "1e400", "nan", "7\u00a0km"])
-def test_what_is_no_number_in_the_range_leaves_the_one_that_was_there(qtbot, field, text):
+def test_what_is_no_number_in_the_range_is_kept_for_correction(qtbot, field, text):
     field.setValue(3000.0)
     enter(qtbot, field, text)
     assert field.value() == 3000.0
+    assert field.lineEdit().text().startswith(text)
+    qtbot.keyClick(field, Qt.Key.Key_Escape)
+    assert field.text() == "3000\u00a0mm"
+
+
+REFUSED = {
+    "5000": "“5000” is out of range; enter a number from 1 to 1,000 %.",
+    "-1 %": "“-1” is out of range; enter a number from 1 to 1,000 %.",
+    "abc": "“abc” is not a number; enter one from 1 to 1,000 %.",
+    "": "Enter a number from 1 to 1,000 %.",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_why_a_number_is_refused_and_what_is_allowed_is_said_beneath(qtbot, text):
+    window, field = QWidget(), percent_field("Target", "")
+    field.setParent(window)
+    qtbot.addWidget(window)
+    window.resize(400, 200)
+    window.show()
+    enter(qtbot, field, text)
+    error = field._error
+    assert error.text() == REFUSED[text]
+    assert error.isVisible()
+    assert error.geometry().top() > field.geometry().bottom()
+    assert window.rect().contains(error.geometry())
+    qtbot.keyClicks(field, "120")
+    assert error.isHidden(), "once it is corrected"
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert field.value() == 120.0
+    assert error.isHidden()
+
+
+def test_a_number_left_behind_is_refused_too(qtbot):
+    window, field, other = QWidget(), percent_field("Target", ""), QLineEdit()
+    for part in (field, other):
+        part.setParent(window)
+    qtbot.addWidget(window)
+    window.show()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+    field.setFocus()
+    field.selectAll()
+    qtbot.keyClicks(field, "5000")
+    other.setFocus()
+    assert field.text() == "100.00 %"
+    assert field._error.isVisible()
+    assert "5000" in field._error.text()
+    window.hide()
+    assert field._error.isHidden()
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        ((1e-30, 1e30), "greater than 0"),
+        ((0.0, 1e30), "of at least 0 mm"),
+        ((16.0, 32_768.0), "from 16 to 32,768 mm"),
+        ((0.0, 0.5), "from 0 to 0.5 mm"),
+    ],
+)
+def test_the_range_is_said_as_one_says_it(field, limits, said):
+    field.setDecimals(30)
+    field.setSuffix(" mm")
+    field.setRange(*limits)
+    assert field._range == said
 
 
 @pytest.mark.parametrize("text", ["5", "5 mm", "5mm", " 5\u00a0mm", "5,0", "0.5e1"])

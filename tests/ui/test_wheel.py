@@ -1,0 +1,140 @@
+"""The wheel over every control of the window and its dialogs: it scrolls, and changes nothing."""
+
+import pytest
+from driving import centre, document, idle
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QScrollBar, QTabBar
+
+from apd_viewer.presentation.scales import Measure
+from apd_viewer.ui.sharing.picture_dialog import PictureDialog
+from apd_viewer.ui.sharing.pictures import Wish
+from apd_viewer.ui.tools.toolbox import Tool
+
+CONTROLS = QAbstractSpinBox, QComboBox, QAbstractSlider, QTabBar, QLineEdit
+NOTCH = QPoint(0, -120)
+
+
+def turn(qtbot, widget, notches=2):
+    """Turn the wheel over a widget, by events of the window system, which give the focus too."""
+    window = widget.window()
+    at = QPointF(widget.mapTo(window, centre(widget).toPoint()))
+    for _ in range(notches):
+        QTest.wheelEvent(window.windowHandle(), at, NOTCH)
+        qtbot.wait(1)
+
+
+def controls(window):
+    """What shows a value that could be changed."""
+    return [
+        widget
+        for widget in window.findChildren(CONTROLS[0])
+        + [w for kind in CONTROLS[1:] for w in window.findChildren(kind)]
+        if widget.isVisible() and widget.isEnabled() and not isinstance(widget, QScrollBar)
+    ]
+
+
+def value(widget):
+    if isinstance(widget, QComboBox | QTabBar):
+        return widget.currentIndex()
+    return widget.text() if isinstance(widget, QLineEdit) else widget.value()
+
+
+def check(qtbot, window, unmoved=lambda: None, reveal=lambda _: None):
+    """Turn the wheel over all controls of a window, one after the other."""
+    found, before = controls(window), unmoved()
+    keys = window.focusWidget()
+    for widget in found:
+        reveal(widget)
+        shown = value(widget)
+        turn(qtbot, widget)
+        assert value(widget) == shown, widget
+        assert window.focusWidget() is keys, widget
+        assert unmoved() is before, widget
+    return found
+
+
+@pytest.fixture
+def full(qtbot, bottle):
+    """All cards open, the panels behind tabs, a region kept, and the canvas in use."""
+    bottle.shell.resize(1280, 1000)
+    actions = bottle.actions_
+    actions.looks.measures[Measure.AREA].trigger()
+    for name in ("cut", "compare"):
+        actions.looks.switches[name].trigger()
+    bottle.docks["history"].show()
+    bottle.shell.tabifyDockWidget(bottle.docks["history"], bottle.docks["readings"])
+    bottle.docks["readings"].raise_()
+    actions.pose.parts[2].trigger()
+    bottle.session.settings.set_region_area(0, 100.0)
+    bottle.tools.take(Tool.MOVE)
+    bottle.panel.folded = []
+    idle(qtbot, bottle)
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    qtbot.wait(50)
+    bottle.canvas.viewport.setFocus()
+    return bottle
+
+
+@pytest.mark.parametrize("method", ["local", "paper"])
+def test_the_wheel_over_the_controls_of_the_window_changes_nothing(qtbot, full, method):
+    full.session.settings.set_method(method)
+    full.session.settings.set_volume(100.0)
+    idle(qtbot, full)
+
+    def reveal(widget):
+        if full.panel.isAncestorOf(widget):
+            full.panel.ensureWidgetVisible(widget)
+
+    found = check(qtbot, full.shell, lambda: document(full), reveal)
+    kinds = {kind for kind in CONTROLS for widget in found if isinstance(widget, kind)}
+    assert kinds == set(CONTROLS), "the test is blind"
+    assert len([w for w in found if full.panel.isAncestorOf(w)]) > 10
+
+
+def test_the_wheel_over_a_field_scrolls_the_panel(qtbot, full):
+    full.shell.resize(1280, 700)
+    bar = full.panel.verticalScrollBar()
+    for widget in controls(full.panel):
+        bar.setValue(0)
+        full.panel.ensureWidgetVisible(widget)
+        bar.setValue(min(bar.value(), bar.maximum() - 1))
+        before = bar.value()
+        turn(qtbot, widget, 1)
+        assert bar.value() > before, widget
+
+
+def test_a_field_that_was_clicked_into_takes_the_wheel(qtbot, full):
+    field = full.panel.area.target.field
+    QTest.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
+    turn(qtbot, field)
+    assert field.value() == 98.0
+
+
+def dialog_of(window, name):
+    actions = window.actions_
+    if name == "sweep":
+        actions.pose.sweep.trigger()
+        return window.studies.dialogs["sweep"]
+    if name == "paper":
+        window.studies.paper()
+        return window.studies.dialogs["paper"]
+    if name == "compare":
+        window.session.handles.move_by("TWIST", "20deg", 0)
+        actions.pose.compare.trigger()
+        return window.comparing.window
+    pictures = window.reporting.pictures
+    dialog = PictureDialog(window.shell, pictures, Wish(pictures.view_size))
+    dialog.show()
+    return dialog
+
+
+@pytest.mark.parametrize("name", ["sweep", "paper", "compare", "picture"])
+def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name):
+    dialog = dialog_of(bottle, name)
+    qtbot.waitExposed(dialog)
+    dialog.setFocus()
+    found = check(qtbot, dialog, lambda: document(bottle))
+    assert found or name == "paper", "the test is blind"
+    dialog.close()
