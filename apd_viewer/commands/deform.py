@@ -20,6 +20,7 @@ from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.goals import Region
+from apd_viewer.geometry.solver.loose_parts import GO, STAY
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -71,6 +72,15 @@ def deform_parser() -> Parser:
         type=float,
         default=DEFAULT_TOLERANCE,
         help=tr("area tolerance of 'paper'; 0.001 is 0.1 %%"),
+    )
+    parser.add_argument(
+        "--loose",
+        choices=(GO, STAY),
+        default=GO,
+        help=tr(
+            "connected parts without base or handle go along with the nearest surface, or stay; "
+            "default: %(default)s"
+        ),
     )
     _add_targets(parser)
     _add_stiffness(parser)
@@ -172,6 +182,7 @@ def _deform(options: argparse.Namespace) -> None:
         shear_stiffness=options.shear_stiffness,
         area=options.area,
         volume=options.volume,
+        loose=options.loose,
         regions=[_region(words, len(mesh.V)) for words in options.region],
         progress=progress_line(options.iterations) if sys.stderr.isatty() else None,
     )

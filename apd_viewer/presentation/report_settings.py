@@ -44,6 +44,11 @@ def settings_blocks(state: State) -> Iterator[Block]:
         rows.append((tr("Area stiffness"), f"{document.area_stiffness:g}", ""))
         rows.append((tr("Shear stiffness"), f"{document.shear_stiffness:g}", ""))
     rows.append((tr("Stiffness"), f"{document.stiffness:g}", ""))
+    if document.loose_parts:
+        staying = sum(part.first in document.staying for part in document.loose_parts)
+        said = tr("{going:,} go along, {staying:,} stay")
+        going = len(document.loose_parts) - staying
+        rows.append((tr("Loose parts"), said.format(going=going, staying=staying), ""))
     yield Table(tuple(rows))
 
 

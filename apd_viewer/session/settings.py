@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.store import Store
@@ -70,6 +72,19 @@ class Settings:
         if falloff != handle.falloff:
             handles = document.with_handle(k, replace(handle, falloff=falloff)).handles
             self._set(tr("Change falloff"), handles=handles)
+
+    def let_stay(self, parts: Sequence[int], on: bool) -> None:
+        """Have loose parts stay at rest, or go along with the nearest surface.
+
+        Parameters
+        ----------
+        parts : sequence of int
+            The lowest vertex of each.
+        on : bool
+        """
+        staying = set(self._store.required().document.staying)
+        staying = staying.union(parts) if on else staying.difference(parts)
+        self._set(tr("Change loose parts"), staying=tuple(sorted(staying)))
 
     def set_region_area(self, k: int, percent: float | None) -> None:
         """Set the target area of region ``k``, percent of rest; None only measures it."""

@@ -77,7 +77,7 @@ class Workbench(QObject):
         self.notice = Notice(view)
         self.invitation = Invitation(view)
         self.recovery = RecoveryBar(view)
-        self.health = Health(self.canvas, self.shell.badge)
+        self.health = Health(self.canvas, self.shell.badge, self.session)
         self.empty = Empty(view, self.shell.requests)
         self.looks = Looks(self.canvas, self.memory, (self.invitation, self.recovery, self.health.list))
 
@@ -229,6 +229,7 @@ class Workbench(QObject):
                 self._show_opened(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.plots.follow()
+        self.health.follow()
         if old is None or old.document.labels is not document.labels:
             self._show_next_step()
 

@@ -334,14 +334,29 @@ def test_an_open_mesh_has_no_volume_and_is_told_why(tmp_path, deformed):
     assert report["area"] == pytest.approx(trimesh.Trimesh(mesh.V, F, process=False).area, rel=1e-12)
 
 
+def test_a_piece_that_nothing_holds_goes_along(two_pieces, deformed):
+    report, mesh, _ = deformed(two_pieces)
+    assert report["warnings"] == [
+        "1 connected part without base or handle; it goes along with the nearest surface."
+    ]
+    assert np.abs(mesh.V[two_pieces.loose] - two_pieces.V[two_pieces.loose]).max() > 0.01
+
+
 @pytest.mark.parametrize("method", METHODS)
-def test_a_piece_that_nothing_holds_stays_bit_for_bit(method, two_pieces, deformed):
-    report, _, out = deformed(two_pieces, "--method", method, "--iterations", 3)
+def test_a_piece_that_nothing_holds_can_stay_bit_for_bit(method, two_pieces, deformed):
+    report, _, out = deformed(two_pieces, "--method", method, "--iterations", 3, "--loose", "stay")
     (warning,) = report["warnings"]
     assert warning == "1 connected part without base or handle; it stays where it is."
     assert warning in out.splitlines()
     result = deform(
-        two_pieces.V, two_pieces.F, two_pieces.fixed, two_pieces.targets, method, 3, handle=two_pieces.handle
+        two_pieces.V,
+        two_pieces.F,
+        two_pieces.fixed,
+        two_pieces.targets,
+        method,
+        3,
+        handle=two_pieces.handle,
+        loose="stay",
     )
     assert np.array_equal(result.U[two_pieces.loose], two_pieces.V[two_pieces.loose])
     # Nothing was changed between Python and the file, but for the digits that the format has.

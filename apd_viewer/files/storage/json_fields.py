@@ -71,10 +71,11 @@ class Fields:
 
     def count(self, key: str) -> int:
         """A whole number of at least zero."""
-        said = self._checked(key, self._said.get(key), int)
-        if isinstance(said, bool) or not 0 <= said < 2**53:
-            raise _damaged(key)
-        return said
+        return self._counted(key, self._said.get(key))
+
+    def counts(self, key: str, most: int) -> tuple[int, ...]:
+        """A list of at most so many whole numbers of at least zero."""
+        return tuple(self._counted(key, each) for each in self._list(key, most))
 
     def number(self, key: str, least: float = -_LARGEST, most: float = _LARGEST) -> float:
         """A number within a range."""
@@ -95,6 +96,12 @@ class Fields:
         if len(said) > most:
             raise _damaged(key)
         return said
+
+    def _counted(self, key: str, said: object) -> int:
+        number = self._checked(key, said, int)
+        if isinstance(number, bool) or not 0 <= number < 2**53:
+            raise _damaged(key)
+        return number
 
     @staticmethod
     def _checked(key: str, said: object, kind: type[T]) -> T:

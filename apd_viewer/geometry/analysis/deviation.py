@@ -80,13 +80,13 @@ class Deviation:
 
         It takes some tenths of a second for 100,000 vertices; None if ``enough()`` has ended it.
         """
-        boxes, found = self._boxes, np.empty(len(U))
+        boxes, found, which = self._boxes, np.empty(len(U)), np.empty(len(U), dtype=np.int32)
         for first in range(0, len(U), _PORTION):
             if enough():
                 return None
             part = slice(first, first + _PORTION)
             with cores_for(len(U)):  # block by block: the window may need the cores in between
-                distances(U[part], self._V[part], self._V, boxes.F, boxes.corners, boxes.level, found[part])
+                distances(U[part], self._V[part], self._V, *boxes, found[part], which[part])
         found[self._bare] = np.nan
         return found
 

@@ -13,6 +13,9 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.weld import TOLERANCE
 from apd_viewer.language import tr, trn
 
+# The kind of the finding about separate parts.
+SEPARATE = "separate pieces"
+
 # Aspect ratio of a sliver: longest edge to height.
 _NEEDLE = 100.0
 
@@ -155,8 +158,8 @@ def of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]
     if len(names) > 1:
         others = np.setdiff1d(names, names[np.argmax(sizes)])
         vertices = mesh.F[np.isin(piece[F[:, 0]], others)]
-        said = tr("{n:,} connected parts; those without base or handle stay where they are.")
-        yield _found("separate pieces", said.format(n=len(names)), vertices)
+        said = tr("{n:,} connected parts; those without base or handle go along with the nearest surface.")
+        yield _found(SEPARATE, said.format(n=len(names)), vertices)
 
 
 def of_size(mesh: Mesh) -> Iterator[Finding]:

@@ -22,6 +22,7 @@ def distances(
     corners: np.ndarray,
     level: np.ndarray,
     out: np.ndarray,
+    which: np.ndarray,
 ) -> None:
     """Write the distances of points from a surface.
 
@@ -34,6 +35,8 @@ def distances(
     F, corners, level
         The surface: :func:`apd_viewer.geometry.picking.bounding_hierarchy.bounding_hierarchy` of ``V``.
     out : (k,) float array
+    which : (k,) int array
+        Overwritten with the nearest triangles, where ``on`` is farther than they are.
     """
     count, top = level[1], len(level) - 2
     for portion in prange((len(points) + _PORTION - 1) // _PORTION):
@@ -63,7 +66,7 @@ def distances(
                 b = ((b >> (_BITS * size)) + 1) << (_BITS * size)
                 while size < top and b & ((1 << (_BITS * (size + 1))) - 1) == 0:
                     size += 1
-            out[i] = np.sqrt(best)
+            out[i], which[i] = np.sqrt(best), last
 
 
 @njit(inline="always")

@@ -61,7 +61,7 @@ class Elastic:
         Current positions. Replaced, never written into.
     free : (f,) int array
         Vertices that are solved for. A piece without any held vertex is not: nothing says where
-        it belongs, so it stays where it is.
+        it belongs, so it stays at rest (see :class:`LooseParts`).
     factor : Factor
         Of :attr:`K_ff`.
     """

@@ -14,7 +14,6 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.loose_vertices import UnreferencedVertices
 from apd_viewer.geometry.mesh.measures import survey
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
 from apd_viewer.geometry.mesh.weld import Weld
@@ -102,20 +101,6 @@ class RestMesh:
         with cores_for(len(self.shape.V)):
             return self.survey(self.shape.V).volume_capped
 
-    @cached_property
-    def _unreferenced(self) -> UnreferencedVertices | None:
-        shape = self.shape
-        used = np.zeros(len(shape.V), dtype=bool)
-        used[shape.F.ravel()] = True
-        return None if used.all() else UnreferencedVertices(shape.V, shape.F, np.flatnonzero(~used))
-
-    def spread(self, U: np.ndarray, held: np.ndarray) -> np.ndarray:
-        """Positions ``U`` (k, 3) of solve vertices spread to the file's, (n, 3).
-
-        A vertex without a face goes along with the surface, unless it is one of the ``held``, of the solve.
-        """
-        return self.weld.spread(U if self._unreferenced is None else self._unreferenced.carried(U, held))
-
     def survey(self, U: np.ndarray) -> Survey:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
         least = _SLIVER * self.area / len(self.F)
@@ -128,28 +113,3 @@ class RestMesh:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""
         with cores_for(len(self.shape.V)):
             return self.shape.energy(U[self.weld.first])
-
-    def loose_pieces(self, fixed: np.ndarray) -> int:
-        """Number of pieces with triangles but without ``fixed`` vertices."""
-        piece = self.shape.piece
-        loose = np.zeros(len(piece), dtype=bool)
-        loose[piece[self.shape.F[:, 0]]] = True
-        loose[piece[self.weld.inverse[fixed]]] = False
-        return int(loose.sum())
-
-    def loose_warning(self, fixed: np.ndarray) -> str | None:
-        """Warning about pieces without ``fixed`` vertices."""
-        loose = self.loose_pieces(fixed)
-        if not loose:
-            return None
-        if loose == 1:
-            return tr("1 connected part without base or handle; it stays where it is.")
-        return tr("{loose:,} connected parts without base or handle; they stay where they are.").format(
-            loose=loose
-        )
-
-    def warnings(self, fixed: np.ndarray) -> tuple[str, ...]:
-        """Warnings for these ``fixed`` vertices, a sentence each."""
-        why = self.why_no_volume
-        said = (self.loose_warning(fixed), tr("There is no volume: {why}.").format(why=why) if why else None)
-        return tuple(sentence for sentence in said if sentence)

@@ -116,7 +116,7 @@ def _jacobi_rotation(K: np.ndarray, E: np.ndarray, a: int, b: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _horn(S: np.ndarray, q: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
+def horn(S: np.ndarray, q: np.ndarray, K: np.ndarray, E: np.ndarray) -> None:
     """Write the quaternion maximising ``tr(R^T S)`` into ``q``; S is not zero."""
     K[0, 0] = S[0, 0] + S[1, 1] + S[2, 2]
     K[1, 1] = S[0, 0] - S[1, 1] - S[2, 2]
@@ -175,6 +175,6 @@ def fit_lanes(X: np.ndarray, scratch: np.ndarray) -> None:
                 S[a, b] = X[(3 * a + b) * LANES + i]
                 scale += abs(S[a, b])
         if scale > 0.0:
-            _horn(S, S[3], K, E)
+            horn(S, S[3], K, E)
             for a in range(4):
                 X[(9 + a) * LANES + i] = S[3, a]

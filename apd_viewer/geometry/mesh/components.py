@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -36,3 +38,43 @@ def pieces(F: np.ndarray, n: int) -> np.ndarray:
         else:  # towards a lower vertex with a known label
             number[v] = number[parent[v]]
     return number
+
+
+class LoosePart(NamedTuple):
+    """A connected part with triangles of which no vertex is held.
+
+    Attributes
+    ----------
+    first : int
+        Its lowest vertex, which tells it from others.
+    triangles : int
+        How many it has.
+    """
+
+    first: int
+    triangles: int
+
+
+def part_of_triangles(F: np.ndarray) -> np.ndarray:
+    """Lowest vertex of the connected part of every triangle of ``F`` (m, 3), (m,)."""
+    number = pieces(F, int(F.max()) + 1)
+    lowest = np.empty(number.max() + 1, dtype=np.int64)
+    lowest[number[::-1]] = np.arange(len(number))[::-1]  # of several the last counts
+    return lowest[number[F[:, 0]]]
+
+
+def loose_parts(part: np.ndarray, F: np.ndarray, is_held: np.ndarray) -> tuple[LoosePart, ...]:
+    """Parts without held vertices, the largest first.
+
+    Parameters
+    ----------
+    part : (m,) int array
+        See :func:`part_of_triangles`.
+    F : (m, 3) int array
+    is_held : (n,) bool array
+    """
+    sizes = np.bincount(part)
+    sizes[part[is_held[F].any(axis=1)]] = 0
+    loose = np.flatnonzero(sizes)
+    loose = loose[np.argsort(-sizes[loose], kind="stable")]
+    return tuple(LoosePart(int(first), int(sizes[first])) for first in loose)

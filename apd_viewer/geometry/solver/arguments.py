@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 # Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
     "held": (tr("The held vertices"), tr("A held vertex does not exist: ids run from 0 to {last:,}.")),
+    "loose": (
+        tr("The vertices of parts that stay"),
+        tr("A vertex of a part that stays does not exist: ids run from 0 to {last:,}."),
+    ),
     "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids run from 0 to {last:,}.")),
 }
 

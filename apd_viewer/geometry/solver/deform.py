@@ -13,6 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Reading, Region
+from apd_viewer.geometry.solver.loose_parts import GO
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -87,14 +88,17 @@ def deform(
     area: float | None = None,
     volume: float | None = None,
     regions: Sequence[Region] = (),
+    loose: str | Sequence[int] | np.ndarray = GO,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
     """Deform a mesh until the ``fixed`` vertices are at their ``targets``.
 
     Parameters
     ----------
-    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness, area, volume, regions
+    V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
+    area, volume, regions, loose
+        See there too.
     targets : (k, 3) float array
         A position for each of ``fixed``, mesh units.
     iterations : int, optional
@@ -127,6 +131,7 @@ def deform(
         area=area,
         volume=volume,
         regions=regions,
+        loose=loose,
         plain=iterations is not None,
     )
     solver.aim(targets)
@@ -199,5 +204,5 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         seconds=seconds,
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
-        warnings=solver.rest.warnings(solver.fixed) + unsettled,
+        warnings=solver.warnings + unsettled,
     )

@@ -23,6 +23,7 @@ from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.goal_projection import MET
 from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.solver.li_hui import LiHui
+from apd_viewer.geometry.solver.loose_parts import GO, LooseParts
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -92,6 +93,13 @@ class Deformation:
         Makes a factor: see :class:`apd_viewer.geometry.energy.elastic.Elastic`.
     soft : Soft
         Vertices that are drawn along by handles, and not held.
+    loose : "go", "stay" or int array
+        What becomes of connected parts without held vertices: all go along with the nearest surface, all stay
+        at rest, or those with these vertices stay.
+
+    Attributes
+    ----------
+    loose : LooseParts
 
     Raises
     ------
@@ -118,6 +126,7 @@ class Deformation:
         rest: RestMesh | None = None,
         factored: Factored | None = None,
         soft: Soft = NO_SOFT,
+        loose: str | Sequence[int] | np.ndarray = GO,
     ) -> None:
         if rest is None:
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
@@ -132,6 +141,7 @@ class Deformation:
         )
         self._handle_of = handle_of(handle, rest, self._solve_ids)
         self._traits = check_method(method, self._handle_of)
+        self.loose = LooseParts(rest, self._solve_ids, loose)
         check_tolerance(tolerance)
         self._tolerance = tolerance
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
@@ -244,7 +254,7 @@ class Deformation:
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if U is not None:
-                self._solver.restart(np.ascontiguousarray(U[self.rest.weld.first]))
+                self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = self.rest.shape.V[self._soft.ids]
             if soft_targets is not None:
                 drawn = numbers(soft_targets, "Soft targets")[self._drawn]
@@ -304,10 +314,17 @@ class Deformation:
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
-        spread = self.rest.spread(U, self._solve_ids)
+        spread = self.rest.weld.spread(self.loose.carried(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
             spread[self.fixed] = self._targets  # vertices welded with a tolerance are held exactly
         return spread
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about loose parts and a missing volume, a sentence each."""
+        why = self.rest.why_no_volume
+        said = self.loose.warning, tr("There is no volume: {why}.").format(why=why) if why else None
+        return tuple(sentence for sentence in said if sentence)
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
         """Readings of the regions in ``frame``."""

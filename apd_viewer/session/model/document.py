@@ -8,9 +8,10 @@ import numpy as np
 
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
-from apd_viewer.geometry.pose.constraints import HANDLE, NO_SOFT, Constraints, Soft, constraints
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -50,6 +51,8 @@ class Document:
         Whether "local" keeps the total area too.
     volume : float or None
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
+    staying : tuple of int
+        Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -67,6 +70,7 @@ class Document:
     area: float = field(default=100.0, metadata=NOT_FACTORED)
     hold_area: bool = field(default=False, metadata=NOT_FACTORED)
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
+    staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
 
     # What follows from it
 
@@ -105,6 +109,12 @@ class Document:
         if not any(falloffs):
             return NO_SOFT
         return memo.soft(self.mesh.V, self.mesh.joined_F, self.mesh.weld, self.labels, falloffs)
+
+    @property
+    def loose_parts(self) -> tuple[LoosePart, ...]:
+        """Connected parts with triangles but without base and handle, largest first."""
+        mesh = self.mesh
+        return loose_parts(memo.parts(mesh.joined_F), mesh.F, self.labels != FREE)
 
     @property
     def posed(self) -> bool:

@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.components import part_of_triangles
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.mesh.weld import Weld
@@ -58,6 +59,12 @@ def centre(labels: np.ndarray, X: np.ndarray, label: int) -> np.ndarray:
 def rest_areas(V: np.ndarray, F: np.ndarray, member: np.ndarray, count: int) -> tuple[float, ...]:
     """Area of each region at rest."""
     return tuple(region_areas(V, F, member, count).tolist())
+
+
+@once
+def parts(F: np.ndarray) -> np.ndarray:
+    """Lowest vertex of the connected part of each triangle of ``F``, (m,)."""
+    return frozen(part_of_triangles(F))
 
 
 @once

@@ -32,4 +32,5 @@ def deformation_of(
         rest=rest,
         factored=factored,
         soft=held.soft,
+        loose=document.staying,
     )

@@ -190,10 +190,11 @@ class Solver:
         if self._solver is None or fresh:
             self._drop()  # frees the memory for the next one
             self._solver = self._made(order, held)
-            self._warning = self._solver.rest.loose_warning(held.fixed)
         elif not alike(goals, self._goals):
             self._solver.keep(*targets_of(document))
         self._solver.tolerance = document.tolerance
+        self._solver.loose.choose(document.staying)
+        self._warning = self._solver.loose.warning
         jump = fresh or request.generation != self._generation
         # Aiming again would reset the paper method's handle to its target.
         if jump or not alike(poses, self._poses):

@@ -46,6 +46,8 @@ def document_said(document: Document) -> dict[str, Any]:
         **{name: _number(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": _number(document.volume),
+        # Sessions without it are from a time when loose parts stayed.
+        **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
     }
 
 
@@ -70,7 +72,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         raise ValueError(tr("“member” in it refers to a region that does not exist"))
     if method not in METHODS:
         raise ValueError(tr("its “method” is unknown"))
-    return Document(
+    document = Document(
         mesh,
         labels,
         arrays["grip"],
@@ -86,6 +88,18 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         hold_area=said.flag("hold_area"),
         volume=_percent(said, "volume"),
     )
+    return replace(document, staying=_staying(said, document, arrays["shape"]))
+
+
+def _staying(said: Fields, document: Document, shape: np.ndarray) -> tuple[int, ...]:
+    """Parts that stay; of a deformed shape in an older session all loose ones."""
+    n = len(document.mesh.V)
+    if said.says("staying"):
+        staying = said.counts("staying", n)
+        if any(first >= n for first in staying):
+            raise ValueError(tr("“staying” in it refers to a vertex that does not exist"))
+        return staying
+    return () if shape is document.mesh.V else tuple(part.first for part in document.loose_parts)
 
 
 def _handle(said: Fields) -> Handle:

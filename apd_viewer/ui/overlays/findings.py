@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLay
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import MARK_COLOR
-from apd_viewer.ui.overlays.findings_badge import ENTER, counted
+from apd_viewer.ui.overlays.findings_badge import ENTER
 from apd_viewer.ui.widgets.event_barrier import shield
-from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.fields import Check, small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import Theme, mark
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _MARGIN = 12
 _WIDEST = 380
+_INDENT = 22  # of a loose part, below what is said of all of them
 _ROOM = 0.5  # of the height of the canvas: its middle, where a finding is shown, stays free
 
 
@@ -51,21 +52,40 @@ class FindingRow(QFrame):
     chosen : Signal()
     stepped : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
+    stay_chosen : Signal(bool)
+        The parts of this row are to stay, or to go along.
+
+    Parameters
+    ----------
+    sentence : str
+    parts : tuple of int
+        The loose parts that it is about: each may stay.
     """
 
     chosen = Signal()
     stepped = Signal(int)
+    stay_chosen = Signal(bool)
 
-    def __init__(self, sentence: str) -> None:
+    def __init__(self, sentence: str, parts: tuple[int, ...] = ()) -> None:
         super().__init__(objectName="finding", focusPolicy=Qt.FocusPolicy.StrongFocus)
         self.setToolTip(tr("Show where this is"))
-        self._sentence = sentence
+        self._sentence, self._parts = sentence, parts
         self._spot = _Spot()
         row = QHBoxLayout(self, spacing=8)
-        row.setContentsMargins(8, 6, 8, 6)
-        row.addWidget(self._spot, 0, Qt.AlignmentFlag.AlignTop)
+        row.setContentsMargins(_INDENT if parts else 8, 3 if parts else 6, 8, 3 if parts else 6)
+        flags = Qt.AlignmentFlag
+        row.addWidget(self._spot, 0, flags.AlignVCenter if parts else flags.AlignTop)
         row.addWidget(QLabel(sentence, wordWrap=True, textFormat=Qt.TextFormat.PlainText), 1)
+        self.stay = Check(tr("Stays"), visible=bool(parts))
+        self.stay.setToolTip(tr("Leave it in place; otherwise it goes along with the nearest surface"))
+        self.stay.setAccessibleName(tr("{sentence} Stays in place.").format(sentence=sentence))
+        self.stay.clicked.connect(self.stay_chosen)
+        row.addWidget(self.stay, 0, flags.AlignVCenter)
         self.show_marked(False)
+
+    def show_staying(self, staying: tuple[int, ...]) -> None:
+        """Check the box if all its parts are among those ``staying``."""
+        self.stay.setChecked(set(self._parts) <= set(staying))
 
     def show_marked(self, on: bool) -> None:
         """Say whether this finding is shown on the mesh."""
@@ -98,13 +118,16 @@ class FindingList(QFrame):
     Attributes
     ----------
     chosen : Signal(int)
-        The finding to be shown, by its number.
+        The row to be shown, by its number.
+    stay_chosen : Signal(int, bool)
+        The loose parts of a row, by its number, are to stay, or to go along.
     dismissed : Signal()
         Esc, or the cross.
     rows : list of FindingRow
     """
 
     chosen = Signal(int)
+    stay_chosen = Signal(int, bool)
     dismissed = Signal()
 
     def __init__(self, canvas: Viewport) -> None:
@@ -129,19 +152,20 @@ class FindingList(QFrame):
         self.hide()
         canvas.resized.connect(self._place)
 
-    def open(self, sentences: Sequence[str]) -> None:
-        """List the sentences, none of them shown yet, and give the keys to the first."""
+    def open(self, title: str, rows: Sequence[FindingRow]) -> None:
+        """List the rows, none of them shown yet, and give the keys to the first."""
         body = QWidget(objectName="rows")
         column = self._lines = QVBoxLayout(body, spacing=2)
         column.setContentsMargins(0, 0, 0, 0)
-        self.rows = [FindingRow(sentence) for sentence in sentences]
+        self.rows = list(rows)
         for k, row in enumerate(self.rows):
             column.addWidget(row)
             row.chosen.connect(lambda k=k: self.chosen.emit(k))
             row.stepped.connect(lambda step, k=k: self._step(k + step))
+            row.stay_chosen.connect(lambda on, k=k: self.stay_chosen.emit(k, on))
         column.addStretch(1)
         self._scroll.setWidget(body)
-        self._title.setText(counted(len(self.rows)))
+        self._title.setText(title)
         self.setAccessibleName(self._title.text())
         self.show()
         self.raise_()
@@ -152,6 +176,11 @@ class FindingList(QFrame):
         """Emphasise the finding marked on the mesh."""
         for k, row in enumerate(self.rows):
             row.show_marked(k == number)
+
+    def show_staying(self, staying: tuple[int, ...]) -> None:
+        """Check the boxes of the loose parts that stay."""
+        for row in self.rows:
+            row.show_staying(staying)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icon."""

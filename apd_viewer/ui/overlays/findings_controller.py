@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from PySide6.QtCore import QObject, QPointF, QRectF
 from PySide6.QtWidgets import QApplication, QWidget
 
-from apd_viewer.ui.overlays.findings import FindingList
-from apd_viewer.ui.overlays.findings_badge import Badge
+from apd_viewer.geometry.analysis.findings import SEPARATE, Finding
+from apd_viewer.session.model.loose_findings import of_loose_parts
+from apd_viewer.ui.overlays.findings import FindingList, FindingRow
+from apd_viewer.ui.overlays.findings_badge import Badge, counted
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.session.session import Session
     from apd_viewer.ui.tools.canvas import Canvas
+
+
+class Listed(NamedTuple):
+    """A finding in the list, and the loose parts that it is about."""
+
+    finding: Finding
+    parts: tuple[int, ...] = ()
 
 
 class Health(QObject):
@@ -25,21 +34,24 @@ class Health(QObject):
     ----------
     canvas : Canvas
     badge : Badge
+    session : Session
 
     Attributes
     ----------
     list : FindingList
     """
 
-    def __init__(self, canvas: Canvas, badge: Badge) -> None:
+    def __init__(self, canvas: Canvas, badge: Badge, session: Session) -> None:
         super().__init__(canvas)
-        self._canvas = canvas
+        self._canvas, self._session = canvas, session
         self._of_mesh: tuple[Finding, ...] = ()
         self._findings: tuple[Finding, ...] = ()
+        self._listed: list[Listed] = []
         self.badge = badge
         self.list = FindingList(canvas.viewport)
         self.badge.toggled.connect(self._toggle)
         self.list.chosen.connect(self._show)
+        self.list.stay_chosen.connect(lambda k, on: session.settings.let_stay(self._listed[k].parts, on))
         self.list.dismissed.connect(self._dismiss)
         canvas.viewport.clicked.connect(self._clicked)
         for begun in (canvas.strokes.began, canvas.drag_began):
@@ -64,7 +76,7 @@ class Health(QObject):
         """List the findings and mark the last one."""
         if self._findings and not self.badge.isChecked():
             self.open()
-            self._show(len(self._findings) - 1)
+            self._show(len(self._listed) - 1)
             self.list.rows[-1].setFocus()
 
     def open(self) -> None:
@@ -81,12 +93,30 @@ class Health(QObject):
         application = QApplication.instance()
         assert isinstance(application, QApplication)
         if on:
-            self.list.open([finding.sentence for finding in self._findings])
+            self._listed = self._all_listed()
+            rows = [FindingRow(finding.sentence, parts) for finding, parts in self._listed]
+            self.list.open(counted(len(self._findings)), rows)
+            self.follow()
             application.focusChanged.connect(self._follow_keys)
         else:
             application.focusChanged.disconnect(self._follow_keys)
             self.list.hide()
             self._canvas.coloring.mark(None)
+
+    def follow(self) -> None:
+        """Show which loose parts stay."""
+        if self.badge.isChecked():
+            self.list.show_staying(self._session.store.required().document.staying)
+
+    def _all_listed(self) -> list[Listed]:
+        """The findings, with the loose parts below the one about separate parts."""
+        document = self._session.store.required().document
+        listed = []
+        for finding in self._findings:
+            listed.append(Listed(finding))
+            if finding.kind == SEPARATE:
+                listed += [Listed(*each) for each in of_loose_parts(document)]
+        return listed
 
     def _dismiss(self) -> None:
         self.close()
@@ -94,7 +124,7 @@ class Health(QObject):
 
     def _show(self, number: int) -> None:
         self.list.show_marked(number)
-        vertices = self._findings[number].vertices
+        vertices = self._listed[number].finding.vertices
         self._canvas.coloring.mark(vertices)
         self._canvas.view.show(vertices, QRectF(self.list.geometry()))
 

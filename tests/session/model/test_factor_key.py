@@ -38,6 +38,7 @@ OF_DOCUMENT = {
     "area": lambda said: replace(said, area=120.0),
     "hold_area": lambda said: replace(said, hold_area=True),
     "volume": lambda said: replace(said, volume=80.0),
+    "staying": lambda said: replace(said, staying=(0,)),
 }
 OF_HANDLE = {
     "name": lambda said: of_handle(said, name="Neck"),

@@ -519,3 +519,78 @@ def test_the_first_version_opens_for_ever():
     assert view == View(Standpoint((0.0, -12.0, 4.0), (1.0, 0.5, 1.5), (0.0, 0.0, 1.0), 0.5), "cm")
     check_same_array(replay(path)[1].U, frame.U)
     assert replay(path, from_rest=True)[1].converged
+
+
+# Loose parts
+
+
+def with_buttons(session: Driven) -> State:
+    """A bent bar with two loose boxes beside it, the second of which stays."""
+    (V, F), (W, G) = box(2, 2, 6), box(1, 1, 1)
+    V = np.vstack([V, 0.2 * W + [2.1, 1.0, 4.0], 0.2 * W + [2.1, 1.0, 2.0]])
+    F = np.vstack([F, G + F.max() + 1, G + F.max() + 1 + len(W)])
+    session.show_now(Mesh(V, F))
+    n = len(V) - 2 * len(W)
+    base, top = ends(V[:n])
+    session.stroke(base, BASE)
+    session.stroke(top, HANDLE)
+    session.drag(BENT)
+    session.settings.let_stay([n + len(W)], True)
+    session.settle()
+    return session.store.state
+
+
+def test_what_stays_is_saved_and_replayed(session, tmp_path):
+    state = with_buttons(session)
+    first, second = np.split(np.arange(len(state.document.mesh.V))[-16:], 2)
+    assert state.document.staying == (second[0],)
+    V = state.document.mesh.V
+    assert np.array_equal(state.frame.U[second], V[second])
+    assert np.abs(state.frame.U[first] - V[first]).max() > 0.1
+    save_session(tmp_path / "a.apd", state, VIEW, embed=True)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+    check_same_array(replay(tmp_path / "a.apd")[1].U, state.frame.U)
+    again = replay(tmp_path / "a.apd", from_rest=True)[1]
+    assert np.array_equal(again.U[second], V[second])
+    assert np.abs(again.U[first] - state.frame.U[first]).max() < 1e-3
+
+
+def rewritten(path: Path, change) -> None:
+    """Change what a session says about its document."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    said = json.loads(contents["session.json"])
+    change(said["document"])
+    contents["session.json"] = json.dumps(said).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in contents.items():
+            archive.writestr(name, content)
+
+
+def test_loose_parts_of_an_older_session_stay(session, tmp_path):
+    state = with_buttons(session)
+    U = state.frame.U.copy()
+    U[-16:] = state.document.mesh.V[-16:]
+    path = tmp_path / "a.apd"
+    save_session(path, replace(state, frame=replace(state.frame, U=frozen(U))), VIEW, embed=True)
+    rewritten(path, lambda said: said.pop("staying"))
+    assert len(open_session(path)[0].document.staying) == 2
+    check_same_array(replay(path)[1].U, U)
+    assert np.array_equal(replay(path, from_rest=True)[1].U[-16:], U[-16:])
+
+
+def test_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
+    state = with_buttons(session)
+    path = tmp_path / "a.apd"
+    save_session(path, opened(state.document.mesh, state.document.labels), VIEW, embed=True)
+    rewritten(path, lambda said: said.pop("staying"))
+    assert open_session(path)[0].document.staying == ()
+
+
+@pytest.mark.parametrize("staying", ["all", [-1], [0.5], [10_000], [True]])
+def test_parts_that_are_not_there_cannot_stay(staying, session, tmp_path):
+    path = tmp_path / "a.apd"
+    save_session(path, with_buttons(session), VIEW, embed=True)
+    rewritten(path, lambda said: said.update(staying=staying))
+    with pytest.raises(InputError, match="staying"):
+        open_session(path)

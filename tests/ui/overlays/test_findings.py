@@ -260,3 +260,101 @@ def test_the_list_leaves_room_for_what_it_shows(qtbot, ill, size):
     places = view.look.eye.project(document(ill).mesh.V[marked(ill)])
     free = [not area.contains(int(x), int(y)) and view.rect().contains(int(x), int(y)) for x, y in places]
     assert np.mean(free) >= 0.8
+
+
+# Loose parts
+
+
+@pytest.fixture
+def buttoned(qtbot, window):
+    """A painted sphere with two loose balls beside it, a larger and a smaller one, its handle in hand."""
+    (V, F), (W, G), (X, H) = meshes.sphere(3), meshes.sphere(1), meshes.sphere(0)
+    V = np.vstack([V, 0.1 * W + [1.2, 0.0, 0.0], 0.1 * X + [0.0, 0.0, 1.2]])
+    F = np.vstack([F, G + F.max() + 1, H + F.max() + 1 + len(W)])
+    labels = np.full(len(V), FREE)
+    labels[V[:, 1] < -0.8], labels[V[:, 1] > 0.8] = BASE, HANDLE
+    window.filing.show_mesh(Mesh(V, F))
+    idle(qtbot, window)
+    session = window.session
+    session.gestures.begin()
+    for label in (BASE, HANDLE):
+        session.painting.paint(np.flatnonzero(labels == label), label)
+    session.painting.end_stroke("Paint")
+    idle(qtbot, window)
+    sizes = len(W), len(X)
+    window.balls = slice(len(V) - sum(sizes), len(V) - sizes[1]), slice(len(V) - sizes[1], len(V))
+    return window
+
+
+def lift(qtbot, window):
+    """Move the handle, and wait for the shape."""
+    pose = np.eye(4)
+    pose[:3, 3] = 0.3, 0.5, 0.0
+    window.session.gestures.begin()
+    window.session.handles.drag(pose, 0)
+    window.session.gestures.end("Move handle")
+    idle(qtbot, window)
+    return window.session.store.state.frame.U
+
+
+def stay_boxes(window):
+    return [row.stay for row in window.health.list.rows if row.stay.isVisible()]
+
+
+def test_loose_parts_are_listed_below_their_finding_and_are_no_issues(qtbot, buttoned):
+    issues = len(findings(buttoned))
+    assert buttoned.health.badge.text() == f"{issues} issue"
+    open_list(qtbot, buttoned)
+    rows = [row.accessibleName() for row in buttoned.health.list.rows]
+    assert rows[1:] == [
+        "All 2 loose parts",
+        "Loose part, 80 triangles",
+        "Loose part, 20 triangles",
+    ]
+    qtbot.mouseClick(buttoned.health.list.rows[3], LEFT)
+    small = buttoned.balls[1]
+    assert np.array_equal(marked(buttoned), np.arange(small.start, small.stop))
+    assert not any(box.isChecked() for box in stay_boxes(buttoned))
+
+
+def test_a_part_can_be_left_where_it_is_and_undo_takes_it_along_again(qtbot, buttoned):
+    large, small = buttoned.balls
+    V = document(buttoned).mesh.V
+    U = lift(qtbot, buttoned)
+    assert np.abs(U[large] - V[large]).max() > 0.05
+    assert np.abs(U[small] - V[small]).max() > 0.05
+    open_list(qtbot, buttoned)
+    everything, _, last = stay_boxes(buttoned)
+    qtbot.mouseClick(last, LEFT)
+    idle(qtbot, buttoned)
+    assert document(buttoned).staying == (small.start,)
+    assert last.isChecked()
+    assert not everything.isChecked()
+    stayed = buttoned.session.store.state.frame.U
+    assert np.array_equal(stayed[small], V[small])
+    assert np.abs(stayed[large] - U[large]).max() < 1e-3
+    buttoned.session.gestures.undo()
+    assert not last.isChecked()
+    assert np.array_equal(buttoned.session.store.state.frame.U, U)
+    qtbot.mouseClick(everything, LEFT)
+    idle(qtbot, buttoned)
+    assert all(box.isChecked() for box in stay_boxes(buttoned))
+    stayed = buttoned.session.store.state.frame.U
+    assert np.array_equal(stayed[large.start :], V[large.start :])
+
+
+def test_a_part_that_is_painted_is_loose_no_more(qtbot, buttoned):
+    session, small = buttoned.session, buttoned.balls[1]
+    session.gestures.begin()
+    session.painting.paint(np.arange(small.start, small.stop), HANDLE)
+    session.painting.end_stroke("Paint")
+    open_list(qtbot, buttoned)
+    assert len(stay_boxes(buttoned)) == 1
+
+
+def test_before_anything_is_painted_the_largest_part_is_not_loose(qtbot, window):
+    (V, F), (W, G) = meshes.sphere(2), meshes.sphere(1)
+    window.filing.show_mesh(Mesh(np.vstack([V, W + 3.0]), np.vstack([F, G + len(V)])))
+    idle(qtbot, window)
+    open_list(qtbot, window)
+    assert len(stay_boxes(window)) == 1

@@ -1,0 +1,246 @@
+"""Loose parts, carried along as rigid bodies by the nearest held surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numba import prange
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.surface_distance import distances
+from apd_viewer.geometry.linalg.quaternions import turned
+from apd_viewer.geometry.linalg.rotations import horn
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.picking.bounding_hierarchy import bounding_hierarchy
+from apd_viewer.geometry.solver.arguments import vertex_ids
+from apd_viewer.language import tr, trn
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+
+GO, STAY = "go", "stay"
+# A place of a part this much of its size farther from the surface than the nearest one counts half: a spout
+# goes with the wall that it stands on, and not with all that it points at.
+_REACH = 0.05
+# Weight of each corner of a triangle in the fit, beside those of the nearest point: where that is a corner,
+# it says nothing of a rotation. Small, as on an edge two triangles are equally near.
+_AROUND = 0.01
+
+
+class LooseParts:
+    """Connected parts without held vertices, a vertex without a face among them.
+
+    Nothing says where such a part belongs, so the solver leaves it at rest. It is bound to the triangles of
+    the held surface nearest to it at rest, and makes the rigid motion that takes a point between them along
+    and fits their corners best. So it keeps its area, its volume and its distance from the surface.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    held : (k,) int array
+        Held vertices of the solve.
+    loose : "go", "stay" or int array
+        All parts go along, all stay at rest, or those with these vertices of the file stay.
+    """
+
+    def __init__(self, rest: RestMesh, held: np.ndarray, loose: str | Sequence[int] | np.ndarray) -> None:
+        self._rest = rest
+        piece = rest.shape.piece
+        self._is_held = np.zeros(len(piece), dtype=bool)
+        self._is_held[piece[held]] = True
+        self._vertices = np.flatnonzero(~self._is_held[piece])
+        self.choose(loose)
+
+    def choose(self, loose: str | Sequence[int] | np.ndarray) -> None:
+        """Let other parts go along or stay; see the class."""
+        if not isinstance(loose, str):
+            self._stays = self._with(loose)
+        elif loose in (GO, STAY):
+            self._stays = np.full(len(self._is_held), loose == STAY)
+        else:
+            raise InputError(
+                tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
+            )
+
+    def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
+        """Mask of the pieces with these ``vertices`` of the file."""
+        weld, piece = self._rest.weld, self._rest.shape.piece
+        stays = np.zeros(len(piece), dtype=bool)
+        if len(vertices):
+            stays[piece[weld.inverse[vertex_ids(vertices, len(weld.inverse), "loose")]]] = True
+        return stays
+
+    @property
+    def warning(self) -> str | None:
+        """Sentence about parts with triangles; None if there are none."""
+        shape = self._rest.shape
+        if not len(self._vertices):
+            return None
+        loose = np.zeros(len(shape.piece), dtype=bool)
+        loose[shape.piece[shape.F[:, 0]]] = True
+        loose &= ~self._is_held
+        stay = int((loose & self._stays).sum())
+        return " ".join(filter(None, (_said_to_go(int(loose.sum()) - stay), _said_to_stay(stay)))) or None
+
+    def at_rest(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) with all loose parts at rest."""
+        if len(self._vertices):
+            U = U.copy()
+            U[self._vertices] = self._rest.shape.V[self._vertices]
+        return U
+
+    def carried(self, U: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3), loose parts at rest, with those that go along moved."""
+        if not len(self._vertices) or self._binding is None:
+            return U
+        out, piece = U.copy(), self._rest.shape.piece
+        with cores_for(len(U)):
+            _carry(U, self._rest.shape.V, *self._binding, self._stays[piece[self._vertices]], out)
+        return out
+
+    @cached_property
+    def _binding(self) -> Binding | None:
+        shape = self._rest.shape
+        F = shape.F[self._is_held[shape.piece[shape.F[:, 0]]]]
+        F = F[face_areas(shape.V, F) > 0.0]
+        return _bound(shape.V, F, shape.piece, self._vertices) if len(F) else None
+
+
+class Binding(NamedTuple):
+    """Loose parts, and the corners of the triangles nearest to each.
+
+    Attributes
+    ----------
+    member_start : (p + 1,) int array
+        Part k has the vertices ``member[member_start[k]:member_start[k + 1]]``.
+    member : (l,) int array
+    start : (p + 1,) int array
+        Its corners are ``corner[start[k]:start[k + 1]]``.
+    corner : (c,) int array
+    share : (c,) float array
+        Weights of the point between the triangles, by part, with sum one.
+    weight : (c,) float array
+        Weights of the fit.
+    """
+
+    member_start: np.ndarray
+    member: np.ndarray
+    start: np.ndarray
+    corner: np.ndarray
+    share: np.ndarray
+    weight: np.ndarray
+
+
+def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray) -> Binding:
+    """Bind the parts of ``vertices`` (l,) to the triangles ``F`` (m, 3)."""
+    vertices = vertices[np.argsort(piece[vertices], kind="stable")]
+    _, first, part = np.unique(piece[vertices], return_index=True, return_inverse=True)
+    away, T = _nearest(V, F, V[vertices])
+    near = _nearness(V[vertices], away, first, part)
+    share = near[:, None] * _barycentric(V[T], V[vertices])
+    weight = share + _AROUND * near[:, None]
+    key, which = np.unique((part[:, None] * len(V) + T).ravel(), return_inverse=True)
+    part_of_corner, corner = np.divmod(key, len(V))
+    start = np.searchsorted(part_of_corner, np.arange(len(first) + 1))
+    return Binding(
+        np.append(first, len(vertices)),
+        vertices,
+        start,
+        corner,
+        np.bincount(which, share.ravel()),
+        np.bincount(which, weight.ravel()),
+    )
+
+
+def _nearest(V: np.ndarray, F: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (l,) of the nearest triangle from each point, and its corners (l, 3)."""
+    boxes, away = bounding_hierarchy(V, F), np.empty(len(points))
+    which = np.empty(len(points), dtype=np.int32)
+    with cores_for(len(V)):
+        on = np.full(points.shape, np.inf)
+        distances(points, on, V, *boxes, away, which)
+    return away, boxes.F[which].astype(np.int64)
+
+
+def _nearness(points: np.ndarray, away: np.ndarray, first: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Weight (l,) of each point of a part by its distance, with sum one a part."""
+    extent = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
+    reach = np.minimum.reduceat(away, first) + _REACH * np.linalg.norm(extent, axis=1)
+    reach[reach == 0.0] = 1.0  # a single vertex on the surface
+    near = 1.0 / (1.0 + (away / reach[part]) ** 2)
+    return near / np.bincount(part, near)[part]
+
+
+def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates (l, 3) of points dropped on triangles, kept inside."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    d, n = points - corners[:, 0], np.cross(a, b)
+    squared = np.einsum("ij,ij->i", n, n)
+    second = np.einsum("ij,ij->i", np.cross(d, b), n) / squared
+    third = np.einsum("ij,ij->i", np.cross(a, d), n) / squared
+    inside = np.maximum(np.column_stack([1.0 - second - third, second, third]), 0.0)
+    return inside / inside.sum(axis=1, keepdims=True)
+
+
+@parallel()
+def _carry(
+    U: np.ndarray,
+    V: np.ndarray,
+    member_start: np.ndarray,
+    member: np.ndarray,
+    start: np.ndarray,
+    corner: np.ndarray,
+    share: np.ndarray,
+    weight: np.ndarray,
+    stays: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Write the members (l,) of parts that do not ``stays`` (l,) into ``out`` (n, 3)."""
+    for p in prange(len(start) - 1):
+        # Beside a surface that has not moved a part stays to the last bit.
+        moved = False
+        for e in range(start[p], start[p + 1]):
+            i = corner[e]
+            moved |= U[i, 0] != V[i, 0] or U[i, 1] != V[i, 1] or U[i, 2] != V[i, 2]
+        if not moved or stays[member_start[p]]:
+            continue
+        before, after = np.zeros(3), np.zeros(3)
+        for e in range(start[p], start[p + 1]):
+            for axis in range(3):
+                before[axis] += share[e] * V[corner[e], axis]
+                after[axis] += share[e] * U[corner[e], axis]
+        scratch, q = np.zeros((3, 4, 4)), np.zeros((1, 4))
+        S, q[0, 0] = scratch[0], 1.0
+        for e in range(start[p], start[p + 1]):
+            for a in range(3):
+                for b in range(3):
+                    to, fro = U[corner[e], a] - after[a], V[corner[e], b] - before[b]
+                    S[a, b] += weight[e] * to * fro
+        if np.abs(S).sum() > 0.0:
+            horn(S, q[0], scratch[1], scratch[2])
+        for k in range(member_start[p], member_start[p + 1]):
+            v = member[k]
+            x, y, z = turned(q, 0, V[v, 0] - before[0], V[v, 1] - before[1], V[v, 2] - before[2])
+            out[v, 0], out[v, 1], out[v, 2] = after[0] + x, after[1] + y, after[2] + z
+
+
+def _said_to_go(n: int) -> str:
+    said = trn(
+        "{n:,} connected part without base or handle; it goes along with the nearest surface.",
+        "{n:,} connected parts without base or handle; they go along with the nearest surface.",
+        n,
+    )
+    return said.format(n=n) if n else ""
+
+
+def _said_to_stay(n: int) -> str:
+    said = trn(
+        "{n:,} connected part without base or handle; it stays where it is.",
+        "{n:,} connected parts without base or handle; they stay where they are.",
+        n,
+    )
+    return said.format(n=n) if n else ""

@@ -1,0 +1,38 @@
+"""Findings about the loose parts of a document."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.findings import Finding
+from apd_viewer.geometry.pose.constraints import FREE
+from apd_viewer.language import tr, trn
+from apd_viewer.session.model import memo
+from apd_viewer.session.model.document import Document
+
+# The smallest of thousands of parts are decided on together.
+_MOST = 100
+
+
+def of_loose_parts(document: Document) -> Iterator[tuple[Finding, tuple[int, ...]]]:
+    """All loose parts together, then each, with the lowest vertex of each.
+
+    Before anything is painted the largest part does not count: it is the one to be painted.
+    """
+    parts = document.loose_parts
+    if not (document.labels != FREE).any():
+        parts = parts[1:]
+    if len(parts) > 1:
+        said = tr("All {n:,} loose parts").format(n=len(parts))
+        yield _finding(document, said, tuple(part.first for part in parts))
+    for part in parts[:_MOST]:
+        said = trn("Loose part, {n:,} triangle", "Loose part, {n:,} triangles", part.triangles)
+        yield _finding(document, said.format(n=part.triangles), (part.first,))
+
+
+def _finding(document: Document, said: str, firsts: tuple[int, ...]) -> tuple[Finding, tuple[int, ...]]:
+    mesh = document.mesh
+    vertices = np.unique(mesh.F[np.isin(memo.parts(mesh.joined_F), firsts)])
+    return Finding("loose part", said, vertices), firsts

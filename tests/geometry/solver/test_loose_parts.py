@@ -1,0 +1,161 @@
+"""Loose parts go along with the nearest surface as rigid bodies, or stay."""
+
+import igl
+import numpy as np
+import pytest
+from meshes import rotation, sphere
+from scipy.spatial.distance import pdist
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.operators import face_areas, volume
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.methods import METHODS
+
+LONG = 6.0
+
+
+def finger() -> tuple[np.ndarray, np.ndarray]:
+    """A long closed body along z."""
+    V, F = sphere(4)
+    return V * [1.0, 1.0, LONG], F
+
+
+def nail(z: float, angle: float, size: float = 0.4) -> tuple[np.ndarray, np.ndarray]:
+    """A flat closed plate just above the skin of the finger."""
+    V, F = sphere(2)
+    V = V * [0.05 * size, 0.3 * size, 0.5 * size]
+    radius = np.sqrt(1.0 - (z / LONG) ** 2)
+    lean = rotation([0.0, 1.0, 0.0], np.arctan2(z / LONG, radius * LONG) * -1.0)
+    V = V @ lean.T + [radius + 0.06 * size, 0.0, z]
+    return V @ rotation([0.0, 0.0, 1.0], angle).T, F
+
+
+def assembled(*parts):
+    """Several meshes as one, and the slice of the vertices of each."""
+    V, F, slices, n = [], [], [], 0
+    for W, G in parts:
+        V.append(W)
+        F.append(G + n)
+        slices.append(slice(n, n + len(W)))
+        n += len(W)
+    return np.vstack(V), np.vstack(F), slices
+
+
+PLACES = [(-2.0, 0.3), (0.0, 2.0), (1.0, 4.0), (3.0, 5.5), (0.9 * LONG, 1.0)]
+V, F, (BODY, *NAILS) = assembled(finger(), *(nail(*place) for place in PLACES))
+BODY_F = F[: len(finger()[1])]
+BASE, HANDLE = np.flatnonzero(V[BODY][:, 2] < -0.8 * LONG), np.flatnonzero(V[BODY][:, 2] > 0.8 * LONG)
+FIXED = np.concatenate([BASE, HANDLE])
+BEND = rotation([1.0, 0.0, 0.0], np.pi / 3)
+PIVOT = np.array([0.0, 0.0, -2.0])
+TARGETS = np.vstack([V[BASE], (V[HANDLE] - PIVOT) @ BEND.T + PIVOT])
+
+
+def run(method="exact", V=V, F=F, iterations=None, **rest):
+    return deform(V, F, FIXED, TARGETS, method, iterations, handle=HANDLE, **rest)
+
+
+def from_skin(U: np.ndarray, part: slice) -> np.ndarray:
+    """Distance of each vertex of a part from the body."""
+    return np.sqrt(igl.point_mesh_squared_distance(U[part], U[BODY], BODY_F)[0])
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return run()
+
+
+def test_nails_keep_their_distance_from_the_skin_in_a_bend_of_sixty_degrees(bent):
+    for part in NAILS:
+        size = np.linalg.norm(np.ptp(V[part], axis=0))
+        assert np.abs(bent.U[part] - V[part]).max() > 0.5 * size, "the bend reaches it"
+        before, after = from_skin(V, part), from_skin(bent.U, part)
+        assert after.mean() == pytest.approx(before.mean(), abs=0.01 * size)
+        assert after.min() == pytest.approx(before.min(), abs=0.01 * size)
+
+
+def test_parts_move_rigidly(bent):
+    for part in NAILS:
+        np.testing.assert_allclose(pdist(bent.U[part]), pdist(V[part]), rtol=0, atol=1e-13)
+        # Not turned inside out either.
+        faces = nail(0.0, 0.0)[1]
+        assert volume(bent.U[part], faces) == pytest.approx(volume(V[part], faces), rel=1e-12)
+
+
+def test_the_area_is_exact_and_counts_the_parts(bent):
+    total = face_areas(V, F).sum()
+    assert bent.area_rest == pytest.approx(total, rel=1e-14)
+    assert face_areas(bent.U, F).sum() == pytest.approx(total, rel=1e-12)
+    assert bent.area == pytest.approx(face_areas(bent.U, F).sum(), rel=1e-12)
+    assert bent.volume == pytest.approx(volume(bent.U, F), rel=1e-9)
+
+
+def test_targets_count_the_parts_too():
+    result = run(area=104.0, volume=98.0)
+    assert face_areas(result.U, F).sum() == pytest.approx(1.04 * face_areas(V, F).sum(), rel=1e-9)
+    assert volume(result.U, F) == pytest.approx(0.98 * volume(V, F), rel=1e-9)
+
+
+def test_held_vertices_are_exact_and_the_parts_are_said(bent):
+    assert np.array_equal(bent.U[FIXED], TARGETS)
+    assert bent.warnings == (
+        "5 connected parts without base or handle; they go along with the nearest surface.",
+    )
+
+
+def test_the_body_does_not_feel_the_parts():
+    alone = run("arap", V[BODY], BODY_F, 20)
+    assert np.abs(run("arap", iterations=20).U[BODY] - alone.U).max() <= 1e-12
+
+
+@pytest.mark.parametrize("method", [name for name, method in METHODS.items() if not method.moves_handles])
+def test_moving_all_rigidly_moves_the_parts_so(method):
+    W = V @ rotation([1.0, 2.0, -1.0], 2.5).T + [0.3, -4.0, 2.0]
+    result = deform(V, F, FIXED, W[FIXED], method, 3, handle=HANDLE)
+    # Beside a handle that moved rigidly, before anything has converged.
+    np.testing.assert_allclose(result.U[NAILS[-1]], W[NAILS[-1]], rtol=0, atol=1e-11)
+
+
+def test_each_part_may_stay():
+    result = run("arap", iterations=5, loose=[NAILS[1].start + 3, NAILS[4].stop - 1])
+    stays = [bool(np.array_equal(result.U[part], V[part])) for part in NAILS]
+    assert stays == [False, True, False, False, True]
+    (warning,) = result.warnings
+    assert warning.startswith("3 connected parts without base or handle; they go along")
+    assert warning.endswith("2 connected parts without base or handle; they stay where they are.")
+
+
+def test_all_may_stay():
+    result = run("arap", iterations=5, loose="stay")
+    assert np.array_equal(result.U[BODY.stop :], V[BODY.stop :])
+
+
+def test_beside_the_base_nothing_moves_a_bit():
+    W, G, (_, part) = assembled(finger(), nail(-0.95 * LONG, 1.0))
+    result = run("arap", W, G, 3)
+    assert np.array_equal(result.U[part], W[part])
+
+
+@pytest.mark.parametrize("loose", ["fly", [len(V)], [-1], [0.5]])
+def test_what_is_no_choice_is_refused(loose):
+    with pytest.raises(InputError):
+        run("arap", iterations=1, loose=loose)
+
+
+def test_a_ball_that_touches_at_one_triangle_is_turned_with_it():
+    S, G = sphere(1)
+    W, T, (_, ball) = assembled((V[BODY], BODY_F), (0.02 * S + [0.0, 1.03, 0.0], G))
+    result = run("arap", W, T)
+    turn = np.linalg.lstsq(W[ball] - W[ball].mean(axis=0), result.U[ball] - result.U[ball].mean(axis=0))[0].T
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+    angle = np.degrees(np.arccos((np.trace(turn) - 1.0) / 2.0))
+    assert 5.0 < angle < 60.0, "between base and handle"
+
+
+def test_parts_of_a_mesh_with_repeated_vertices_go_along_alike():
+    soup, corners = V[F.ravel()], np.arange(F.size).reshape(-1, 3)
+    first = np.full(len(V), -1)
+    first[F.ravel()[::-1]] = np.arange(F.size)[::-1]
+    result = deform(soup, corners, first[FIXED], TARGETS, "arap", 5, handle=first[HANDLE])
+    part, expected = NAILS[2], run("arap", iterations=5)
+    np.testing.assert_allclose(result.U[first[part]], expected.U[part], rtol=0, atol=1e-5)
