@@ -76,7 +76,7 @@ class Canvas(QObject):
         self.ways = self._make_ways()
         self.gizmo = Gizmo(self.viewport)
         self.gizmo.grabs = self._grabs
-        self.pivots = Pivots(self.viewport, self._handle_at)
+        self.pivots = Pivots(self.viewport, self.gizmo, self._handle_at)
         self.marks = Marks(self.viewport, self.surface)
         self.coloring = Coloring(self.surface, self.marks)
         self.picker = PointPicker(self.viewport, self.surface)

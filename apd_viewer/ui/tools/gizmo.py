@@ -122,10 +122,19 @@ class Gizmo(MouseTool, QObject):
         handle = self._handle_at(event)
         if handle is None or event.button() != Qt.MouseButton.LeftButton:
             return False
-        p = event.position()
-        self._drag, self._moving = begin(handle, self.frame, self._pose, p.x(), p.y()), False
-        self._show(handle, Qt.CursorShape.ClosedHandCursor)
+        self.take(event.position(), handle)
         return True
+
+    def take(self, position: QPointF, handle: str = "centre") -> None:
+        """Begin a drag of one of its handles at a position in the viewport."""
+        drag = begin(handle, self.frame, self._pose, position.x(), position.y())
+        self._drag, self._moving = drag, False
+        self._show(handle, Qt.CursorShape.ClosedHandCursor)
+
+    @property
+    def dragged(self) -> bool:
+        """True during a drag."""
+        return self._drag is not None
 
     def move(self, event: QMouseEvent) -> bool:
         """Drag the handle, or highlight the one under the cursor."""

@@ -14,6 +14,7 @@ from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUAR
 if TYPE_CHECKING:
     from apd_viewer.ui.scene.camera import Camera
 
+FARTHEST = 4.0  # an arrow never moves the handle so many times farther than the cursor went
 SNAP_ANGLE = np.deg2rad(15.0)
 SNAP_PIXELS = 20.0
 SNAP_SCALE = 0.1  # and no handle is made smaller than that
@@ -89,6 +90,10 @@ class Drag:
         if here is None or there is None:
             return self
         amounts = directions @ (here - there)
+        if self.handle in ARROWS:
+            # Towards the vanishing point of its axis the handle would run away.
+            most = FARTHEST * self.frame.pixel * float(np.hypot(x - self.start[0], y - self.start[1]))
+            amounts = np.clip(amounts, -most, most)
         if snap:
             step = nice_step(SNAP_PIXELS * frame.pixel)
             amounts = np.array([snapped(a, step) for a in amounts])

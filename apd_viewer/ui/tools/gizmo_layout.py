@@ -27,7 +27,7 @@ SCALE = (86.0, -86.0)  # from the centre, across and down the picture
 REACH = 8.0
 
 ARROWS, SQUARES, RINGS = ("x", "y", "z"), ("yz", "zx", "xy"), ("rx", "ry", "rz")
-ALONG_VIEW = 0.98  # |cosine| beyond which an arrow points at the viewer and cannot be dragged
+ALONG_VIEW = 0.96  # |cosine| beyond which an arrow, 16 degrees from the line of sight, cannot be dragged
 EDGE_ON = 0.16  # |cosine| below which a square or a ring is a line
 _TURN = np.linspace(0.0, 2 * np.pi, 73)
 

@@ -1,4 +1,4 @@
-"""Dots at the pivots of inactive handles, to activate them by a press."""
+"""Dots at the pivots of inactive handles, taken and moved by a press and a drag."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.session.model.document import Document
     from apd_viewer.ui.scene.viewport import Viewport
+    from apd_viewer.ui.tools.gizmo import Gizmo
 
 DOT = 6.0
 REACH = 11.0
@@ -54,11 +55,13 @@ def movable(document: Document) -> tuple[Pivot, ...]:
 
 
 class Pivots(MouseTool, QObject):
-    """Tool to activate another handle by its dot or its painted patch.
+    """Tool to take another handle by its dot or its painted patch, and to move it.
 
     Parameters
     ----------
     viewport : Viewport
+    gizmo : Gizmo
+        Drags what was taken.
     handle_at : callable
         From a position in the viewport to the number of the handle that is painted there, or None.
 
@@ -70,13 +73,12 @@ class Pivots(MouseTool, QObject):
 
     chosen = Signal(int)
 
-    def __init__(self, viewport: Viewport, handle_at: Callable[[QPointF], int | None]) -> None:
+    def __init__(self, viewport: Viewport, gizmo: Gizmo, handle_at: Callable[[QPointF], int | None]) -> None:
         super().__init__(viewport)
-        self._viewport = viewport
+        self._viewport, self._gizmo = viewport, gizmo
         self._handle_at = handle_at
         self._pivots: tuple[Pivot, ...] = ()
         self._hot: int | None = None
-        viewport.clicked.connect(self._click)
 
     def place(self, pivots: Sequence[Pivot]) -> None:
         """Stand at these; nowhere when there are none."""
@@ -85,18 +87,24 @@ class Pivots(MouseTool, QObject):
             self._viewport.overlay.update()
 
     def press(self, event: QMouseEvent) -> bool:
-        """Make the handle under the cursor active, if it is one of the dots."""
-        number = self._dot_at(event.position())
-        if number is None or event.button() != Qt.MouseButton.LeftButton:
+        """Take the handle under the cursor."""
+        pans = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        number = self._taken_at(event.position())
+        if number is None or pans or event.button() != Qt.MouseButton.LeftButton:
             return False
         self.chosen.emit(number)
+        self._gizmo.take(event.position())
         return True
 
+    def release(self, event: QMouseEvent) -> None:
+        """Let go of the handle."""
+        self._gizmo.release(event)
+
     def move(self, event: QMouseEvent) -> bool:
-        """Show the name of the handle under the cursor."""
-        number = self._dot_at(event.position())
-        if number is None and self._pivots:
-            number = self._painted_at(event.position())
+        """Move the handle taken, or show the name of the one under the cursor."""
+        if self._gizmo.dragged:
+            return self._gizmo.move(event)
+        number = self._taken_at(event.position())
         self._show(number)
         if number is not None:
             self._viewport.setCursor(Qt.CursorShape.PointingHandCursor)
@@ -152,14 +160,13 @@ class Pivots(MouseTool, QObject):
                 return pivot.number
         return None
 
-    def _painted_at(self, position: QPointF) -> int | None:
+    def _taken_at(self, position: QPointF) -> int | None:
+        """Number of the handle with a dot or paint at a position."""
+        dot = self._dot_at(position)
+        if dot is not None or not self._pivots:
+            return dot
         number = self._handle_at(position)
         return number if number in {pivot.number for pivot in self._pivots} else None
-
-    def _click(self, position: QPointF) -> None:
-        number = self._painted_at(position) if self._pivots else None
-        if number is not None:
-            self.chosen.emit(number)
 
     def _show(self, number: int | None) -> None:
         if number != self._hot:

@@ -4,7 +4,7 @@ from driving import centre
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
-from apd_viewer.ui.scene.camera import UP, Camera, rotation
+from apd_viewer.ui.scene.camera import Camera, rotation
 from apd_viewer.ui.tools.gizmo import Gizmo
 from apd_viewer.ui.tools.gizmo_drag import begin, nice_step, rotated, signed, snapped
 from apd_viewer.ui.tools.gizmo_layout import ARROWS, RING, RINGS, SQUARES, Along, GizmoFrame
@@ -13,6 +13,7 @@ CENTRE = np.array([0.3, -0.2, 0.1])
 POSE = np.eye(4)
 POSE[:3, :3] = rotation(np.array([0.6, 0.0, 0.8]), 0.7)
 POSE[:3, 3] = 0.4, 1.1, -0.3
+UP = np.array([0.0, 1.0, 0.0])
 
 ALONG_AXES = [(0, 0, 1), (0, 0, -1), (1, 0, 0), (-1, 0, 0), (0, 1, 0.001), (0, -1, 0.001)]
 ASKEW = [(0.5, 0.4, 1), (-0.7, 0.3, -1), (1, -0.5, 0.4), (-1, 0.6, 0.5), (0.4, 1, 0.5), (-0.5, -1, 0.4)]
@@ -52,6 +53,20 @@ def test_an_arrow_follows_the_cursor_from_every_side(direction, i):
         expected = POSE.copy()
         expected[:3, 3] += way * frame.axes[i]
         np.testing.assert_allclose(dragged(frame, ARROWS[i], start, end).pose, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.6])
+@pytest.mark.parametrize("i", range(3))
+def test_an_arrow_near_the_line_of_sight_does_not_run_away(slope, i):
+    towards = np.eye(3)[i] + slope * np.eye(3)[(i + 1) % 3]
+    frame = frame_from(towards)
+    if not frame.usable(ARROWS[i]):
+        assert slope < 0.4
+        return
+    start = frame.arrow(i)[1]
+    for x, y in np.random.default_rng(i).uniform(-400, 400, (200, 2)):
+        moved = dragged(frame, ARROWS[i], start, start + (x, y)).pose[:3, 3] - POSE[:3, 3]
+        assert np.linalg.norm(moved) <= 4.001 * frame.pixel * np.hypot(x, y)
 
 
 @pytest.mark.parametrize("direction", ASKEW)

@@ -73,7 +73,7 @@ def test_every_arrow_and_ring_moves_the_way_the_cursor_goes(bottle, mouse, axis)
     view.look.along(axis)
     bottle.canvas.frame_mesh()
     # Not straight along an axis, or one arrow could not be seen.
-    view.look.eye = view.look.eye.orbited(37.0, 23.0)
+    view.look.eye = view.look.eye.orbited(60.0, 23.0)
     hand = mouse(view)
     for i in range(3):
         frame = bottle.canvas.gizmo.frame

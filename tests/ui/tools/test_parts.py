@@ -174,20 +174,34 @@ def test_a_press_on_the_dot_makes_the_other_handle_active(qtbot, two):
     assert np.array_equal(document(two).handles[1].pose, np.eye(4))
 
 
-def test_a_click_on_the_paint_of_a_handle_takes_it_and_a_drag_turns_the_view(qtbot, two):
+def test_a_press_on_the_paint_of_a_handle_takes_it_and_a_drag_moves_it(qtbot, two):
     view, mouse = two.canvas.viewport, Mouse(two.canvas.viewport)
     labels, U = document(two).labels, two.session.store.state.frame.U
     cap = np.flatnonzero((labels == HANDLE) & (U[:, 2] > 0.5))
     points = view.look.eye.project(U[cap])
     dot = view.look.eye.project(two.canvas.pivots._pivots[0].centre[None])[0]
     away = points[np.argmax(np.linalg.norm(points - dot, axis=1) * (np.abs(points[:, 0] - dot[0]) < 12))]
-    before = view.look.eye.key
-    mouse.drag(away, away + (30, 0))
-    assert two.parts.handle == 1
-    assert view.look.eye.key != before
-    away = view.look.eye.project(U[cap])[np.argmin(np.linalg.norm(points - away, axis=1))]
+    before, steps = view.look.eye.key, two.session.gestures.history.done
+    mouse.drag(away, away, modifiers=Qt.KeyboardModifier.ShiftModifier)
+    assert two.parts.handle == 1, "Shift pans"
     mouse.drag(away, away)
     assert two.parts.handle == 0
+    assert two.session.gestures.history.done == steps, "a click moves nothing"
+    two.parts.choose_handle(1)
+    mouse.drag(away, away + (10, 0), away + (30, 0))
+    assert two.parts.handle == 0
+    assert view.look.eye.key == before
+    pose = document(two).handles[0].pose
+    assert np.array_equal(pose[:3, :3], np.eye(3)), "moved, and not rotated by a ring that lies there"
+    shift = 30 * view.look.eye.world_per_pixel(U[cap].mean(axis=0)) * view.look.eye.axes[0]
+    assert np.allclose(pose[:3, 3], shift, rtol=0.05, atol=0.05 * np.linalg.norm(shift))
+    two.parts.choose_handle(1)
+    dot = view.look.eye.project(two.canvas.pivots._pivots[0].centre[None])[0]
+    mouse.press(dot)
+    mouse.move(dot + (30, 0))
+    assert view.mouse.cancel()
+    mouse.release(dot + (30, 0))
+    assert np.array_equal(document(two).handles[0].pose, pose), "Esc puts it back"
 
 
 def test_handles_are_added_stepped_through_and_removed(qtbot, two):
