@@ -17,6 +17,7 @@ from apd_viewer.ui.panel.history_list import HistoryList
 from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.preferences.up_axes import UpAxes
 from apd_viewer.ui.tools.canvas import Canvas
 from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY, Tool
 from apd_viewer.ui.widgets import theme
@@ -57,7 +58,7 @@ class Shell(QMainWindow):
         self.requests = FileRequests(self, self.memory)
         self.is_closed = False
         self._set_up_frame()
-        self.canvas = Canvas(self)
+        self.canvas = Canvas(self, UpAxes(self.memory))
         self.setCentralWidget(self.canvas.viewport)
         self.setFocusProxy(self.canvas.viewport)  # where a field that is done returns the keys to
         self.panel = Panel()

@@ -236,6 +236,7 @@ class Workbench(QObject):
     def _show_opened(self, state: State) -> None:
         mesh = state.document.mesh
         self.notice.hide()
+        self.actions_.view.camera.follow()
         self.shell.setWindowFilePath(str(mesh.path or ""))
         self.shell.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
@@ -248,6 +249,7 @@ class Workbench(QObject):
 
     def _look_as(self, view: View) -> None:
         self.canvas.view.restore(view)
+        self.actions_.view.camera.follow()
         self.measuring.look_as(view)
         self._choose_unit(Unit(view.unit))
         self.filing.viewed()

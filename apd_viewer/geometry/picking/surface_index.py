@@ -14,7 +14,7 @@ from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
 from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
-from apd_viewer.geometry.picking.visibility import visible
+from apd_viewer.geometry.picking.visibility import TOUCHING, visible
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +115,11 @@ class Skin:
         """Search tree for :meth:`visible`, once a shape ``U``."""
         return bounding_hierarchy(U, self.joined)
 
-    def visible(self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes) -> np.ndarray:
+    def visible(
+        self, eye: np.ndarray, U: np.ndarray, ids: np.ndarray, sights: Boxes, touching: float = TOUCHING
+    ) -> np.ndarray:
         """Mask (k,) of the vertices ``ids`` of ``U`` visible from ``eye`` (3,)."""
-        return visible(eye, U, ids=ids, boxes=sights)
+        return visible(eye, U, sights, ids, touching)
 
     def up_to_creases(self, U: np.ndarray, face: int, crease: float) -> np.ndarray:
         """Vertices around a face up to creases sharper than so many radians."""

@@ -19,11 +19,14 @@ TOUCHING = 1e-6
 _EDGE_ON = 1e-12
 
 
-def visible(eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray) -> np.ndarray:
+def visible(
+    eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray, touching: float = TOUCHING
+) -> np.ndarray:
     """Mask of the vertices visible from a point.
 
     One is seen if no triangle that it is not a corner of meets the straight line to it. A triangle nearer to
-    it than 1e-6 of its distance from the eye does not hide it, nor does one that is seen exactly edge-on.
+    it than ``touching`` of its distance from the eye does not hide it, nor does one that is seen exactly
+    edge-on.
 
     Parameters
     ----------
@@ -33,6 +36,7 @@ def visible(eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray) -> np
         The :func:`bounding_hierarchy` of the same ``U``.
     ids : (k,) int array
         The vertices, by the names that the triangles have for them.
+    touching : float
 
     Returns
     -------
@@ -41,7 +45,9 @@ def visible(eye: np.ndarray, U: np.ndarray, boxes: Boxes, ids: np.ndarray) -> np
     eye = np.ascontiguousarray(eye, dtype=np.float64)
     seen = np.empty(len(ids), dtype=bool)
     with cores_for(len(U)):
-        _see(eye, U, np.asarray(ids, dtype=np.int64), boxes.F, boxes.corners, boxes.level, seen)
+        _see(
+            eye, U, np.asarray(ids, dtype=np.int64), boxes.F, boxes.corners, boxes.level, 1.0 - touching, seen
+        )
     return seen
 
 
@@ -53,6 +59,7 @@ def _see(
     F: np.ndarray,
     corners: np.ndarray,
     level: np.ndarray,
+    end: float,
     seen: np.ndarray,
 ) -> None:
     ox, oy, oz = eye[0], eye[1], eye[2]
@@ -76,7 +83,7 @@ def _see(
             if near <= far:
                 for t in range(FAN * b, min(FAN * (b + 1), len(F))):
                     if F[t, 0] != v and F[t, 1] != v and F[t, 2] != v:
-                        hidden |= _hides(ox, oy, oz, dx, dy, dz, U, F[t, 0], F[t, 1], F[t, 2])
+                        hidden |= _hides(ox, oy, oz, dx, dy, dz, U, F[t, 0], F[t, 1], F[t, 2], end)
             b = ((b >> (FAN_BITS * size)) + 1) << (FAN_BITS * size)
             while size < top and b & ((1 << (FAN_BITS * (size + 1))) - 1) == 0:
                 size += 1
@@ -101,8 +108,9 @@ def _hides(
     i: int,
     j: int,
     k: int,
+    end: float,
 ) -> bool:
-    """True if a triangle blocks the segment from ``o`` along ``d``."""
+    """True if a triangle blocks ``o + t d`` for ``t`` from 0 to ``end``."""
     ex, ey, ez = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
     gx, gy, gz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
     px, py, pz = dy * gz - dz * gy, dz * gx - dx * gz, dx * gy - dy * gx
@@ -118,4 +126,4 @@ def _hides(
     v = (dx * qx + dy * qy + dz * qz) / det
     if v < -_EDGE or u + v > 1.0 + _EDGE:
         return False
-    return 0.0 < (gx * qx + gy * qy + gz * qz) / det < 1.0 - TOUCHING
+    return 0.0 < (gx * qx + gy * qy + gz * qz) / det < end

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
 
 SUFFIX = ".apd"  # of a session file
@@ -45,9 +46,12 @@ class View:
     overlay : str or None
         What the colours show, by the value of a :class:`Measure`; empty where they show
         what is painted, None where nothing is said of them.
+    up_axis : UpAxis or None
+        None where nothing is said of it.
     """
 
     camera: Standpoint | None = None
     unit: str = ""
     wall: Wall = NO_WALL
     overlay: str | None = None
+    up_axis: UpAxis | None = None

@@ -24,6 +24,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
 from apd_viewer.session.model.state import State, rest_frame
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
@@ -167,6 +168,7 @@ def view_said(view: View) -> dict[str, Any]:
         "unit": view.unit or None,
         "wall": {name: text or None for name, text in view.wall._asdict().items()},
         "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
+        "up_axis": None if view.up_axis is None else view.up_axis.value,
     }
 
 
@@ -178,15 +180,22 @@ def view_of(said: Fields) -> View:
     wall = _wall(said.part("wall")) if said.says("wall") else Wall()
     overlay = said.text("overlay") if said.says("overlay") else None
     overlay = "" if overlay == _NO_OVERLAY else overlay
+    up_axis = _up_axis(said.text("up_axis")) if said.says("up_axis") else None
     if not said.says("camera"):
-        return View(None, unit, wall, overlay)
+        return View(None, unit, wall, overlay, up_axis)
     camera = said.part("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
     if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” has no direction"))
     angle = camera.number("angle", _LEAST, np.pi - _LEAST)
-    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay)
+    return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
+
+
+def _up_axis(name: str) -> UpAxis:
+    if name not in [axis.value for axis in UpAxis]:
+        raise ValueError(tr("its “up_axis” is unknown"))
+    return UpAxis(name)
 
 
 def _wall(said: Fields) -> Wall:

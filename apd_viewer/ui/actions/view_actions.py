@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt
 
-from apd_viewer.language import tr, trc
+from apd_viewer.language import tr
+from apd_viewer.ui.actions.camera_actions import CameraActions
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
@@ -17,14 +18,6 @@ if TYPE_CHECKING:
     from apd_viewer.ui.actions.commands import Commands
     from apd_viewer.ui.actions.display_actions import LookActions
 
-_VIEWS = (
-    (trc("view", "Front"), tr("View the mesh from the front"), "1", "front"),
-    (trc("view", "Right"), tr("View the mesh from the right"), "3", "side"),
-    (trc("view", "Top"), tr("View the mesh from the top"), "7", "top"),
-    (trc("view", "Back"), tr("View the mesh from the back"), "Ctrl+1", "-front"),
-    (trc("view", "Left"), tr("View the mesh from the left"), "Ctrl+3", "-side"),
-    (trc("view", "Bottom"), tr("View the mesh from the bottom"), "Ctrl+7", "-top"),
-)
 _SCHEMES = (
     (tr("&System default"), Qt.ColorScheme.Unknown, tr("Follow the light or dark mode of the system")),
     (tr("&Light"), Qt.ColorScheme.Light, tr("Use the light theme")),
@@ -43,8 +36,7 @@ class ViewActions:
     Attributes
     ----------
     frame, findings, edges, smooth : QAction
-    directions : dict of str to QAction
-        By the direction, as in Look.along.
+    camera : CameraActions
     schemes : dict of Qt.ColorScheme to QAction
     """
 
@@ -63,11 +55,8 @@ class ViewActions:
             commands.findings.open,
         )
         commands.findings.badge.name_keys(self.findings)
-        self.directions = {}
-        for title, tip, key, axis in _VIEWS:
-            command = partial(canvas.viewport.look.along, axis)
-            self.directions[axis] = maker.make(f"look:{axis}", title, "view", tip, key, command)
-        commands.comparing.lend_keys(self.directions, self.frame)
+        self.camera = CameraActions(maker, canvas)
+        commands.comparing.lend_keys(self.camera.directions, self.frame)
         edges, smooth = tr("Show the triangle edges"), tr("Shade smoothly across edges")
         self.edges = maker.switch("edges", tr("&Edges"), "edges", edges, "W", self._show_edges)
         self.smooth = maker.switch(
@@ -88,7 +77,7 @@ class ViewActions:
     def fill(self, menu: QMenu, looks: LookActions) -> None:
         """Put all of them into a menu, with those of the overlays between."""
         menu.addAction(self.frame)
-        menu.addActions(list(self.directions.values()))
+        self.camera.fill(menu)
         menu.addSeparator()
         looks.fill(menu)
         menu.addSeparator()

@@ -72,15 +72,19 @@ class LinkedViews(QWidget):
     def look(self, state: State, eye: Camera) -> None:
         """Look along another camera at the extent of all shapes, as known."""
         look = self._first.viewport.look
-        look.eye = replace(look.eye, position=eye.position - eye.focal, focal=np.zeros(3), up=eye.up)
+        own = look.eye
+        look.eye = replace(
+            eye, position=eye.position - eye.focal, focal=np.zeros(3), width=own.width, height=own.height
+        )
         right, up, _ = look.eye.axes
         both = np.vstack([state.document.mesh.V, state.frame.U])
         self._aspect = float(np.ptp(both @ right) / max(np.ptp(both @ up), 1e-300))
         self._frame(both)
 
     def look_along(self, axis: str) -> None:
-        """Look along an axis: see :meth:`Look.along`."""
+        """Show all of every shape from an axis: see :meth:`Look.along`."""
         self._first.viewport.look.along(axis)
+        self.frame()
 
     def frame(self) -> None:
         """Show all of every shape."""

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
 from apd_viewer.language import tr
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 _MOST_RECENT = 8
 _MOST_UNITS = 64
+_UP_AXES = {axis.value for axis in UpAxis}
 _UNITS = {unit.value or "-": unit for unit in Unit}
 
 
@@ -114,6 +116,19 @@ class Preferences:
         units = {path: unit, **{other: old for other, old in self.units.items() if other != path}}
         lines = [f"{unit.value or '-'} {other}" for other, unit in units.items()]
         self._settings.setValue("units", lines[:_MOST_UNITS])
+
+    @property
+    def up_axes(self) -> dict[Path, UpAxis]:
+        """Chosen up axes by file, latest first."""
+        lines = (line.partition(" ") for line in self._lines("up_axes"))
+        return {Path(path): UpAxis(axis) for axis, _, path in lines if path and axis in _UP_AXES}
+
+    def remember_up_axis(self, path: Path, axis: UpAxis) -> None:
+        """Put the up axis of the file at ``path`` first."""
+        path = path.resolve()
+        axes = {path: axis, **{other: old for other, old in self.up_axes.items() if other != path}}
+        lines = [f"{axis.value} {other}" for other, axis in axes.items()]
+        self._settings.setValue("up_axes", lines[:_MOST_UNITS])
 
     @property
     def walls(self) -> dict[Path, Wall]:

@@ -7,11 +7,17 @@ from functools import cached_property
 
 import numpy as np
 
-UP = np.array([0.0, 1.0, 0.0])
+from apd_viewer.session.model.up_axis import UpAxis
+
 DEGREES_PER_PIXEL = 0.4
 MARGIN = 1.15
 
-# Where the camera stands, and which way is up in the picture.
+# Opening angles, radians. The orthographic one is so narrow, and its camera so far away, that half the height
+# of the picture in depth is a twentieth of a pixel aside: rays, projections, zoom, framing and saved views
+# need no second kind of camera. A still narrower one would cost depth resolution.
+PERSPECTIVE, ORTHOGRAPHIC = np.deg2rad([30.0, 0.02]).tolist()
+
+# Where the camera stands, and which way is up in the picture, for a mesh with +Y up.
 STANDPOINTS = {
     "front": ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
     "side": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
@@ -33,6 +39,8 @@ class Camera:
         Vertical opening angle, radians.
     width, height : float
         Logical pixels.
+    up_axis : UpAxis
+        Of the mesh: level when the camera orbits.
     """
 
     position: np.ndarray
@@ -41,6 +49,7 @@ class Camera:
     angle: float
     width: float
     height: float
+    up_axis: UpAxis = UpAxis.PLUS_Y
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -58,6 +67,16 @@ class Camera:
     def pixel(self) -> float:
         """Height of one pixel at depth one."""
         return 2.0 * float(np.tan(self.angle / 2)) / self.height
+
+    @property
+    def span(self) -> float:
+        """Height of the picture at the focal point, mesh units."""
+        return self.pixel * self.height * self.distance
+
+    @property
+    def is_orthographic(self) -> bool:
+        """True for parallel lines of sight."""
+        return bool(self.angle < (PERSPECTIVE * ORTHOGRAPHIC) ** 0.5)
 
     @property
     def key(self) -> tuple[float, ...]:
@@ -92,8 +111,9 @@ class Camera:
     def orbited(self, dx: float, dy: float) -> Camera:
         """Camera orbited by a drag of (dx, dy) pixels; the horizon stays level."""
         # Upside down, a drag to the right must still push the front of the object to the right.
-        side = 1.0 if self.up @ UP >= 0 else -1.0
-        yaw = rotation(UP, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
+        up = self.up_axis.direction
+        side = 1.0 if self.up @ up >= 0 else -1.0
+        yaw = rotation(up, -side * np.deg2rad(DEGREES_PER_PIXEL * dx))
         pitch = rotation(yaw @ self.axes[0], -np.deg2rad(DEGREES_PER_PIXEL * dy))
         turn = pitch @ yaw
         return replace(
@@ -113,6 +133,11 @@ class Camera:
             position=point + (self.position - point) / factor,
             focal=point + (self.focal - point) / factor,
         )
+
+    def opened(self, angle: float) -> Camera:
+        """Camera with another opening angle; the focal plane keeps its size."""
+        away = self.distance * np.tan(self.angle / 2) / np.tan(angle / 2)
+        return replace(self, position=self.focal - away * self.axes[2], angle=angle)
 
     def framed(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> Camera:
         """Show all points as large as they fit, seen from the same direction.
@@ -145,7 +170,12 @@ class Camera:
         """Camera along 'front', 'side' or 'top', or '-' for the opposite."""
         stand, up = (np.array(v) for v in STANDPOINTS[axis.removeprefix("-")])
         if axis.startswith("-"):
-            stand, up = -stand, up if up @ UP else -up
+            stand, up = -stand, up if up[1] else -up
+        return self.standing(stand @ self.up_axis.frame, up @ self.up_axis.frame)
+
+    def standing(self, stand: np.ndarray, up: np.ndarray | None = None) -> Camera:
+        """Camera in a direction (3,) from the focal point, level without ``up``."""
+        up = self.up_axis.direction if up is None else up
         return replace(self, position=self.focal + self.distance * stand, up=up)
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from apd_viewer.ui.scene.camera import UP, Camera
+from apd_viewer.ui.scene.camera import Camera
 
 # What is seen of a part is found out at so many of its vertices.
 _SAMPLES = 32
@@ -46,16 +45,16 @@ def facing(eye: Camera, points: np.ndarray, normals: np.ndarray, size: float, ra
     now = _seen(points, normals, here, size, rays)
     if now >= _ENOUGH:
         return eye  # no view shows more than all
-    stands = _around(here)
+    stands = _around(eye.up_axis.frame @ here) @ eye.up_axis.frame
     seen = np.array([_seen(points, normals, stand, size, rays) for stand in stands])
     if now >= _ENOUGH * seen.max():
         return eye
     stand = stands[np.flatnonzero(seen >= _BEST * seen.max())[0]]
-    return replace(eye, position=eye.focal + eye.distance * stand, up=UP)
+    return eye.standing(stand)
 
 
 def _around(here: np.ndarray) -> np.ndarray:
-    """Candidate directions (k, 3): level ones and those near ``here`` first."""
+    """Candidate directions (k, 3) with +Y up: level and near ones first."""
     turn, height = np.meshgrid(np.arange(_WAYS) * 2.0 * np.pi / _WAYS, _HEIGHTS)
     level = np.cos(height)
     stands = np.stack([level * np.sin(turn), np.sin(height), level * np.cos(turn)], axis=-1).reshape(-1, 3)

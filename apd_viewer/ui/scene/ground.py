@@ -11,6 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen
 
 from apd_viewer.language import tr
 from apd_viewer.presentation.number_format import place, round_step, short
+from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.rest_actor import RestActor
@@ -49,6 +50,7 @@ class Ground(MouseTool, RestActor):
         self._unit = Unit.NONE
         self.step = 1.0
         self._ends = np.zeros((2, 3))
+        self._lies_for = UpAxis.PLUS_Y
         self._actor.GetProperty().LightingOff()
         viewport.tools.append(self)
 
@@ -60,16 +62,27 @@ class Ground(MouseTool, RestActor):
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
         used = mesh.V[mesh.F.ravel()]
         low, high = used.min(axis=0), used.max(axis=0)
-        size = float((high - low).max())
+        size, up = float((high - low).max()), self._up_axis
+        self._lies_for = up
         self.step = round_step(size / _LINES)
-        around = np.array([_AROUND * size, 0.0, _AROUND * size])
-        self._ends = np.array([low - around, high + around])
-        for row, rounded in ((0, np.floor), (1, np.ceil)):
-            self._ends[row, [0, 2]] = self.step * rounded(self._ends[row, [0, 2]] / self.step)
-        self._ends[:, 1] = low[1]
+        self._ends = np.array([low - _AROUND * size, high + _AROUND * size])
+        self._ends = self.step * np.array(
+            [np.floor(self._ends[0] / self.step), np.ceil(self._ends[1] / self.step)]
+        )
+        self._ends[:, up.index] = (low if up.sign > 0 else high)[up.index]
         self._actor.SetPosition(*self._ends.mean(axis=0))
         self._box = tuple(self._ends.T.ravel())
-        return _lines(self._ends, self._ticks(0), self._ticks(2))
+        return _lines(self._ends, {axis: self._ticks(axis) for axis in self._level})
+
+    @property
+    def _up_axis(self) -> UpAxis:
+        return self._viewport.look.eye.up_axis
+
+    @property
+    def _level(self) -> tuple[int, int]:
+        """Coordinates along the two level axes."""
+        first, second = (axis for axis in range(3) if axis != self._up_axis.index)
+        return first, second
 
     def _ticks(self, axis: int) -> np.ndarray:
         """Positions of the grid lines across an axis."""
@@ -78,6 +91,8 @@ class Ground(MouseTool, RestActor):
 
     def _match_background(self, dark: bool) -> None:
         self._actor.GetProperty().SetColor(*(_ON_DARK if dark else _ON_LIGHT))
+        if self._shown is not None and self._lies_for is not self._up_axis:
+            self._mapper.SetInputData(self._drawn(self._shown))
 
     def paint(self, painter: QPainter) -> None:
         """Write the figures, and draw the axes."""
@@ -87,7 +102,7 @@ class Ground(MouseTool, RestActor):
         painter.save()
         painter.setPen(ink)
         taken: list[QRectF] = []
-        for axis in (0, 2):
+        for axis in self._level:
             self._write_along(painter, axis, taken)
         corner = QPointF(self._viewport.width() - _CORNER, _CORNER)
         text = tr("grid {length}").format(length=self._unit.length(short(self.step)))
@@ -101,7 +116,7 @@ class Ground(MouseTool, RestActor):
 
         No figure is written over one that was ``taken`` down before: both sides have one at their corner.
         """
-        eye, other, ticks = self._viewport.look.eye, 2 - axis, self._ticks(axis)
+        eye, other, ticks = self._viewport.look.eye, sum(self._level) - axis, self._ticks(axis)
         side = 0 if eye.position[other] < self._ends[:, other].mean() else 1
         points = np.tile(self._ends[side], (len(ticks), 1))
         points[:, axis] = ticks
@@ -134,12 +149,15 @@ class Ground(MouseTool, RestActor):
             painter.drawText(QRectF(at.x() - 9, at.y() - 9, 18, 18), Qt.AlignmentFlag.AlignCenter, "XYZ"[k])
 
 
-def _lines(ends: np.ndarray, across_x: np.ndarray, across_z: np.ndarray) -> pv.PolyData:
-    """The lines of the grid, seen from its middle."""
-    middle, half = ends.mean(axis=0), (ends[1] - ends[0]) / 2
-    points = [(x - middle[0], 0.0, sign * half[2]) for x in across_x for sign in (-1, 1)]
-    points += [(sign * half[0], 0.0, z - middle[2]) for z in across_z for sign in (-1, 1)]
-    grid = pv.PolyData(np.array(points, dtype=np.float32))
+def _lines(ends: np.ndarray, ticks: dict[int, np.ndarray]) -> pv.PolyData:
+    """The lines of the grid, seen from its middle; ``ticks`` of the level axes."""
+    rows = []
+    for axis, places in ticks.items():
+        lines = np.tile(ends, (len(places), 1, 1))
+        lines[:, :, axis] = places[:, None]
+        rows.append(lines.reshape(-1, 3))
+    points = np.vstack(rows) - ends.mean(axis=0)
+    grid = pv.PolyData(points.astype(np.float32))
     count = len(points) // 2
     grid.verts = np.empty(0, dtype=np.int64)
     pairs = np.arange(2 * count).reshape(-1, 2)

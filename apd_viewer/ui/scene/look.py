@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.ui.scene.camera import UP, Camera
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.scene.camera import ORTHOGRAPHIC, PERSPECTIVE, Camera
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from pyvistaqt import QtInteractor
 
 HOME = np.array([0.42, 0.32, 0.85]) / np.linalg.norm([0.42, 0.32, 0.85])
-OPENING = np.deg2rad(30.0)
 CLOSEST = 1e-4  # zoom limits, in multiples of what was framed
 FARTHEST = 50.0
 
@@ -39,10 +39,11 @@ class Look:
     def __init__(self, viewport: QtInteractor, pick: Callable[[QPointF], np.ndarray | None]) -> None:
         self._viewport, self._pick = viewport, pick
         self.linked: Sequence[Look] = ()
-        self._extent = 1.0
+        self._up_axis = UpAxis.PLUS_Y
+        self._extent = 1.0  # height of the picture when it was framed
         # Points, the room around them, and where the camera went to show them.
         self._framed: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
-        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), OPENING, 1, 1)
+        eye = Camera(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]), PERSPECTIVE, 1, 1)
         self.eye = replace(eye, position=HOME)
 
     @property
@@ -56,6 +57,7 @@ class Look:
             angle=np.deg2rad(camera.GetViewAngle()),
             width=max(self._viewport.width(), 1),
             height=max(self._viewport.height(), 1),
+            up_axis=self._up_axis,
         )
 
     @eye.setter
@@ -67,6 +69,7 @@ class Look:
         camera.SetViewAngle(np.rad2deg(eye.angle))
         # All at once: the window is put together once for all that is drawn, and not for each.
         for look in (self, *self.linked):
+            look._up_axis = eye.up_axis
             look._viewport.update()
 
     def frame(self, points: np.ndarray, room: np.ndarray | float = 0.0) -> None:
@@ -74,7 +77,7 @@ class Look:
         if len(points):
             points, room = np.asarray(points), np.broadcast_to(room, len(points))
             self.eye = self.eye.framed(points, room)
-            self._extent = self.eye.distance
+            self._extent = self.eye.span
             self._framed = points, room, self.eye.position
 
     def keep_framing(self) -> None:
@@ -84,11 +87,23 @@ class Look:
 
     def home(self) -> None:
         """Look from the home direction: from the front, right and above."""
-        eye = self.eye
-        self.eye = replace(eye, position=eye.focal + eye.distance * HOME, up=UP)
+        self.eye = self.eye.standing(HOME @ self._up_axis.frame)
+
+    def stand(self, up_axis: UpAxis) -> None:
+        """Look from the home direction, with another axis up."""
+        self.eye = replace(self.eye, up_axis=up_axis)
+        self.home()
+
+    def project(self, orthographic: bool) -> None:
+        """Look with parallel lines of sight, or in perspective."""
+        eye, angle = self.eye, ORTHOGRAPHIC if orthographic else PERSPECTIVE
+        if eye.is_orthographic != orthographic:
+            self.eye = eye.opened(angle)
+            if self._framed is not None and np.array_equal(self._framed[2], eye.position):
+                self._framed = *self._framed[:2], self.eye.position
 
     def along(self, axis: str) -> None:
-        """Look along 'front' (+Z), 'side' (+X) or 'top' (+Y), '-' for the opposite."""
+        """Look from the 'front', 'side' or 'top', '-' for the opposite."""
         self.eye = self.eye.placed(axis)
 
     def close(self) -> None:
@@ -101,7 +116,7 @@ class Look:
         if point is None:
             point = eye.on_focal_plane(position.x(), position.y())
         closer = eye.zoomed(point, factor)
-        if CLOSEST <= closer.distance / self._extent <= FARTHEST:
+        if CLOSEST <= closer.span / self._extent <= FARTHEST:
             self.eye = closer
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
 
 from apd_viewer.presentation.color_maps import ColorMap
@@ -28,8 +30,8 @@ _SHADING = """
   gl_FragData[0] = vec4(shaded, OPACITY);
 """
 
-# Of the distance: some sixty of them are seen above each other, in a picture of any size.
-_STRIPE = 0.0084
+# Of the height of the picture: some sixty of them are seen above each other.
+_STRIPE = 0.0157
 
 # Measured values come as the opacity of the vertices, so that they are blended over a triangle before they
 # are made a colour: between a loss and a gain there is no change, and not the mean of two colours. What is
@@ -43,7 +45,7 @@ _HEAT = """
   float line = LINE;
   vec3 away = paint - FREE;
   float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
-  float stripe = abs(fract((vertexVC.x + vertexVC.y) / (STRIPE * vertexVC.z)) - 0.5);
+  float stripe = abs(fract((vertexVC.x + vertexVC.y) / (stripeSlope * vertexVC.z)) - 0.5);
   painted *= clamp(16.7 * stripe - 5.5, 0.0, 1.0);
   diffuseColor = heat < 0.5 ? FREE : COLORS;
   diffuseColor = line * mix(diffuseColor, paint, painted);
@@ -77,13 +79,13 @@ def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -
         code = _HEAT + code
         free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
         line = _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0"
-        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line, "STRIPE": str(_STRIPE)}
+        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line}
         for name, value in values.items():
             code = code.replace(name, value)
     shader = actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
-    match_background(actor, dark=False)
+    match_view(actor, False, math.pi / 6.0)
 
 
 def scale_heat(actor: vtkActor, neutral: float) -> None:
@@ -91,9 +93,11 @@ def scale_heat(actor: vtkActor, neutral: float) -> None:
     actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("heatNeutral", neutral)
 
 
-def match_background(actor: vtkActor, dark: bool) -> None:
-    """Make the rim of ``actor`` stand out from a dark or a light background."""
-    actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("rimOnDark", float(dark))
+def match_view(actor: vtkActor, dark: bool, angle: float) -> None:
+    """Adapt the shader to the background and the opening angle in radians."""
+    uniforms = actor.GetShaderProperty().GetFragmentCustomUniforms()
+    uniforms.SetUniformf("rimOnDark", float(dark))
+    uniforms.SetUniformf("stripeSlope", 2.0 * _STRIPE * math.tan(angle / 2.0))
 
 
 def headlight() -> vtkLight:

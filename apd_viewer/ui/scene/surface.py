@@ -10,7 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.ui.scene.shading import headlight, match_background, scale_heat, shade
+from apd_viewer.ui.scene.shading import headlight, match_view, scale_heat, shade
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
@@ -75,7 +75,7 @@ class Surface:
         prop.SetLineWidth(1.0)
         self.worn: ColorMap | None = None
         shade(self._actor)
-        viewport.pre_draw.append(self._match_background)
+        viewport.pre_draw.append(self._match_view)
         viewport.renderer.AddActor(self._actor)
         viewport.renderer.AddLight(headlight())
         viewport.pick = self.point_under
@@ -212,8 +212,9 @@ class Surface:
             prop.SetInterpolationToFlat()
         self._viewport.update()
 
-    def _match_background(self) -> None:
-        match_background(self._actor, self._viewport.dark)
+    def _match_view(self) -> None:
+        camera = self._viewport.renderer.GetActiveCamera()
+        match_view(self._actor, self._viewport.dark, np.deg2rad(camera.GetViewAngle()))
 
     @property
     def touchable(self) -> Skin | None:

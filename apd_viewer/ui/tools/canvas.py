@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.up_axis import UpAxis
+    from apd_viewer.ui.preferences.up_axes import UpAxes
 
 
 _NUDGE = 5.0  # pixels, about
@@ -42,6 +44,12 @@ _NUDGE = 5.0  # pixels, about
 
 class Canvas(QObject):
     """Puts surface and tools into a viewport and follows the state.
+
+    Parameters
+    ----------
+    parent : QWidget
+    up_axes : UpAxes
+        Of the meshes, as remembered.
 
     Attributes
     ----------
@@ -65,8 +73,9 @@ class Canvas(QObject):
     drag_ended = Signal()
     handle_chosen = Signal(int)
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QWidget, up_axes: UpAxes) -> None:
         super().__init__(parent)
+        self._up_axes = up_axes
         self.viewport = Viewport(parent)
         self.viewport.setAccessibleName(tr("3D view"))
         self.surface = Surface(self.viewport)
@@ -155,7 +164,7 @@ class Canvas(QObject):
         self._sketched = mesh.V
         self.surface.set_mesh(Sketch(mesh.F), mesh.V, label_colors(labels))
         handle = mesh.V[labels == HANDLE]
-        self.viewport.look.home()
+        self.viewport.look.stand(self._up_axes.of(mesh))
         self.view.frame(handle.mean(axis=0) if len(handle) else None)
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
@@ -185,7 +194,8 @@ class Canvas(QObject):
         self.picker.shown = np.empty((0, 3))
         sketched, self._sketched = self._sketched, None
         if sketched is None or not np.array_equal(sketched, document.mesh.V):
-            self.viewport.look.home()  # otherwise it has, and may have been turned since
+            # Otherwise it has, and may have been turned since.
+            self.viewport.look.stand(self._up_axes.of(document.mesh))
             self.frame_mesh()
 
     def preview(self, ids: np.ndarray | None) -> None:
@@ -206,6 +216,18 @@ class Canvas(QObject):
         """Show the whole mesh, and all of the gizmo."""
         active = _active(self._pivots, self._handle)
         self.view.frame(None if active is None else active.centre)
+
+    def look_along(self, axis: str) -> None:
+        """Show the whole mesh from 'front', 'side' or 'top', '-' for the opposite."""
+        self.viewport.look.along(axis)
+        self.frame_mesh()
+
+    def stand(self, axis: UpAxis) -> None:
+        """Show the mesh with another axis up, and remember it."""
+        if self._document is not None:
+            self._up_axes.choose(self._document.mesh, axis)
+        self.viewport.look.stand(axis)
+        self.frame_mesh()
 
     @property
     def _pivots(self) -> tuple[Pivot, ...]:

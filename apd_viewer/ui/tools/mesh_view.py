@@ -57,12 +57,13 @@ class MeshView:
     def saved(self, unit: str) -> View:
         """View for a file, with the unit of length."""
         eye = self._look.eye
-        return View(
-            Standpoint(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle)), unit
-        )
+        stand = Standpoint(_point(eye.position), _point(eye.focal), _point(eye.up), float(eye.angle))
+        return View(stand, unit, up_axis=eye.up_axis)
 
     def restore(self, view: View) -> None:
-        """Move the camera to the standpoint saved in a file, if any."""
+        """Move the camera to the standpoint and up axis saved in a file, if any."""
+        if view.up_axis is not None:
+            self._look.eye = replace(self._look.eye, up_axis=view.up_axis)
         if view.camera is not None:
             at = view.camera
             position, focal, up = np.array(at.position), np.array(at.focal), np.array(at.up)

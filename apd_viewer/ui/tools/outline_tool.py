@@ -23,6 +23,7 @@ _SMALLEST = 3.0  # pixels across; less is a click
 _CLOSES = 9.0  # pixels from the first corner
 _NEXT = 2.0  # pixels between the points of a lasso
 _PAUSE = 30  # ms between previews
+_TOUCHING = 1e-3  # pixels behind a triangle at which a vertex is still on it
 
 
 class OutlineKind(Enum):
@@ -182,7 +183,8 @@ class OutlineSelector(Selector):
         _, known, sights = self._seen
         new = vertices[known[vertices] < 0]
         if len(new):
-            known[new] = skin.visible(self._viewport.look.eye.position, self._surface.U, new, sights)
+            eye = self._viewport.look.eye
+            known[new] = skin.visible(eye.position, self._surface.U, new, sights, _TOUCHING * eye.pixel)
         return known[vertices] == 1
 
 

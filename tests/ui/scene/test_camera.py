@@ -1,14 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from apd_viewer.ui.scene.camera import MARGIN, UP, Camera, rotation, unit
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.scene.camera import MARGIN, ORTHOGRAPHIC, PERSPECTIVE, Camera, rotation, unit
+
+UP = np.array([0.0, 1.0, 0.0])
 
 
-@pytest.fixture
-def camera():
-    return Camera(
-        np.array([3.0, 2.0, 5.0]), np.array([0.2, 0.1, -0.3]), UP, np.deg2rad(30), width=800, height=600
+@pytest.fixture(params=[PERSPECTIVE, ORTHOGRAPHIC], ids=["perspective", "orthographic"])
+def camera(request):
+    eye = Camera(
+        np.array([3.0, 2.0, 5.0]), np.array([0.2, 0.1, -0.3]), UP, PERSPECTIVE, width=800, height=600
     )
+    return eye.opened(request.param)
 
 
 def points(count=50):
@@ -104,3 +110,45 @@ def test_axis_views(camera, axis, forward, up):
 
 def test_rotation_is_counter_clockwise_seen_from_the_tip():
     np.testing.assert_allclose(rotation(np.array([0.0, 0, 1]), np.pi / 2) @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+
+
+def test_another_projection_shows_the_focal_plane_as_before(camera):
+    plane = camera.focal + points(20) @ camera.axes[:2].T @ camera.axes[:2]
+    for angle in (PERSPECTIVE, ORTHOGRAPHIC):
+        other = camera.opened(angle)
+        np.testing.assert_allclose(other.project(plane), camera.project(plane), atol=1e-6)
+        assert other.span == pytest.approx(camera.span)
+        assert other.is_orthographic == (angle == ORTHOGRAPHIC)
+
+
+def test_lines_of_sight_are_parallel_without_perspective(camera):
+    eye = camera.opened(ORTHOGRAPHIC)
+    start = eye.focal + points(20) @ eye.axes[:2].T @ eye.axes[:2]
+    behind = start + 0.5 * eye.span * eye.axes[2]
+    inside = np.abs(eye.project(start) - [400, 300]).max(axis=1) < 300
+    assert inside.any()
+    assert np.abs(eye.project(behind) - eye.project(start))[inside].max() < 0.06
+
+
+@pytest.mark.parametrize("up_axis", UpAxis)
+def test_every_up_axis_has_the_views_of_the_first(camera, up_axis):
+    frame = up_axis.frame
+    np.testing.assert_array_equal(frame @ frame.T, np.eye(3))
+    assert np.linalg.det(frame) == pytest.approx(1)
+    assert up_axis.sign * np.eye(3)[up_axis.index] == pytest.approx(up_axis.direction)
+    assert UpAxis.nearest(up_axis.direction + 0.3 * points(1)[0]) is up_axis
+    turned = replace(
+        camera,
+        position=camera.position @ frame,
+        focal=camera.focal @ frame,
+        up=camera.up @ frame,
+        up_axis=up_axis,
+    )
+    for move in (
+        lambda eye: eye.placed("front"),
+        lambda eye: eye.placed("-side"),
+        lambda eye: eye.placed("-top"),
+        lambda eye: eye.orbited(40, 13).orbited(-200, 90),
+    ):
+        expected, found = move(camera).project(points()), move(turned).project(points() @ frame)
+        np.testing.assert_allclose(found, expected, atol=1e-5)

@@ -1,0 +1,40 @@
+"""Up axis of each mesh, remembered by file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.preferences.preferences import own_file
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.preferences.preferences import Preferences
+
+
+class UpAxes:
+    """Chosen up axes; those of samples last as long as the mesh.
+
+    Parameters
+    ----------
+    memory : Preferences
+    """
+
+    def __init__(self, memory: Preferences) -> None:
+        self._memory = memory
+        self._chosen: WeakKeyDictionary[Mesh, UpAxis] = WeakKeyDictionary()
+
+    def of(self, mesh: Mesh) -> UpAxis:
+        """Chosen up axis of a mesh, or the one of its format."""
+        path = own_file(mesh)
+        known = {} if path is None else self._memory.up_axes
+        default = UpAxis.of_suffix("" if mesh.path is None else mesh.path.suffix)
+        return self._chosen.get(mesh) or (default if path is None else known.get(path.resolve(), default))
+
+    def choose(self, mesh: Mesh, axis: UpAxis) -> None:
+        """Remember an up axis for a mesh and its file."""
+        self._chosen[mesh] = axis
+        path = own_file(mesh)
+        if path is not None:
+            self._memory.remember_up_axis(path, axis)

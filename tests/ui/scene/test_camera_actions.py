@@ -1,0 +1,157 @@
+"""Up axis, projection and axis views: chosen in the menu, kept with file and session."""
+
+import meshes
+import numpy as np
+import pytest
+from driving import document, idle, on_screen, settle
+from PySide6.QtCore import QPointF, Qt
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.up_axis import UpAxis
+from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.preferences.up_axes import UpAxes
+
+
+def camera(window):
+    return window.canvas.viewport.look.eye
+
+
+def actions(window):
+    return window.actions_.view.camera
+
+
+@pytest.fixture
+def opened(qtbot, window, tmp_path):
+    """Opens a tall box, in a file of a format, from disk."""
+
+    def open_as(name):
+        path = tmp_path / name
+        V, F = meshes.box()
+        mesh = Mesh(V * [1.0, 2.0, 3.0], F)
+        if not path.exists():
+            save_mesh(mesh, mesh.V, path)
+        window.filing.open_path(path)
+        idle(qtbot, window)
+        return path
+
+    return open_as
+
+
+@pytest.mark.parametrize("up_axis", UpAxis)
+def test_the_chosen_axis_is_up_in_every_level_view(qtbot, bottle, up_axis):
+    actions(bottle).up_axes[up_axis].trigger()
+    U = bottle.canvas.surface.U
+    above = np.vstack([camera(bottle).focal, camera(bottle).focal + 0.1 * up_axis.direction])
+    for axis in ("front", "side", "-front", "-side"):
+        actions(bottle).directions[axis].trigger()
+        at = camera(bottle).project(above)
+        assert at[0, 0] == pytest.approx(at[1, 0], abs=1e-6)
+        assert at[1, 1] < at[0, 1]
+        assert (camera(bottle).project(U) > 0).all()
+    ground = bottle.looks.ground
+    bottle.actions_.looks.switches["ground"].setChecked(True)
+    settle(qtbot, bottle.canvas.viewport)
+    levels = ground._ends[:, up_axis.index]
+    assert levels[0] == levels[1] == pytest.approx((U @ up_axis.direction).min() * up_axis.sign)
+
+
+def test_axis_views_show_the_whole_mesh(bottle):
+    view = bottle.canvas.viewport
+    for axis, action in actions(bottle).directions.items():
+        view.look.eye = view.look.eye.panned(400, 300).zoomed(view.look.eye.focal, 9.0)
+        action.trigger()
+        x, y = camera(bottle).project(bottle.canvas.surface.U).T
+        assert 0 < x.min() < x.max() < view.width(), axis
+        assert 0 < y.min() < y.max() < view.height(), axis
+        assert max(np.ptp(x) / view.width(), np.ptp(y) / view.height()) > 0.5, axis
+
+
+def test_an_axis_is_remembered_with_its_file(window, opened, settings):
+    path = opened("tall.stl")
+    assert camera(window).up_axis is UpAxis.PLUS_Y
+    actions(window).up_axes[UpAxis.PLUS_Z].trigger()
+    assert Preferences(settings).up_axes == {path.resolve(): UpAxis.PLUS_Z}
+    opened("other.stl")
+    assert camera(window).up_axis is UpAxis.PLUS_Y
+    assert actions(window).up_axes[UpAxis.PLUS_Y].isChecked()
+    opened("tall.stl")
+    assert camera(window).up_axis is UpAxis.PLUS_Z
+    assert actions(window).up_axes[UpAxis.PLUS_Z].isChecked()
+
+
+@pytest.mark.parametrize(
+    ("name", "up_axis"),
+    [("a.GLB", "+Y"), ("a.gltf", "+Y"), ("a.3mf", "+Z"), ("a.stl", "+Y"), ("a.obj", "+Y")],
+)
+def test_the_axis_of_a_format_is_assumed(settings, tmp_path, name, up_axis):
+    V, F = meshes.box()
+    axes = UpAxes(Preferences(settings))
+    mesh = Mesh(V, F, tmp_path / name)
+    assert axes.of(mesh) is UpAxis(up_axis)
+    axes.choose(mesh, UpAxis.MINUS_X)
+    assert UpAxes(Preferences(settings)).of(Mesh(V, F, tmp_path / name)) is UpAxis.MINUS_X
+
+
+def test_the_mesh_stands_as_it_was_turned(bottle):
+    actions(bottle).directions["top"].trigger()
+    actions(bottle).upright.trigger()
+    assert camera(bottle).up_axis is UpAxis.MINUS_Z
+    assert actions(bottle).up_axes[UpAxis.MINUS_Z].isChecked()
+    assert camera(bottle).axes[1] @ [0, 0, -1] > 0.9
+
+
+def test_a_session_keeps_axis_and_projection(qtbot, bottle, tmp_path):
+    actions(bottle).up_axes[UpAxis.PLUS_X].trigger()
+    actions(bottle).orthographic.trigger()
+    kept = camera(bottle)
+    bottle.session.files.save(tmp_path / "a.apd", bottle._view(), True)
+    idle(qtbot, bottle)
+    actions(bottle).orthographic.trigger()
+    actions(bottle).up_axes[UpAxis.PLUS_Y].trigger()
+    bottle.filing.open_path(tmp_path / "a.apd")
+    idle(qtbot, bottle)
+    assert camera(bottle).key == pytest.approx(kept.key)
+    assert camera(bottle).up_axis is UpAxis.PLUS_X
+    assert actions(bottle).orthographic.isChecked()
+
+
+def test_a_key_takes_the_perspective_away(qtbot, bottle, mouse):
+    view = bottle.canvas.viewport
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    actions(bottle).directions["front"].trigger()
+    before = camera(bottle)
+    qtbot.keyClick(view, Qt.Key.Key_5)
+    assert camera(bottle).is_orthographic
+    assert actions(bottle).orthographic.isChecked()
+    settle(qtbot, view)
+    # What is picked is what is drawn, at whatever depth.
+    U = bottle.canvas.surface.U
+    for vertex in (int(U[:, 2].argmax()), int((U[:, 1] + U[:, 2]).argmax())):
+        hit = bottle.canvas.surface.hit(QPointF(*on_screen(bottle, vertex)))
+        assert hit is not None
+        assert np.abs(hit.point - U[vertex])[:2].max() < camera(bottle).world_per_pixel(U[vertex])
+    near, far = U[U[:, 2].argmax()] * [1, 1, 1], U[U[:, 2].argmax()] * [1, 1, -1]
+    assert np.abs(np.subtract(*camera(bottle).project(np.array([near, far])))).max() < 0.1
+    qtbot.keyClick(view, Qt.Key.Key_5)
+    assert camera(bottle).angle == before.angle
+    np.testing.assert_allclose(camera(bottle).position, before.position, rtol=1e-9)
+
+
+def test_without_perspective_the_mesh_is_drawn_and_painted(qtbot, bottle, mouse):
+    view = bottle.canvas.viewport
+    actions(bottle).directions["front"].trigger()
+    settle(qtbot, view)
+    perspective = np.asarray(view.screenshot(return_img=True)).astype(int)
+    actions(bottle).orthographic.trigger()
+    settle(qtbot, view)
+    parallel = np.asarray(view.screenshot(return_img=True)).astype(int)
+    shape = [np.abs(image - image[0, 0]).sum(axis=2) > 60 for image in (perspective, parallel)]
+    assert 0.8 < shape[1].sum() / shape[0].sum() < 1.25
+    assert (shape[0] != shape[1]).any()
+    labels = document(bottle).labels
+    bottle.tools.take(bottle.canvas.tool.BASE)
+    middle = QPointF(view.width() / 2, view.height() / 2)
+    mouse(view).drag(middle, middle + QPointF(10, 0))
+    assert (document(bottle).labels != labels).any()
