@@ -85,6 +85,7 @@ DRAWS = {
     "ui/scene/shading.py",
     "ui/scene/offscreen_scene.py",
     "ui/scene/surface.py",
+    "ui/scene/surface_arrays.py",
     "ui/scene/viewport.py",
     "ui/scene/look.py",
     "ui/scene/antialiasing.py",

@@ -126,8 +126,8 @@ class Bench:
         self.view.look.eye = replace(eye, position=turned)
 
     def upload(self) -> None:
-        self.surface._mesh.points.VTKObject.Modified()
-        self.surface._mesh.point_data["Normals"].VTKObject.Modified()
+        self.surface._arrays.data.points.VTKObject.Modified()
+        self.surface.normals.VTKObject.Modified()
         self.view.update()
 
     def move(self) -> None:

@@ -353,7 +353,7 @@ class Scene:
 
     @property
     def colors(self):
-        return np.array(self.canvas.surface._mesh.point_data["rgba"])
+        return np.array(self.canvas.surface._arrays.rgba)
 
     @property
     def own_colors(self):

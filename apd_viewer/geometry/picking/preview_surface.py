@@ -17,11 +17,16 @@ class Sketch:
     """
 
     F: np.ndarray
+    copied = np.empty(0, dtype=np.int32)
+
+    def rendered(self, _sharp: bool) -> Sketch:
+        """The sketch itself, always smooth."""
+        return self
 
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Write the renderer's arrays for the shape ``U``; see ``Skin.drape``."""
+        """Write the renderer's arrays for the shape ``U``; see ``RenderMesh.drape``."""
         corners = U[self.F]
         a, b, c = corners.transpose(1, 0, 2)
         across = np.repeat(np.cross(b - a, c - a), 3, axis=0)

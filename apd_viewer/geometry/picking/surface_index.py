@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
+from apd_viewer.geometry.picking.render_mesh import RenderMesh
 from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
 from apd_viewer.geometry.picking.visibility import TOUCHING, visible
 
@@ -33,6 +33,8 @@ class Skin:
         Whether a triangle has the vertex.
     start, neighbour : int32 arrays
         The one-rings across seams: see :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
+    smooth, sharp : RenderMesh
+        What is drawn, without and with the sharp edges of the rest shape.
     """
 
     F: np.ndarray
@@ -41,9 +43,13 @@ class Skin:
     used: np.ndarray
     start: np.ndarray
     neighbour: np.ndarray
+    smooth: RenderMesh
+    sharp: RenderMesh
 
     @classmethod
-    def of(cls, F: np.ndarray, n: int, joined_F: np.ndarray | None = None) -> Skin:
+    def of(
+        cls, F: np.ndarray, n: int, joined_F: np.ndarray | None = None, V: np.ndarray | None = None
+    ) -> Skin:
         """The skin of the triangles ``F`` (m, 3) of ``n`` vertices.
 
         Parameters
@@ -52,6 +58,8 @@ class Skin:
         n : int
         joined_F : (m, 3) int array, optional
             The triangles with the vertices at a seam named by one of them. An STL file is nothing but seams.
+        V : (n, 3) float array, optional
+            The rest shape, for its sharp edges.
         """
         own = np.array(F, dtype=np.int32, order="C")
         joined, source = own, np.empty(0, dtype=np.int32)
@@ -61,7 +69,11 @@ class Skin:
             source[own] = joined
         used = np.zeros(n, dtype=bool)
         used[own] = True
-        return cls(*map(frozen, (own, joined, source, used, *vertex_neighbours(joined, n))))
+        own, joined, source, used = map(frozen, (own, joined, source, used))
+        smooth = RenderMesh(own, frozen(np.empty(0, dtype=np.int32)), joined, joined, source, used)
+        sharp = smooth if V is None else smooth.sharpened(V, opposite_corners(joined, n))
+        start, neighbour = map(frozen, vertex_neighbours(joined, n))
+        return cls(own, joined, source, used, start, neighbour, smooth, sharp)
 
     @cached_property
     def named(self) -> np.ndarray:
@@ -73,29 +85,11 @@ class Skin:
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
         """All arrays kept."""
-        return self.F, self.joined, self.source, self.used, self.start, self.neighbour
+        return *self.sharp.arrays, self.F, self.joined, self.source, self.start, self.neighbour
 
-    def drape(
-        self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Write the renderer's arrays for the shape ``U``.
-
-        Parameters
-        ----------
-        U : (n, 3) float64 array, read-only
-        origin : (3,) float array
-        points, normals : (n, 3) float32 arrays
-            Overwritten: with the positions seen from ``origin``, and with unit normals weighted by the areas
-            of the triangles, zero at vertices without area.
-
-        Returns
-        -------
-        low, high : (3,) float arrays
-            The box around the triangles, seen from ``origin``.
-        """
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
-        _drape(U, self.joined, self.source, self.used, origin, points, normals, low, high)
-        return low, high
+    def rendered(self, sharp: bool) -> RenderMesh:
+        """Mesh for the renderer, with sharp edges or smooth ones."""
+        return self.sharp if sharp else self.smooth
 
     def boxes(self, U: np.ndarray) -> np.ndarray:
         """Bounding boxes for :meth:`hit`, once a shape ``U``."""
@@ -148,62 +142,12 @@ class Skin:
         return brush(self.start, self.neighbour, U, self.joined[list(faces)].ravel(), a, b, radius)
 
 
-@njit(cache=True, nogil=True)
-def _drape(
-    U: np.ndarray,
-    F: np.ndarray,
-    source: np.ndarray,
-    used: np.ndarray,
-    origin: np.ndarray,
-    points: np.ndarray,
-    normals: np.ndarray,
-    low: np.ndarray,
-    high: np.ndarray,
-) -> None:
-    ox, oy, oz = origin[0], origin[1], origin[2]
-    lx = ly = lz = np.inf
-    hx = hy = hz = -np.inf
-    for v in range(U.shape[0]):
-        x, y, z = U[v, 0] - ox, U[v, 1] - oy, U[v, 2] - oz
-        points[v, 0], points[v, 1], points[v, 2] = x, y, z
-        normals[v, 0] = normals[v, 1] = normals[v, 2] = 0.0
-        if used[v]:
-            lx, ly, lz = min(lx, x), min(ly, y), min(lz, z)
-            hx, hy, hz = max(hx, x), max(hy, y), max(hz, z)
-    low[0], low[1], low[2] = lx, ly, lz
-    high[0], high[1], high[2] = hx, hy, hz
-    for t in range(F.shape[0]):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        # Rounded before summation: double-precision sums would be rounded at every triangle.
-        nx, ny, nz = (
-            np.float32(ay * bz - az * by),
-            np.float32(az * bx - ax * bz),
-            np.float32(ax * by - ay * bx),
-        )
-        for v in (i, j, k):
-            normals[v, 0] += nx
-            normals[v, 1] += ny
-            normals[v, 2] += nz
-    for v in range(U.shape[0]):
-        nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length > 0.0:
-            normals[v, 0] = nx / length
-            normals[v, 1] = ny / length
-            normals[v, 2] = nz / length
-    for v in range(source.shape[0]):
-        for c in range(3):
-            normals[v, c] = normals[source[v], c]
-
-
 def warm_up() -> None:
     """Compile or load the kernels of a window before a mesh is shown."""
     U = frozen(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
-    skin = Skin.of(np.array([[0, 1, 2]]), len(U))
+    skin = Skin.of(np.array([[0, 1, 2]]), len(U), V=U)
     points = np.empty(U.shape, dtype=np.float32)
-    skin.drape(U, np.zeros(3), points, np.empty_like(points))
+    skin.sharp.drape(U, np.zeros(3), points, np.empty_like(points))
     skin.hit(np.zeros(3), np.ones(3), U, skin.boxes(U))
     skin.under_brush(U, (0, 0), np.zeros(3), np.zeros(3), 1.0)
     skin.up_to_creases(U, 0, 0.5)

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.camera_actions import CameraActions
+from apd_viewer.ui.scene.shading import Shading
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction
@@ -23,6 +24,11 @@ _SCHEMES = (
     (tr("&Light"), Qt.ColorScheme.Light, tr("Use the light theme")),
     (tr("&Dark"), Qt.ColorScheme.Dark, tr("Use the dark theme")),
 )
+_SHADINGS = (
+    ("smooth", tr("&Smooth"), tr("Shade smoothly across all edges"), Shading.SMOOTH),
+    ("shade:sharp", tr("Sharp &edges"), tr("Shade smoothly, except across edges above 30°"), Shading.SHARP),
+    ("shade:flat", tr("&Flat"), tr("Shade each triangle by itself"), Shading.FLAT),
+)
 
 
 class ViewActions:
@@ -35,7 +41,8 @@ class ViewActions:
 
     Attributes
     ----------
-    frame, findings, edges, smooth : QAction
+    frame, findings, edges : QAction
+    shadings : dict of Shading to QAction
     camera : CameraActions
     schemes : dict of Qt.ColorScheme to QAction
     """
@@ -57,11 +64,15 @@ class ViewActions:
         commands.findings.badge.name_keys(self.findings)
         self.camera = CameraActions(maker, canvas)
         commands.comparing.lend_keys(self.camera.directions, self.frame)
-        edges, smooth = tr("Show the triangle edges"), tr("Shade smoothly across edges")
-        self.edges = maker.switch("edges", tr("&Edges"), "edges", edges, "W", self._show_edges)
-        self.smooth = maker.switch(
-            "smooth", tr("&Smooth shading"), "smooth", smooth, None, self._shade_smoothly, True
-        )
+        tip = tr("Show the triangle edges")
+        self.edges = maker.switch("edges", tr("&Edges"), "edges", tip, "W", self._show_edges)
+        self.shadings = {}
+        for name, title, tip, shading in _SHADINGS:
+            self.shadings[shading] = maker.make(
+                name, title, "smooth", tip, None, partial(self._shade, shading)
+            )
+        maker.one_of(self.shadings.values())
+        self.shadings[self._surface.shading].setChecked(True)
         self.schemes = {}
         for title, scheme, tip in _SCHEMES:
             name, choose = f"scheme:{scheme.name}", partial(commands.set_scheme, scheme)
@@ -71,8 +82,8 @@ class ViewActions:
     def _show_edges(self, on: bool) -> None:
         self._surface.edges = on
 
-    def _shade_smoothly(self, on: bool) -> None:
-        self._surface.smooth = on
+    def _shade(self, shading: Shading) -> None:
+        self._surface.shading = shading
 
     def fill(self, menu: QMenu, looks: LookActions) -> None:
         """Put all of them into a menu, with those of the overlays between."""
@@ -81,7 +92,9 @@ class ViewActions:
         menu.addSeparator()
         looks.fill(menu)
         menu.addSeparator()
-        menu.addActions([self.edges, self.smooth, self.findings])
+        menu.addAction(self.edges)
+        menu.addMenu(tr("&Shading")).addActions(list(self.shadings.values()))
+        menu.addAction(self.findings)
         menu.addSeparator()
         self._menu, self._appearance = menu, menu.addMenu(tr("A&ppearance"))
         self._appearance.addActions(list(self.schemes.values()))

@@ -9,8 +9,8 @@ from PySide6.QtCore import QRectF
 
 from apd_viewer.geometry.analysis.extremes import worst
 from apd_viewer.language import tr
+from apd_viewer.ui.overlays.vertex_callout import PlaceMark
 from apd_viewer.ui.scene.mouse_tool import MouseTool
-from apd_viewer.ui.scene.vertex_callout import PlaceMark
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,6 +13,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.scene_picture import scene_picture
+from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
 
 if TYPE_CHECKING:
@@ -47,15 +48,16 @@ class Studio:
     viewport : Viewport
         Draws the pictures, which have no background.
     state : State
-    edges, smooth : bool
+    edges : bool
+    shading : Shading
         See :class:`apd_viewer.ui.scene.surface.Surface`.
     """
 
-    def __init__(self, viewport: Viewport, state: State, edges: bool, smooth: bool) -> None:
+    def __init__(self, viewport: Viewport, state: State, edges: bool, shading: Shading) -> None:
         self._viewport, self._set = viewport, _Set()
         self._surface = Surface(cast("Viewport", self._set))
         self._surface.set_mesh(state.skin, state.frame.U, colors_of(state.document))
-        self._surface.edges, self._surface.smooth = edges, smooth
+        self._surface.edges, self._surface.shading = edges, shading
         used = np.unique(state.skin.F)
         self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 

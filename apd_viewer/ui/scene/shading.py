@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import math
+from enum import Enum
 
 from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
 
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.presentation.palette import FREE_COLOR
+
+
+class Shading(Enum):
+    """Normals of a drawn surface."""
+
+    SMOOTH = "smooth"
+    SHARP = "sharp"
+    FLAT = "flat"
+
 
 # The light moves with the camera: a soft key from the upper left, a sky that is brighter than the
 # ground, and a thin rim where the surface turns away. VTK's own lights cannot wrap around the shape:

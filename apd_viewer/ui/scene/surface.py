@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pyvista as pv
 from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.ui.scene.shading import headlight, match_view, scale_heat, shade
+from apd_viewer.ui.scene.shading import Shading, headlight, match_view, scale_heat, shade
+from apd_viewer.ui.scene.surface_arrays import SurfaceArrays
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
@@ -61,7 +61,8 @@ class Surface:
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
-        self._mesh = pv.PolyData()
+        self._arrays: SurfaceArrays | None = None
+        self._shading = Shading.SHARP
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
         self._mapper.SelectColorArray("rgba")
@@ -94,20 +95,20 @@ class Surface:
         # Far from the origin single precision is coarser than the mesh.
         self._origin = np.array([x.mean() for x in U.T])
         self._actor.SetPosition(*self._origin)
-        self._mesh = pv.PolyData.from_regular_faces(np.zeros(U.shape, dtype=np.float32), skin.F)
-        self._mesh.point_data["Normals"] = np.zeros_like(self._mesh.points)
-        self._mesh.point_data["rgba"] = np.array(rgba, dtype=np.uint8)
-        self._mesh.GetPointData().SetActiveNormals("Normals")
-        self._mapper.SetInputData(self._mesh)
         self._actor.SetVisibility(True)
+        self._arrange(skin, rgba)
         self.set_points(U)
+
+    def _arrange(self, skin: Skin | Sketch, rgba: np.ndarray) -> None:
+        self._arrays = SurfaceArrays(skin.rendered(self._shading is Shading.SHARP), rgba)
+        self._mapper.SetInputData(self._arrays.data)
 
     def set_points(self, U: np.ndarray) -> None:
         """Move the vertices to ``U`` (n, 3) and update the normals.
 
         The array is kept, not copied: nobody must write to it any more.
         """
-        assert self.skin is not None
+        assert self._arrays is not None
         if U is not self._given:
             self._given = U
             self.shape_revision += 1
@@ -116,13 +117,10 @@ class Surface:
             U = rest + share * (U - rest)
         self.U = np.ascontiguousarray(U, dtype=np.float64).view()
         self.U.flags.writeable = False
-        points, normals = self._mesh.points, self._mesh.point_data["Normals"]
-        low, high = self.skin.drape(self.U, self._origin, np.asarray(points), np.asarray(normals))
+        low, high = self._arrays.drape(self.U, self._origin)
         # Asked for its bounds, VTK would look at all triangles once more, on one core.
         self._box = tuple(np.column_stack([low, high]).ravel() + np.repeat(self._origin, 2))
         self._boxes = None
-        points.VTKObject.Modified()
-        normals.VTKObject.Modified()
         self.revision += 1
         self._viewport.update()
 
@@ -153,8 +151,9 @@ class Surface:
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
         """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
         # How opaque they are is how they are measured: see `wear`.
-        self._mesh.point_data["rgba"][slice(None) if ids is None else ids, :3] = rgba[:, :3]
-        self._viewport.update()
+        if self._arrays is not None:
+            self._arrays.set_colors(rgba, ids)
+            self._viewport.update()
 
     def wear(self, heat: ColorMap | None, neutral: float = 0.0) -> None:
         """Show values in colours over striped paint; None shows the paint.
@@ -175,11 +174,13 @@ class Surface:
     @property
     def shades(self) -> np.ndarray:
         """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
-        return np.asarray(self._mesh.point_data["rgba"])[:, 3]
+        assert self._arrays is not None
+        return self._arrays.rgba[:, 3]
 
     def shades_changed(self) -> None:
         """Draw the edited ``shades`` from the next frame on."""
-        self._mesh.point_data["rgba"].VTKObject.Modified()
+        assert self._arrays is not None
+        self._arrays.colors_changed()
 
     @property
     def edges(self) -> bool:
@@ -199,18 +200,20 @@ class Surface:
         shade(self._actor, self.worn, inside=self._cut is not None)
 
     @property
-    def smooth(self) -> bool:
-        """True for smooth shading, else flat."""
-        return bool(self._actor.GetProperty().GetInterpolation())
+    def shading(self) -> Shading:
+        """Choice of the normals."""
+        return self._shading
 
-    @smooth.setter
-    def smooth(self, on: bool) -> None:
-        prop = self._actor.GetProperty()
-        if on:
-            prop.SetInterpolationToPhong()
-        else:
+    @shading.setter
+    def shading(self, shading: Shading) -> None:
+        self._shading, prop = shading, self._actor.GetProperty()
+        if shading is Shading.FLAT:
             prop.SetInterpolationToFlat()
-        self._viewport.update()
+        else:
+            prop.SetInterpolationToPhong()
+        if self.skin is not None and self._arrays is not None:
+            self._arrange(self.skin, self._arrays.rgba)
+            self.set_points(self._given)
 
     def _match_view(self) -> None:
         camera = self._viewport.renderer.GetActiveCamera()
@@ -224,7 +227,7 @@ class Surface:
     def hit(self, position: QPointF) -> Hit | None:
         """Hit under a position in the viewport, if any."""
         skin = self.touchable
-        if skin is None:
+        if skin is None or self._arrays is None:
             return None
         origin, direction = self._viewport.look.eye.ray(position.x(), position.y())
         near, far = self._uncut(origin, direction)
@@ -233,7 +236,7 @@ class Surface:
         if face < 0 or distance > far - near:
             return None
         weights = np.array([1.0 - b1 - b2, b1, b2])
-        normal = weights @ np.asarray(self._mesh.point_data["Normals"])[skin.F[face]]
+        normal = self._arrays.normal(face, weights)
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 0 else -direction
         return Hit(face, origin + distance * direction, -normal if normal @ direction > 0 else normal)
@@ -280,7 +283,8 @@ class Surface:
     @property
     def normals(self) -> np.ndarray:
         """Vertex normals (n, 3) as drawn; zero without a face."""
-        return np.asarray(self._mesh.point_data["Normals"])
+        assert self._arrays is not None
+        return self._arrays.normals
 
     def point_under(self, position: QPointF) -> np.ndarray | None:
         """Point of the surface seen at a position in the viewport."""

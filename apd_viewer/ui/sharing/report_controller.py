@@ -179,7 +179,7 @@ class Reporting:
 
     def _images(self, state: State, measured: _Measured, scale: Scale) -> list[QImage]:
         surface = self._canvas.surface
-        studio = Studio(self._canvas.viewport, state, surface.edges, surface.smooth)
+        studio = Studio(self._canvas.viewport, state, surface.edges, surface.shading)
         V, U = state.document.mesh.V, state.frame.U
         return [studio.painted(V), studio.painted(U), studio.measured(U, measured.shades, scale)]
 

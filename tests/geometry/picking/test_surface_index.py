@@ -8,12 +8,15 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.geometry.picking.surface_index import Skin, _drape, warm_up
+from apd_viewer.geometry.picking.render_mesh import _drape
+from apd_viewer.geometry.picking.surface_index import Skin, warm_up
 
 
 def draped(skin, U, origin=(0.0, 0.0, 0.0)):
     points, normals = np.full((2, *np.shape(U)), np.nan, dtype=np.float32)
-    low, high = skin.drape(frozen(np.array(U, dtype=float)), np.array(origin), points, normals)
+    low, high = skin.rendered(False).drape(
+        frozen(np.array(U, dtype=float)), np.array(origin), points, normals
+    )
     return points, normals, low, high
 
 

@@ -55,13 +55,13 @@ def choose(qtbot, window, kind):
 
 def marked(window):
     """The vertices that have the colour of the marks."""
-    rgba = np.asarray(window.canvas.surface._mesh.point_data["rgba"])
+    rgba = np.asarray(window.canvas.surface._arrays.rgba)
     return np.flatnonzero((rgba == MARK).all(axis=1))
 
 
 def plain(window):
     """Whether the surface has the colours of its paint, and nothing is marked."""
-    rgba = np.asarray(window.canvas.surface._mesh.point_data["rgba"])
+    rgba = np.asarray(window.canvas.surface._arrays.rgba)
     painted = label_colors(document(window).labels, document(window).member)
     return window.canvas.marks.ids is None and np.array_equal(rgba, painted)
 

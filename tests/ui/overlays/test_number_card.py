@@ -51,7 +51,7 @@ def test_alt_removes_and_ctrl_replaces(qtbot, bottle, card):
 
 def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, card):
     state = bottle.session.store.state
-    colors = np.array(bottle.canvas.surface._mesh.point_data["rgba"])
+    colors = np.array(bottle.canvas.surface._arrays.rgba)
     QTest.keyClicks(card.text, "y > 5 furlong")
     assert "furlong" in card._said.text()
     assert bottle.canvas.coloring.previewed is None
@@ -61,5 +61,5 @@ def test_what_cannot_be_read_is_said_and_escape_leaves_no_trace(qtbot, bottle, c
     qtbot.keyClick(card.text, Qt.Key.Key_Escape)
     assert card.isHidden()
     assert bottle.session.store.state is state
-    np.testing.assert_array_equal(bottle.canvas.surface._mesh.point_data["rgba"], colors)
+    np.testing.assert_array_equal(bottle.canvas.surface._arrays.rgba, colors)
     assert bottle.shell.focusWidget() is bottle.canvas.viewport

@@ -82,7 +82,7 @@ def test_a_stroke_colours_what_it_paints_and_leaves_the_points(qtbot, bottle, wo
     assert len(painted) > 20
     assert sum(colored) == len(painted)
     assert "points" not in work
-    rgba = np.asarray(bottle.canvas.surface._mesh.point_data["rgba"])
+    rgba = np.asarray(bottle.canvas.surface._arrays.rgba)
     assert len(np.unique(rgba[document(bottle).labels == BASE], axis=0)) == 1
     assert len(np.unique(rgba[document(bottle).labels == HANDLE], axis=0)) == 1
 

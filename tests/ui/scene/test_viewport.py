@@ -5,12 +5,14 @@ import weakref
 import numpy as np
 import pytest
 from driving import grey, show
+from meshes import box
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.scene.camera import MARGIN
+from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.tools.brush import Painter
@@ -111,11 +113,11 @@ def test_screenshot_shows_the_scene_as_it_is_now(view, surface):
 
 def test_edges_and_shading_can_be_seen(view, surface):
     smooth = view.screenshot().copy()
-    surface.smooth = False
+    surface.shading = Shading.FLAT
     flat = view.screenshot().copy()
     surface.edges = True
     edged = view.screenshot().copy()
-    assert not surface.smooth
+    assert surface.shading is Shading.FLAT
     assert surface.edges
     assert (smooth != flat).any()
     assert (flat != edged).any()
@@ -133,7 +135,7 @@ def test_painted_colours_stay_true_where_the_surface_faces_the_viewer(view, surf
 
 def test_normals_follow_the_points(view, surface):
     surface.set_points(surface.U * [1, 1, -1] + [0, 0, 3])
-    mesh = surface._mesh
+    mesh = surface._arrays.data
     np.testing.assert_allclose(mesh.points, surface.U, atol=1e-6)
     inward = np.einsum("ij,ij->i", mesh.point_data["Normals"], surface.U - [0, 0, 3])
     assert (inward < -0.99).all()  # mirrored: the faces turn inside out, and the normals with them
@@ -150,11 +152,37 @@ def test_positions_are_kept_as_they_are_given_and_written_by_nobody(view, surfac
 
 def test_shading_is_smooth_across_seams(view, surface):
     F, U = surface.skin.F.copy(), surface.U.copy()
-    expected = np.array(surface._mesh.point_data["Normals"])[F.ravel()]
+    expected = np.array(surface.normals)[F.ravel()]
     loose = np.arange(F.size).reshape(F.shape)  # as an STL file has it
     first = np.unique(F, return_index=True)[1][F]
     surface.set_mesh(Skin.of(loose, F.size, first), U[F.ravel()], grey(F.size))
-    np.testing.assert_allclose(surface._mesh.point_data["Normals"], expected, atol=1e-6)
+    np.testing.assert_allclose(surface.normals, expected, atol=1e-6)
+
+
+def test_sharp_edges_are_shaded_and_coloured_like_the_sides_that_meet_there(view, surface):
+    V, F = box(2, 2, 2)
+    surface.set_mesh(Skin.of(F, len(V), V=V), V, grey(len(V)))
+    view.look.home()
+    view.look.frame(V)
+    sharp = view.screenshot().copy()
+    data = surface._arrays.data
+    assert len(data.points) > len(V) == len(surface.normals) == len(surface.shades)
+    surface.set_colors(np.tile(np.array([250, 0, 0, 255], dtype=np.uint8), (3, 1)), np.arange(3))
+    surface.shades[3] = 7
+    surface.shades_changed()
+    where = np.linalg.norm(data.points[:, None] + surface._origin - V, axis=2).argmin(axis=1)
+    rgba = np.asarray(data.point_data["rgba"])
+    np.testing.assert_array_equal(rgba[:, 0] == 250, where < 3)
+    np.testing.assert_array_equal(rgba[:, 3] == 7, where == 3)
+    colored = rgba[: len(V)].copy()
+    surface.shading = Shading.SMOOTH
+    np.testing.assert_array_equal(surface._arrays.rgba, colored)
+    assert len(surface._arrays.data.points) == len(V)
+    assert (view.screenshot() != sharp).any()
+    for shading, bent in ((Shading.SMOOTH, True), (Shading.SHARP, False)):
+        surface.shading = shading
+        hit = surface.hit(QPointF(*view.look.eye.project(V[F].mean(axis=1)[[0]])[0]))
+        assert (np.abs(hit.normal).max() < 1.0 - 1e-6) == bent
 
 
 def test_another_mesh_replaces_the_first(view, surface):
@@ -333,7 +361,7 @@ def test_closing_leaves_nothing_alive(qtbot, ball):
         view.tools[:] = [gizmo, painter]
         gizmo.visible = painter.enabled = True
         show(qtbot, window, view)
-        remains += [weakref.ref(o) for o in (window, view, surface, surface._mesh, gizmo, painter)]
+        remains += [weakref.ref(o) for o in (window, view, surface, surface._arrays.data, gizmo, painter)]
         view.close()
         window.close()
         window.deleteLater()

@@ -77,7 +77,7 @@ def test_a_region_is_seen_on_the_mesh_and_hides_no_paint(qtbot, bottle):
     assert away[1] < kept[1], "free vertices have the region's colour"
     assert (kept[[0, 2, 3]] < away[[0, 2, 3]]).all(), "paint stays what it is"
     region_at(qtbot, bottle, 8.0)
-    mesh_colors = np.asarray(bottle.canvas.surface._mesh.point_data["rgba"])
+    mesh_colors = np.asarray(bottle.canvas.surface._arrays.rgba)
     assert np.array_equal(mesh_colors, label_colors(document(bottle).labels, document(bottle).member))
 
 

@@ -1,0 +1,207 @@
+"""Triangles for the renderer, with vertices repeated along sharp edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from apd_viewer.geometry.mesh.adjacency import ALONE, _normal
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.union_find import join, root
+
+SHARP = np.deg2rad(30.0)  # angle between the normals of two triangles at a sharp edge
+
+
+@dataclass(frozen=True, eq=False)
+class RenderMesh:
+    """Invariants of a drawn mesh while it deforms, read-only.
+
+    Attributes
+    ----------
+    F : (m, 3) int32 array
+        Render vertices of the triangles: the first n are the vertices of the mesh.
+    copied : (k,) int32 array
+        For each render vertex from n on the vertex that it repeats.
+    joined : (m, 3) int32 array
+        The triangles of the mesh, with the vertices at a seam named by one of them.
+    leading : (m, 3) int32 array
+        The triangles of the renderer, with render vertices of one normal named by one of them.
+    source : (n + k,) int32 array
+        For each render vertex the one that its normal is named by; empty if each has its own.
+    used : (n,) bool array
+        Whether a triangle has the vertex.
+    """
+
+    F: np.ndarray
+    copied: np.ndarray
+    joined: np.ndarray
+    leading: np.ndarray
+    source: np.ndarray
+    used: np.ndarray
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """All arrays kept."""
+        return self.F, self.copied, self.joined, self.leading, self.source, self.used
+
+    def sharpened(self, V: np.ndarray, opposite: np.ndarray) -> RenderMesh:
+        """The mesh with vertices repeated along the sharp edges of ``V`` (n, 3).
+
+        Parameters
+        ----------
+        V : (n, 3) float array
+        opposite : (m, 3) int32 array
+            The ``opposite_corners`` of ``joined``.
+        """
+        group = _smoothing_groups(V, self.joined, opposite, np.cos(SHARP))
+        if not len(group):
+            return self
+        F, copied, lead = _split(self.F, group, len(V))
+        leading, source = lead[group].reshape(F.shape), np.arange(len(V) + len(copied), dtype=np.int32)
+        source[F] = leading
+        if np.array_equal(leading, F):
+            leading, source = F, np.empty(0, dtype=np.int32)
+        F, copied, leading, source = map(frozen, (F, copied, leading, source))
+        return RenderMesh(F, copied, self.joined, leading, source, self.used)
+
+    def drape(
+        self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Write the renderer's arrays for the shape ``U``.
+
+        Parameters
+        ----------
+        U : (n, 3) float64 array, read-only
+        origin : (3,) float array
+        points, normals : (n + k, 3) float32 arrays
+            Overwritten: with the positions seen from ``origin``, and with unit normals weighted by the areas
+            of the triangles, zero at vertices without area.
+
+        Returns
+        -------
+        low, high : (3,) float arrays
+            The box around the triangles, seen from ``origin``.
+        """
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        kept = self.joined, self.leading, self.copied, self.source, self.used
+        _drape(U, *kept, origin, points, normals, low, high)
+        return low, high
+
+
+@njit(cache=True, nogil=True)
+def _smoothing_groups(V: np.ndarray, F: np.ndarray, opposite: np.ndarray, least: float) -> np.ndarray:
+    """Corner of each smoothing group, by corner (3 m,); empty without sharp edges.
+
+    Two corners at a vertex are in one group if edges with a cosine of at least ``least`` lead from the one
+    triangle to the other. A triangle without area has no sharp edges.
+    """
+    N = np.empty((len(F), 3))
+    for t in range(len(F)):
+        N[t] = _normal(V, F, t)
+    smooth, sharp = np.zeros(opposite.shape, dtype=np.bool_), False
+    for t in range(len(F)):
+        for c in range(3):
+            h = opposite[t, c]
+            if h >= 0:
+                s = h // 3
+                side = -1.0 if F[s, h % 3] == F[t, c] else 1.0
+                cosine = N[t, 0] * N[s, 0] + N[t, 1] * N[s, 1] + N[t, 2] * N[s, 2]
+                flat = not N[t].any() or not N[s].any()
+                smooth[t, c] = flat or side * cosine >= least
+            sharp |= h != ALONE and not smooth[t, c]
+    if not sharp:
+        return np.empty(0, dtype=np.int32)
+    group = np.arange(F.size).astype(np.int32)
+    for t in range(len(F)):
+        for c in range(3):
+            if smooth[t, c]:
+                s, d = opposite[t, c] // 3, opposite[t, c] % 3
+                same = F[s, d] == F[t, c]
+                join(group, 3 * t + c, 3 * s + (d if same else (d + 1) % 3))
+                join(group, 3 * t + (c + 1) % 3, 3 * s + ((d + 1) % 3 if same else d))
+    for k in range(len(group)):
+        group[k] = root(group, k)
+    return group
+
+
+@njit(cache=True, nogil=True)
+def _split(F: np.ndarray, group: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Render triangles, repeated vertices, and the render vertex leading each group."""
+    split, copied = np.empty_like(F), np.empty(F.size, dtype=np.int32)
+    lead = np.full(F.size, -1, dtype=np.int32)
+    # The render vertices of a vertex, as a list: its first one is itself.
+    owner, following = np.full(n + F.size, -1, dtype=np.int32), np.full(n + F.size, -1, dtype=np.int32)
+    count = 0
+    for t in range(len(F)):
+        for c in range(3):
+            g, r = group[3 * t + c], F[t, c]
+            while owner[r] >= 0 and owner[r] != g:
+                if following[r] < 0:
+                    copied[count], following[r] = F[t, c], n + count
+                    count += 1
+                r = following[r]
+            owner[r] = g
+            split[t, c] = r
+            if lead[g] < 0:
+                lead[g] = r
+    return split, copied[:count].copy(), lead
+
+
+@njit(cache=True, nogil=True)
+def _drape(
+    U: np.ndarray,
+    joined: np.ndarray,
+    leading: np.ndarray,
+    copied: np.ndarray,
+    source: np.ndarray,
+    used: np.ndarray,
+    origin: np.ndarray,
+    points: np.ndarray,
+    normals: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+) -> None:
+    ox, oy, oz = origin[0], origin[1], origin[2]
+    lx = ly = lz = np.inf
+    hx = hy = hz = -np.inf
+    for v in range(U.shape[0]):
+        x, y, z = U[v, 0] - ox, U[v, 1] - oy, U[v, 2] - oz
+        points[v, 0], points[v, 1], points[v, 2] = x, y, z
+        normals[v, 0] = normals[v, 1] = normals[v, 2] = 0.0
+        if used[v]:
+            lx, ly, lz = min(lx, x), min(ly, y), min(lz, z)
+            hx, hy, hz = max(hx, x), max(hy, y), max(hz, z)
+    low[0], low[1], low[2] = lx, ly, lz
+    high[0], high[1], high[2] = hx, hy, hz
+    for i in range(copied.shape[0]):
+        v = U.shape[0] + i
+        for c in range(3):
+            points[v, c] = points[copied[i], c]
+            normals[v, c] = 0.0
+    for t in range(joined.shape[0]):
+        i, j, k = joined[t, 0], joined[t, 1], joined[t, 2]
+        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+        # Rounded before summation: double-precision sums would be rounded at every triangle.
+        nx, ny, nz = (
+            np.float32(ay * bz - az * by),
+            np.float32(az * bx - ax * bz),
+            np.float32(ax * by - ay * bx),
+        )
+        for c in range(3):
+            v = leading[t, c]
+            normals[v, 0] += nx
+            normals[v, 1] += ny
+            normals[v, 2] += nz
+    for v in range(U.shape[0] + copied.shape[0]):
+        nx, ny, nz = normals[v, 0], normals[v, 1], normals[v, 2]
+        length = np.sqrt(nx * nx + ny * ny + nz * nz)
+        if length > 0.0:
+            normals[v, 0] = nx / length
+            normals[v, 1] = ny / length
+            normals[v, 2] = nz / length
+    for v in range(source.shape[0]):
+        for c in range(3):
+            normals[v, c] = normals[source[v], c]
