@@ -1,4 +1,4 @@
-"""Autosave of every finished step, for recovery after a crash."""
+"""Autosave of unsaved work after every finished step, for recovery after a crash."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.history import HistoryEntry
+    from apd_viewer.session.saved_work import SavedWork
     from apd_viewer.session.store import Store
 
 
@@ -34,13 +35,17 @@ class Autosave:
     ----------
     store : Store
     gestures : Gestures
+    saved_work : SavedWork
     files : Files
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, files: Files, listener: Listener) -> None:
+    def __init__(
+        self, store: Store, gestures: Gestures, saved_work: SavedWork, files: Files, listener: Listener
+    ) -> None:
         self._store = store
         self._gestures = gestures
+        self._saved_work = saved_work
         self._listener = listener
         self._files = files
         self._view: Callable[[], View] = View
@@ -59,17 +64,19 @@ class Autosave:
         """Open the leftover of a killed program, in the background; it counts as unsaved."""
         if left not in self._restored:
             self._restored.append(left)
-        self._files.open_with(left.name, left.read, written=False)
+        self._files.open_with(left.name, left.read, saved=False)
 
     def follow(self) -> None:
-        """Save the state if it is new."""
+        """Save the state if it is new; work that is safe in a file needs no copy."""
         state = self._store.state
         if self._writer is None or state is None or self._gestures.before is not None:
             return
         shown = tuple(left for left in self._restored if left.mesh is state.document.mesh)
         for left in shown:
             left.taken = True
-        if self._is_new(state):
+        if not self._saved_work.unsaved:
+            self._forget()
+        elif self._is_new(state):
             step = self._gestures.history.latest
             is_step = state.document is not self._document and step is not self._step
             self._document, self._frame, self._step = state.document, state.frame, step
@@ -81,11 +88,13 @@ class Autosave:
             self._listener.told(failure)
 
     def _is_new(self, state: State) -> bool:
-        history = self._gestures.history
-        if history.next_undo is None and history.next_redo is None:
-            return False  # an unchanged mesh is safe in its own file
         settled = self._store.activity is not Activity.REFINING
         return state.document is not self._document or (settled and state.frame is not self._frame)
+
+    def _forget(self) -> None:
+        if self._writer is not None and self._document is not None:
+            self._writer.put(None)
+        self._document = self._frame = self._step = None
 
     def close(self) -> None:
         """Remove the file and the restored leftovers: this is no crash."""
@@ -95,4 +104,5 @@ class Autosave:
             if left.taken:
                 left.discard()
         self._restored.clear()
-        self._writer = self._document = self._frame = self._step = None
+        self._writer = None
+        self._forget()

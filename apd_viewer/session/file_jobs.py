@@ -6,8 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
@@ -25,12 +23,14 @@ from apd_viewer.session.model.status_text import (
     about_session,
 )
 from apd_viewer.session.model.view import SUFFIX, View
+from apd_viewer.session.saved_work import SavedDocument
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.jobs.background_job import Jobs
     from apd_viewer.session.listener import Listener
+    from apd_viewer.session.saved_work import SavedWork
     from apd_viewer.session.store import Store
 
 
@@ -41,22 +41,27 @@ class Files:
     ----------
     store : Store
     gestures : Gestures
+    saved_work : SavedWork
     jobs : Jobs
     listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+    def __init__(
+        self, store: Store, gestures: Gestures, saved_work: SavedWork, jobs: Jobs, listener: Listener
+    ) -> None:
         self._store = store
         self._gestures = gestures
+        self._saved_work = saved_work
         self._jobs = jobs
         self._listener = listener
-        self._written: list[np.ndarray] = []
 
     def open(self, path: str | Path) -> None:
         """Open a mesh or a session, in the background; the old one stays until then."""
         path = Path(path)
-        saved = path.suffix.lower() == SUFFIX
-        self.open_with(path.name, lambda: open_session(path) if saved else opened(open_mesh(path)))
+        if path.suffix.lower() == SUFFIX:
+            self.open_with(path.name, lambda: open_session(path), path)
+        else:
+            self.open_with(path.name, lambda: opened(open_mesh(path)))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
@@ -67,42 +72,66 @@ class Files:
         self.open_with(mesh.name, lambda: opened(mesh))
 
     def open_with(
-        self, name: str, work: Callable[[], State | tuple[State, View]], written: bool = True
+        self,
+        name: str,
+        work: Callable[[], State | tuple[State, View]],
+        path: Path | None = None,
+        saved: bool = True,
     ) -> None:
-        """Open the result of ``work()``, in the background; ``written``: it is in a file."""
-        title = tr("Opening {name}").format(name=name)
-        self._jobs.run(title, work, lambda found: self._opened(found, name, written))
+        """Open the result of ``work()``, in the background.
 
-    def _opened(self, found: State | tuple[State, View], name: str, written: bool) -> None:
+        ``path`` is the session file that it is in; ``saved`` is False for work in no file.
+        """
+        title = tr("Opening {name}").format(name=name)
+        self._jobs.run(title, work, lambda found: self._opened(found, name, path, saved))
+
+    def _opened(self, found: State | tuple[State, View], name: str, path: Path | None, saved: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)
         before, self._gestures.before = self._gestures.before or self._store.state, None
         if before is not None:
             self._gestures.history.record(tr("Open {name}").format(name=name), before)
+        if saved:
+            self._saved_work.note(SavedDocument(state.document, path))
         self._store.jump(state)
         if view is not None:
-            self._written += [state.frame.U] if written else []
             self._listener.viewed(view)
         if findings := about_findings(state.inspection.findings):
             self._listener.told(findings)
 
-    def export(self, path: str | Path) -> None:
-        """Write the shape on screen, in the background."""
+    def export(self, path: str | Path, then: Callable[[], object] = lambda: None) -> None:
+        """Write the shape on screen, in the background.
+
+        ``then()`` follows if all went well.
+        """
         path, state, unit = Path(path), self._store.required(), self._store.unit
 
         def write() -> str:
             file = save_mesh(state.document.mesh, state.frame.U, check_target(path))
             return about_export(path.name, file.area, state.inspection.area, unit)
 
-        self._write(tr("Writing {name}").format(name=path.name), write, state)
+        self._write(tr("Writing {name}").format(name=path.name), write, then)
 
-    def save(self, path: str | Path, view: View, embed: bool = False) -> None:
-        """Save a session, in the background, without the gesture under way."""
+    def save(
+        self,
+        path: str | Path,
+        view: View,
+        embed: bool = False,
+        then: Callable[[], object] = lambda: None,
+    ) -> None:
+        """Save a session, in the background, without the gesture under way.
+
+        ``then()`` follows if all went well.
+        """
         path, state = Path(path), self._gestures.before or self._store.required()
 
         def write() -> str:
             return about_session(path.name, save_session(path, state, view, embed))
 
-        self._write(tr("Saving {name}").format(name=path.name), write, state)
+        def saved() -> None:
+            self._saved_work.note(SavedDocument(state.document, path, embed))
+            then()
+
+        self._write(tr("Saving {name}").format(name=path.name), write, saved)
 
     def load_selection(self, path: str | Path) -> None:
         """Replace the paint by a selection file, in the background."""
@@ -126,20 +155,13 @@ class Files:
         def work() -> str:
             return about_selection(path.name, write_selection(path, document.mesh, selection_of(document)))
 
-        self._jobs.run(
-            tr("Saving {name}").format(name=path.name), work, self._listener.told, can_be_cancelled=False
-        )
+        self._write(tr("Saving {name}").format(name=path.name), work)
 
-    def _write(self, title: str, work: Callable[[], str], state: State) -> None:
+    def _write(self, title: str, work: Callable[[], str], then: Callable[[], object] = lambda: None) -> None:
         """Write in the background; the sentence from ``work()`` is told at the end."""
 
         def written(said: str) -> None:
-            self._written.append(state.frame.U)
             self._listener.told(said)
+            then()
 
         self._jobs.run(title, work, written, can_be_cancelled=False)
-
-    @property
-    def unsaved(self) -> list[Mesh]:
-        """Meshes, on screen or in the history, with their latest shape in no file."""
-        return self._gestures.history.unsaved(self._store.state, self._written)

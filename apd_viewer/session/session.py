@@ -18,6 +18,7 @@ from apd_viewer.session.painting import Painting
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.processes.worker import Worker
 from apd_viewer.session.rest_shape import RestShape
+from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.store import Activity, Store
@@ -44,6 +45,7 @@ class Session:
     typed : TypedValues
     rest_shape : RestShape
     jobs : Jobs
+    saved_work : SavedWork
     files : Files
     autosave : Autosave
     shape_checks : ShapeChecks
@@ -62,8 +64,9 @@ class Session:
         self.jobs = Jobs(listener.wake, listener.failed, listener.told, listener.status_changed)
         self.typed = TypedValues(store)
         self.rest_shape = RestShape(store, gestures, self.jobs, listener)
-        self.files = Files(store, gestures, self.jobs, listener)
-        self.autosave = Autosave(store, gestures, self.files, listener)
+        self.saved_work = SavedWork(store, gestures)
+        self.files = Files(store, gestures, self.saved_work, self.jobs, listener)
+        self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
         followers += [self.shape_checks.follow, self.autosave.follow]
 

@@ -129,8 +129,9 @@ class Shell(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open the file."""
-        self.requests.open_path(event.mimeData().urls()[0].toLocalFile())
+        """Open the file, once the program it comes from no longer waits for the drop."""
+        path = event.mimeData().urls()[0].toLocalFile()
+        QTimer.singleShot(0, self, lambda: self.requests.open_path(path))
 
     def childEvent(self, event: QChildEvent) -> None:
         """Let the wheel over the tabs of docks, which Qt makes, turn no page."""

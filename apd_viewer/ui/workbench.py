@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Qt, Slot
+from PySide6.QtCore import QObject, Qt, QTimer, Slot
 from PySide6.QtGui import QCloseEvent
 
-from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
@@ -58,6 +57,7 @@ class Workbench(QObject):
         self.session = Session(self.signals.listener())
         self.parts = ActiveParts(self.session, self)
         self.tools = ToolChoice(self.canvas)
+        self._agreed = False  # to being closed
         self._make_overlays()
         self._make_controllers(recovery)
         self._make_actions()
@@ -146,6 +146,8 @@ class Workbench(QObject):
         signals = self.signals
         signals.woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         signals.changed.connect(self._show)
+        for change in (signals.changed, signals.status_changed):
+            change.connect(self.filing.show_title)
         signals.status_changed.connect(self._show_status)
         signals.told.connect(self.notice.tell)
         signals.failed.connect(self.notice.fail)
@@ -237,8 +239,6 @@ class Workbench(QObject):
         mesh = state.document.mesh
         self.notice.hide()
         self.actions_.view.camera.follow()
-        self.shell.setWindowFilePath(str(mesh.path or ""))
-        self.shell.setWindowTitle(tr("{name} – APD Viewer").format(name=mesh.name))
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.of(mesh)
         self.panel.handles.motion.clear()
@@ -252,8 +252,6 @@ class Workbench(QObject):
         self.actions_.view.camera.follow()
         self.measuring.look_as(view)
         self._choose_unit(Unit(view.unit))
-        self.filing.viewed()
-        self.actions_.file.fill_recent(self.memory.recent)
 
     def _show_parts(self) -> None:
         self.canvas.choose(self.parts.handle, self.parts.region)
@@ -294,8 +292,13 @@ class Workbench(QObject):
     # Closing
 
     def _ask_before_closing(self, event: QCloseEvent) -> None:
-        if not self.filing.may_close():
+        if not self._agreed and not self.filing.may_leave(self._close_anyway, closes=True):
             event.ignore()
+
+    def _close_anyway(self) -> None:
+        self._agreed = True
+        # Later: the session is still delivering what was written.
+        QTimer.singleShot(0, self.shell, self.shell.close)
 
     def _close(self) -> None:
         self.help.tour.end()

@@ -161,6 +161,27 @@ def test_a_mesh_that_was_only_opened_is_not_kept(folder, bar):
     assert not folder.exists()
 
 
+def test_a_second_mesh_that_was_only_opened_is_not_kept(session, folder, bar):
+    check_kept(folder, session)
+    session.show_now(bar)
+    session.until(lambda: kept(folder) is None)
+    session.gestures.undo()
+    check_kept(folder, session)
+
+
+@pytest.mark.parametrize("safe", ["saved", "undone"])
+def test_work_that_is_safe_is_kept_no_longer(session, folder, tmp_path, safe):
+    check_kept(folder, session)
+    if safe == "saved":
+        session.files.save(tmp_path / "mine.apd", VIEW)
+    else:
+        session.gestures.travel(0)
+    session.until(lambda: kept(folder) is None)
+    assert leftovers(folder) == []
+    session.parts.rename_handle(0, "neck")
+    check_kept(folder, session)
+
+
 def test_a_clean_end_leaves_nothing(session, folder):
     check_kept(folder, session)
     assert len(list(folder.iterdir())) == 2
@@ -413,7 +434,7 @@ def test_what_was_restored_counts_as_unsaved(session, folder, bar):
     again = Driven()
     again.autosave.restore(left)
     again.until(lambda: again.jobs.current is None)
-    assert again.files.unsaved == [again.store.state.document.mesh]
+    assert again.saved_work.unsaved
     assert path.exists(), "as long as it is not kept anywhere else"
     again.close()
     left.release()

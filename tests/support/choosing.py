@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from driving import Mouse, arrow_grip, drag, idle, show
 from PySide6.QtCore import QEvent, QSettings, Qt
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication
 
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -18,7 +18,8 @@ from apd_viewer.presentation.palette import (
     REGION_COLORS,
     label_colors,
 )
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.workbench import Workbench
@@ -440,7 +441,7 @@ class Theatre:
     def opened(cls, folder):
         """Itself, for a fixture, and its end."""
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+            patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
             theatre = cls(folder)
             yield theatre
             theatre.window.shell.close()

@@ -34,7 +34,7 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.tools.toolbox import Tool, Way
@@ -114,6 +114,12 @@ def record_dialogs(reader, folder):
         reader.note(text, "a question")
         return QMessageBox.StandardButton.Cancel
 
+    def box(message):
+        words = message.windowTitle(), message.text(), message.informativeText()
+        for text in (*words, *(button.text() for button in message.buttons())):
+            reader.note(text, "a question")
+
+    QMessageBox.exec = box
     QFileDialog.getOpenFileName = QFileDialog.getSaveFileName = staticmethod(files)
     QMessageBox.question = QMessageBox.about = staticmethod(question)
 
@@ -334,7 +340,8 @@ def help_(driver):
 def files(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
     file_dialogs.about(window)
-    file_dialogs.ask_before_losing(window)
+    for closes in (True, False):
+        unsaved_question.ask_before_leaving(window, "mesh.obj", closes)
     file_dialogs.ask_for_mesh(window, folder)
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)

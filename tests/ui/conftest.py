@@ -9,11 +9,12 @@ import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
 from PySide6.QtCore import QSettings
-from PySide6.QtWidgets import QMainWindow, QMessageBox
+from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.ui.application import HARMLESS, make_application
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.scene.surface import Surface
 from apd_viewer.ui.scene.viewport import Viewport
 from apd_viewer.ui.shell import Shell
@@ -81,7 +82,7 @@ def settings(tmp_path):
 @pytest.fixture
 def window(qtbot, settings, monkeypatch):
     """A window without a mesh, that does not ask before it is closed."""
-    monkeypatch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     window = Workbench(Shell(settings))
     show(qtbot, window.shell, window.canvas.viewport)
     yield window
@@ -108,7 +109,7 @@ def folder(tmp_path):
 @pytest.fixture
 def started(qtbot, folder, settings, monkeypatch):
     """Starts a window on the bottle that keeps what is done in the folder, and closes it at last."""
-    monkeypatch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Discard)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     windows = []
 
     def start():

@@ -21,7 +21,7 @@ from driving import (
 )
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog
 from scipy.spatial.distance import pdist
 
 from apd_viewer.files.meshes import open_mesh
@@ -29,7 +29,6 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.store import Activity
-from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.fields import Entry, Number
@@ -363,9 +362,9 @@ def test_a_dropped_file_is_opened_and_remembered(qtbot, window, tmp_path, settin
     window.shell.dragEnterEvent(enter)
     assert enter.isAccepted()
     window.shell.dropEvent(QDropEvent(QPointF(100, 100), actions, data, LEFT, none))
-    idle(qtbot, window)
+    qtbot.waitUntil(lambda: window.session.store.state is not None)
     assert document(window).mesh.path == path
-    assert window.shell.windowTitle() == "a mesh.off – APD Viewer"
+    assert window.shell.windowTitle() == "a mesh.off[*] – APD Viewer"
     assert [action.text() for action in window.actions_.file.recent.actions()] == ["a mesh.off"]
     assert settings.value("recent") is not None
 
@@ -379,32 +378,6 @@ def test_a_failed_export_says_so_and_leaves_the_old_file(qtbot, bottle, tmp_path
     idle(qtbot, bottle)
     assert "no folder" in bottle.notice.text
     assert target.read_text() == "precious"
-
-
-def test_closing_asks_only_before_a_shape_of_ones_own_is_lost(qtbot, window, tmp_path, monkeypatch):
-    V, F = meshes.sphere(2)
-    window.filing.show_mesh(Mesh(V, F, tmp_path / "own.obj"))
-    idle(qtbot, window)
-    asked = []
-    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
-    monkeypatch.setattr(
-        file_dialogs, "ask_before_losing", lambda _: asked.append(1) or answers[len(asked) - 1]
-    )
-    assert not window.filing.worth_asking, "nothing is lost yet"
-    session = window.session
-    session.gestures.begin()
-    session.painting.paint(np.flatnonzero(V[:, 1] < -0.8), BASE)
-    session.painting.paint(np.flatnonzero(V[:, 1] > 0.8), HANDLE)
-    session.painting.end_stroke("Paint")
-    window.tools.take(Tool.MOVE)
-    qtbot.wait(50)
-    drag(qtbot, window, arrow_grip(window, 1), (0, -40))
-    idle(qtbot, window)
-    window.shell.close()
-    assert window.shell.isVisible()
-    assert len(asked) == 1
-    window.shell.close()
-    assert not window.shell.isVisible()
 
 
 # The keyboard

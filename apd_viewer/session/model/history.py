@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
-from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import State
 
 
@@ -62,15 +58,10 @@ class History:
         """States on the undo stack, oldest first."""
         return [entry.state for entry in self._undo]
 
-    def unsaved(self, now: State | None, kept: Sequence[np.ndarray]) -> list[Mesh]:
-        """Meshes with their latest shape neither ``kept`` nor at rest."""
-        states = [*self.past, *([now] if now else [])]
-        latest = {id(state.document.mesh): state for state in states}
-        return [
-            state.document.mesh
-            for state in latest.values()
-            if not any(state.frame.U is shape for shape in (state.document.mesh.V, *kept))
-        ]
+    @property
+    def states(self) -> list[State]:
+        """States within reach of undo and redo."""
+        return [entry.state for entry in (*self._undo, *self._redo)]
 
     def record(self, gesture: str, before: State) -> None:
         """Push the state before a finished gesture."""

@@ -38,7 +38,7 @@ class Copy:
 
 
 class AutosaveWriter:
-    """Writes the newest Copy whenever it can, and removes the file in the end.
+    """Writes the newest Copy whenever it can; None and the end remove the file.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class AutosaveWriter:
     def __init__(self, folder: Path, wake: Callable[[], object]) -> None:
         self._folder = folder
         self._wake = wake
-        self._mailbox: Mailbox[tuple[int, Copy]] = Mailbox()
+        self._mailbox: Mailbox[tuple[int, Copy | None]] = Mailbox()
         self._asked = self._done = 0
         self._pace = 0.0
         self._doing = threading.Condition()
@@ -61,8 +61,8 @@ class AutosaveWriter:
         self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
         self._thread.start()
 
-    def put(self, copy: Copy, patience: float = 0.0) -> None:
-        """Queue ``copy`` for writing, replacing any other in the queue.
+    def put(self, copy: Copy | None, patience: float = 0.0) -> None:
+        """Queue ``copy``, replacing any other in the queue; None removes the file.
 
         Returns once that is done, but after ``patience`` seconds at the latest, and at once where the one
         before took longer than that.
@@ -88,9 +88,12 @@ class AutosaveWriter:
     def _run(self) -> None:
         while (put := self._mailbox.wait()) is not None:
             number, copy = put
-            self._try(number, copy)
-        if self._mine is not None:
-            remove(*self._mine)
+            if copy is None:
+                self._remove()
+                self._tell_done(number, self._pace)
+            else:
+                self._try(number, copy)
+        self._remove()
 
     def _try(self, number: int, copy: Copy) -> None:
         since = time.monotonic()
@@ -118,6 +121,11 @@ class AutosaveWriter:
         with self._doing:
             self._done, self._pace = number, pace
             self._doing.notify_all()
+
+    def _remove(self) -> None:
+        if self._mine is not None:
+            remove(*self._mine)
+            self._mine = None
 
     def _write(self, copy: Copy) -> Path:
         if self._mine is not None and not self._mine[1].stands:  # the folder has been cleared

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QMessageBox, QWidget
+from PySide6.QtWidgets import QWidget
 
-from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.language import tr
 from apd_viewer.session.storage.recovery import Leftover, leftovers
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.preferences.preferences import Preferences, own_file
 
 if TYPE_CHECKING:
@@ -48,9 +50,6 @@ class Filing:
         self._session = session
         self._view = view
         self._recovery = recovery
-        self._asked: Path | None = None
-        self._path: Path | None = None  # of the session file
-        self._embeds = False
         if recovery is not None:
             session.autosave.keep_in(recovery, view)
 
@@ -60,60 +59,55 @@ class Filing:
 
     def restore(self, left: Leftover) -> None:
         """Open a recovered session in the background; its file is not for saving."""
-        self._asked = None
-        self._session.autosave.restore(left)
+        self.leave_for(lambda: self._session.autosave.restore(left))
 
     def open_path(self, path: str | Path) -> None:
         """Open a file in the background."""
-        if self._session.jobs.current is None:  # unless it is refused
-            self._asked = Path(path)
-        self._session.files.open(path)
+        self.leave_for(lambda: self._session.files.open(path))
 
     def open_sample(self, name: str) -> None:
         """Open a sample in the background."""
-        self._session.files.open_sample(name)
+        self.leave_for(lambda: self._session.files.open_sample(name))
 
     def show_mesh(self, mesh: Mesh) -> None:
         """Show a mesh from memory."""
-        self._session.files.open_mesh(mesh)
+        self.leave_for(lambda: self._session.files.open_mesh(mesh))
 
-    def ask_for_target(self) -> None:
-        """Choose a target for the deformed mesh."""
+    def ask_for_target(self, then: Callable[[], object] = lambda: None) -> None:
+        """Choose a target for the deformed mesh; ``then()`` follows once it is written."""
         if (state := self._session.store.state) is None:
             return
         path = file_dialogs.ask_for_target(self._window, self._memory.folder, state.document.mesh)
         if path is not None:
-            self._session.files.export(path)
+            self._session.files.export(path, then)
 
-    def save(self) -> None:
-        """Save the session to its file; ask for one if there is none."""
-        if self._path is None:
-            self.save_as()
-        elif self._session.store.state is not None:
-            self._session.files.save(self._path, self._view(), self._embeds)
+    def save(self, then: Callable[[], object] = lambda: None) -> None:
+        """Save the session to its file; ask for one if there is none.
 
-    def save_as(self) -> None:
+        ``then()`` follows once it is saved.
+        """
+        last = self._session.saved_work.last
+        if last is None or last.path is None:
+            self.save_as(then)
+        else:
+            self._session.files.save(last.path, self._view(), last.embeds, then)
+
+    def save_as(self, then: Callable[[], object] = lambda: None) -> None:
         """Choose a target for the session, with or without the mesh."""
         if (state := self._session.store.state) is None:
             return
         mesh = state.document.mesh
         found = file_dialogs.ask_for_session(self._window, self._memory.folder, mesh)
         if found is not None:
-            self._path, self._embeds = found
-            self._memory.remember(self._path)
-            self.save()
+            path, embeds = found
+            self._memory.remember(path)
+            self._session.files.save(path, self._view(), embeds, then)
 
     def opened(self, state: State) -> None:
-        """Note another mesh: the next save is of another session."""
-        self._path, self._embeds = None, False
-        if path := own_file(state.document.mesh):
-            self._memory.remember(path)
-
-    def viewed(self) -> None:
-        """Note the session's file as the target of the next save."""
-        if self._asked is not None and self._asked.suffix.lower() == SUFFIX:
-            self._path = self._asked
-            self._memory.remember(self._asked)
+        """Add the files of another mesh to the recent ones."""
+        for path in (own_file(state.document.mesh), self._session.saved_work.path):
+            if path is not None:
+                self._memory.remember(path)
 
     def load_selection(self) -> None:
         """Choose a selection file to load."""
@@ -131,16 +125,45 @@ class Filing:
         if path is not None:
             self._session.files.save_selection(path)
 
-    def may_close(self) -> bool:
-        """True if nothing is lost by closing, or the user agrees."""
-        if not self.worth_asking:
-            return True
-        answer = file_dialogs.ask_before_losing(self._window)
-        if answer == QMessageBox.StandardButton.Save:
-            self.ask_for_target()  # but keep the window open: the user can close it once the file is written
-        return answer == QMessageBox.StandardButton.Discard
+    # Unsaved work
 
-    @property
-    def worth_asking(self) -> bool:
-        """True if a shape would be lost; samples do not count."""
-        return any(mesh.path is None or own_file(mesh) is not None for mesh in self._session.files.unsaved)
+    def show_title(self) -> None:
+        """Name session and mesh in the title of the window, and mark unsaved work."""
+        state, session = self._session.store.state, self._session.saved_work.path
+        if state is None:
+            return
+        mesh = state.document.mesh
+        title = tr("{mesh}[*] – APD Viewer")
+        if session is not None:
+            title = tr("{session}[*] – {mesh} – APD Viewer")
+        self._window.setWindowFilePath(str(session or mesh.path or ""))
+        self._window.setWindowTitle(
+            title.format(mesh=_verbatim(mesh.name), session=_verbatim(session.name if session else ""))
+        )
+        self._window.setWindowModified(self._session.saved_work.unsaved)
+
+    def leave_for(self, go: Callable[[], object], closes: bool = False) -> None:
+        """Do ``go()`` unless unsaved work is to stay; if it is to be saved, afterwards."""
+        if self.may_leave(go, closes):
+            go()
+
+    def may_leave(self, go: Callable[[], object], closes: bool = False) -> bool:
+        """True if nothing unsaved is lost by ``go()``, or the user agrees.
+
+        Otherwise it is done once the user has saved or exported, or never.
+        """
+        state, work = self._session.store.state, self._session.saved_work
+        if state is None or not work.unsaved:
+            return True
+        name = work.path.name if work.path else state.document.mesh.name
+        answer = unsaved_question.ask_before_leaving(self._window, name, closes)
+        if answer is Answer.SAVE:
+            self.save(partial(self.leave_for, go, closes))  # the work may go on while it is written
+        elif answer is Answer.EXPORT:
+            self.ask_for_target(go)
+        return answer is Answer.DISCARD
+
+
+def _verbatim(name: str) -> str:
+    """Name in a title: Qt puts its mark of unsaved work at ``[*]``."""
+    return name.replace("[*]", "[*][*]")

@@ -130,18 +130,6 @@ def ask_where(parent: QWidget, title: str, proposed: Path) -> Path | None:
     return _ended(parent, path, suffix)
 
 
-def ask_before_losing(parent: QWidget) -> QMessageBox.StandardButton:
-    """Ask about an unexported shape at closing: Save, Discard or Cancel."""
-    buttons = QMessageBox.StandardButton
-    return QMessageBox.question(
-        parent,
-        tr("Export before closing?"),
-        tr("Export the deformed mesh before closing? It is lost otherwise."),
-        buttons.Save | buttons.Discard | buttons.Cancel,
-        buttons.Cancel,
-    )
-
-
 def about(parent: QWidget) -> None:
     """Describe the program and its libraries."""
     QMessageBox.about(

@@ -89,8 +89,8 @@ class Help(QObject):
         if self._can_begin():
             self._begin()
         else:
+            self._open_bottle()  # which may ask first
             self._wished = True
-            self._open_bottle()
 
     def greet(self, on_bottle: bool) -> None:
         """Start the tour with the bottle, at the first start only."""

@@ -13,6 +13,7 @@ from meshes import box
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD
 from apd_viewer.session import file_jobs
 from apd_viewer.session.store import Activity
 
@@ -72,7 +73,7 @@ def test_a_file_is_opened_in_the_background_and_can_be_undone(session, cube_file
     finish(session)
     assert len(session.U) == 8
     assert session.U is session.store.state.document.mesh.V
-    assert session.store.state.document.method == "arap"
+    assert session.store.state.document.method == DEFAULT_METHOD
     assert session.store.activity is Activity.IDLE
     session.gestures.undo()
     assert session.store.state is before
@@ -189,7 +190,6 @@ def test_what_is_written_is_the_shape_that_was_on_screen(session, tmp_path, gate
     assert np.array_equal(written.F, session.store.state.document.mesh.F)
     assert f"area {area:.6g}" in session.told[-1]
     assert "bent.obj" in session.told[-1]
-    assert session.files.unsaved, "what is on screen is not what was written"
 
 
 @pytest.mark.parametrize("name", ["out.xyz", "no/such/folder/out.obj"])
@@ -201,45 +201,7 @@ def test_what_cannot_be_written_is_told_and_stays_unsaved(session, tmp_path, nam
     finish(session)
     assert len(session.failed) == 1
     assert session.store.state is before
-    assert session.files.unsaved
-
-
-def test_unsaved_from_a_deformation_until_it_is_written_or_taken_back(session, tmp_path):
-    assert not session.files.unsaved
-    session.drag(BENT)
-    assert not session.files.unsaved, "there is no frame yet"
-    session.settle()
-    assert session.files.unsaved
-    session.files.export(tmp_path / "bent.ply")
-    finish(session)
-    assert not session.files.unsaved
-    session.stroke(np.arange(3), 0)
-    assert not session.files.unsaved, "paint is not written into a mesh"
-    session.gestures.undo()
-    assert not session.files.unsaved
-    session.drag(pose(0.2))
-    session.settle()
-    assert session.files.unsaved
-    session.gestures.undo()
-    assert not session.files.unsaved, "this shape was written"
-    session.gestures.redo()
-    session.rest_shape.restore()
-    assert not session.files.unsaved
-    session.gestures.undo()
-    assert session.files.unsaved
-    session.show_now(bar())
-    assert len(session.files.unsaved) == 1, (
-        "the mesh before is an undo away, and would be lost with the session"
-    )
-    session.gestures.undo()
-    session.gestures.undo()
-    assert session.files.unsaved == []
-
-
-def test_nothing_is_unsaved_before_a_mesh_is_open():
-    session = Driven()
-    assert not session.files.unsaved
-    session.close()
+    assert session.saved_work.unsaved
 
 
 # Closing

@@ -414,15 +414,15 @@ def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatc
 
 def test_saving_and_opening_are_done_in_the_background(session, bar, tmp_path):
     state = settled(session, open_mesh(bar))
-    assert session.files.unsaved == [state.document.mesh]
+    assert session.saved_work.unsaved
     session.files.save(tmp_path / "a.apd", VIEW)
     assert session.jobs.current.title == "Saving a.apd"
     assert not session.jobs.current.can_be_cancelled
     session.until(lambda: session.jobs.current is None)
-    assert session.files.unsaved == []
+    assert not session.saved_work.unsaved
     session.settings.set_method("local")
     session.settle()
-    assert session.files.unsaved == [state.document.mesh]
+    assert session.saved_work.unsaved
     now = session.store.state
     session.files.open(tmp_path / "a.apd")
     assert session.jobs.current.title == "Opening a.apd"
@@ -483,7 +483,7 @@ def test_a_session_that_cannot_be_opened_is_told_and_nothing_changes(session, ba
     session.until(lambda: session.jobs.current is None)
     assert [said.split()[0] for said in session.failed] == ["bad.apd", str(tmp_path / "gone" / "a.apd")]
     assert session.store.state is state
-    assert session.files.unsaved == [state.document.mesh]
+    assert session.saved_work.unsaved
 
 
 def test_the_first_version_opens_for_ever():

@@ -63,7 +63,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
     assert path.stat().st_size > size, "the shape is in it now, and the mesh still"
-    assert not bottle.session.files.unsaved
+    assert not bottle.session.saved_work.unsaved
     bottle.filing.open_sample("duck")
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()  # another mesh is another session: asked again, nothing chosen

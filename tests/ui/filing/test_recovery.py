@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from driving import Mouse, centre, document, drag, idle, ring_grip
-from PySide6.QtWidgets import QMessageBox
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
@@ -22,7 +21,8 @@ from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import leftovers
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.ui.application import recovery_folder
-from apd_viewer.ui.filing import file_dialogs
+from apd_viewer.ui.filing import file_dialogs, unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 
 SLOW = 20_000  # ms; nothing here should come near it
 PROGRAM = """
@@ -107,10 +107,10 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     assert window.recovery.text == "Unsaved work: my duck.obj, 3 minutes ago"
     window.filing.open_path(tmp_path / "earlier.apd")
     idle(qtbot, window)
-    assert not window.filing.worth_asking
+    assert not window.session.saved_work.unsaved
     restore(qtbot, window)
     assert document(window).mesh.name == "my duck.obj"
-    assert window.filing.worth_asking
+    assert window.session.saved_work.unsaved
     answers[:] = [None]
     window.actions_.file.save.trigger()
     idle(qtbot, window)
@@ -122,7 +122,7 @@ def test_what_was_restored_is_unsaved_and_saved_only_where_one_says(
     idle(qtbot, window)
     assert (tmp_path / "mine.apd").exists()
     assert (tmp_path / "earlier.apd").read_bytes() == earlier
-    assert not window.filing.worth_asking
+    assert not window.session.saved_work.unsaved
 
 
 def test_what_was_restored_is_offered_again_after_another_crash(qtbot, started, folder, duck):
@@ -198,7 +198,7 @@ def test_a_window_that_is_not_closed_because_of_the_question_goes_on_keeping(
     restore(qtbot, window)
     qtbot.waitUntil(lambda: "1-1.apd" not in files(folder), timeout=SLOW)
     with monkeypatch.context() as patch:
-        patch.setattr(file_dialogs, "ask_before_losing", lambda _: QMessageBox.StandardButton.Cancel)
+        patch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.CANCEL)
         assert not window.shell.close()
     assert len(files(folder)) == 1
     assert window.shell.close()

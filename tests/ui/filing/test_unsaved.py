@@ -1,0 +1,251 @@
+"""Nothing that was said is lost without a question, and each of its answers does what it says."""
+
+import numpy as np
+import pytest
+from driving import idle
+from PySide6.QtCore import QMimeData, QPointF, Qt, QTimer, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.session.storage.session_file import open_session
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
+
+ASK = unsaved_question.ask_before_leaving
+LEFT = Qt.MouseButton.LeftButton
+CHANGES = {
+    "paint": lambda session: paint(session),
+    "setting": lambda session: session.settings.set_stiffness(0.01),
+    "shape": lambda session: session.handles.move_by("TWIST", "20", 0),
+}
+
+
+def paint(session):
+    free = np.flatnonzero(session.store.state.document.labels == FREE)
+    session.gestures.begin()
+    session.painting.paint(free[:20], BASE)
+    session.painting.end_stroke("Paint base")
+
+
+class Person:
+    """Answers the real question, and the dialogs of files; a question is noted."""
+
+    def __init__(self, window):
+        self.window = window
+        self.answers = []
+        self.asked = []
+        self.target = ""
+
+    def will(self, *answers):
+        self.answers = list(answers)
+        QTimer.singleShot(20, self._answer)
+
+    def _answer(self):
+        box = QApplication.activeModalWidget()
+        if isinstance(box, QMessageBox):
+            answer = self.answers.pop(0)
+            self.asked.append(box.text())
+            if isinstance(answer, Qt.Key):
+                QTest.keyClick(box, answer)
+            else:
+                button = next(each for each in box.buttons() if each.text() == answer.value)
+                QTest.mouseClick(button, LEFT)
+        if self.answers:
+            QTimer.singleShot(20, self._answer)
+
+    def choose(self, *_):
+        path = self.target
+        return (
+            (str(path), "Session (*.apd)" if str(path).endswith("apd") else "OBJ (*.obj)")
+            if path
+            else ("", "")
+        )
+
+
+@pytest.fixture
+def person(bottle, monkeypatch):
+    """Someone at the window, asked by the real dialogs."""
+    person = Person(bottle)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", person.choose)
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", ASK)
+    yield person
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
+    assert person.answers == [], "a question was not asked"
+
+
+def close(window):
+    window.shell.close()
+
+
+def open_duck(window):
+    window.shell.requests.open_sample("duck")
+
+
+LEAVING = {"closing": close, "opening": open_duck}
+END = {"closing": "closing", "opening": "opening another file"}
+
+
+def has_left(qtbot, window, leaving, before):
+    """Whether it was done, once all is written and read."""
+    jobs = window.session.jobs
+    qtbot.wait(30)
+    qtbot.waitUntil(lambda: jobs.current is None, timeout=60_000)
+    qtbot.wait(30)
+    if leaving == "closing":
+        return window.shell.is_closed
+    assert window.shell.isVisible()
+    return window.session.store.state.document.mesh is not before.document.mesh
+
+
+CHANGED = {
+    Answer.SAVE: "setting",
+    Answer.EXPORT: "shape",
+    Answer.DISCARD: "paint",
+    Answer.CANCEL: "paint",
+}
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+@pytest.mark.parametrize("answer", Answer)
+def test_each_answer_does_what_it_says(qtbot, bottle, person, tmp_path, leaving, answer):
+    CHANGES[CHANGED[answer]](bottle.session)
+    before = bottle.session.store.state
+    person.target = tmp_path / ("mine.apd" if answer is Answer.SAVE else "mine.obj")
+    person.will(answer)
+    LEAVING[leaving](bottle)
+    assert has_left(qtbot, bottle, leaving, before) == (answer is not Answer.CANCEL)
+    assert person.asked == [f"Save changes to “bottle.obj” before {END[leaving]}?"]
+    assert person.target.exists() == (answer in (Answer.SAVE, Answer.EXPORT))
+    if answer is Answer.SAVE:
+        assert open_session(person.target)[0].document.stiffness == before.document.stiffness
+    if answer is Answer.EXPORT:
+        assert len(open_mesh(person.target).V) == len(before.frame.U)
+    if answer is Answer.CANCEL:
+        assert bottle.session.store.state.document is before.document
+        assert bottle.shell.isVisible()
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+def test_every_change_is_asked_about_until_it_is_undone(qtbot, bottle, person, leaving):
+    before = bottle.session.store.state
+    for change in CHANGES.values():
+        change(bottle.session)
+        person.will(Answer.CANCEL)
+        LEAVING[leaving](bottle)
+        assert bottle.shell.isVisible()
+        bottle.session.gestures.undo()
+    assert len(person.asked) == len(CHANGES)
+    LEAVING[leaving](bottle)
+    assert has_left(qtbot, bottle, leaving, before)
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+@pytest.mark.parametrize("answer", [Answer.SAVE, Answer.EXPORT])
+def test_no_file_chosen_is_no_leave_taken(qtbot, bottle, person, leaving, answer):
+    paint(bottle.session)
+    before = bottle.session.store.state
+    person.will(answer)
+    LEAVING[leaving](bottle)
+    assert not has_left(qtbot, bottle, leaving, before)
+    assert bottle.session.store.state is before
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+def test_what_cannot_be_saved_is_not_left(qtbot, bottle, person, tmp_path, leaving):
+    paint(bottle.session)
+    before = bottle.session.store.state
+    person.target = tmp_path / "gone" / "mine.apd"
+    person.will(Answer.SAVE)
+    LEAVING[leaving](bottle)
+    assert not has_left(qtbot, bottle, leaving, before)
+    assert "mine.apd" in bottle.notice.text
+    assert bottle.session.saved_work.unsaved
+
+
+@pytest.mark.parametrize(("key", "closes"), [(Qt.Key.Key_Return, True), (Qt.Key.Key_Escape, False)])
+def test_enter_saves_and_esc_stays(qtbot, bottle, person, tmp_path, key, closes):
+    paint(bottle.session)
+    person.target = tmp_path / "mine.apd"
+    person.will(key)
+    close(bottle)
+    assert has_left(qtbot, bottle, "closing", None) == closes
+    assert person.target.exists() == closes
+
+
+@pytest.mark.parametrize("leaving", LEAVING)
+def test_nothing_said_is_no_question(qtbot, bottle, person, leaving):
+    before = bottle.session.store.state
+    LEAVING[leaving](bottle)
+    assert has_left(qtbot, bottle, leaving, before)
+    assert person.asked == []
+
+
+def test_a_saved_session_is_left_without_a_question_and_saved_without_a_path(qtbot, bottle, person, tmp_path):
+    paint(bottle.session)
+    person.target = tmp_path / "mine.apd"
+    bottle.actions_.file.save.trigger()
+    idle(qtbot, bottle)
+    person.target = ""
+    bottle.session.settings.set_stiffness(0.01)
+    person.will(Answer.SAVE)
+    close(bottle)
+    assert has_left(qtbot, bottle, "closing", None)
+    assert person.asked == ["Save changes to “mine.apd” before closing?"]
+    assert open_session(tmp_path / "mine.apd")[0].document.stiffness == 0.01
+
+
+def test_a_dropped_file_asks_too(qtbot, bottle, person, tmp_path):
+    paint(bottle.session)
+    before = bottle.session.store.state
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(tmp_path / "a.obj"))])
+    drop = QDropEvent(QPointF(9, 9), Qt.DropAction.CopyAction, data, LEFT, Qt.KeyboardModifier.NoModifier)
+    person.will(Answer.CANCEL)
+    bottle.shell.dropEvent(drop)
+    qtbot.waitUntil(lambda: person.asked != [])
+    assert not has_left(qtbot, bottle, "opening", before)
+
+
+def test_a_tour_that_was_declined_does_not_begin_later(qtbot, bottle, person):
+    bottle.shell.requests.open_sample("duck")
+    idle(qtbot, bottle)
+    paint(bottle.session)
+    person.will(Answer.CANCEL)
+    bottle.help.begin_tour()
+    qtbot.waitUntil(lambda: person.asked != [])
+    bottle.session.settings.set_stiffness(0.01)
+    idle(qtbot, bottle)
+    assert not bottle.help.tour.active
+    assert not bottle.help._wished
+
+
+# The title
+
+
+def test_the_title_says_what_is_saved(qtbot, bottle, person, tmp_path):
+    shell = bottle.shell
+    assert (shell.windowTitle(), shell.isWindowModified()) == ("bottle.obj[*] – APD Viewer", False)
+    paint(bottle.session)
+    assert shell.isWindowModified()
+    bottle.session.gestures.undo()
+    assert not shell.isWindowModified()
+    bottle.session.gestures.redo()
+    person.target = tmp_path / "mine.apd"
+    bottle.actions_.file.save.trigger()
+    idle(qtbot, bottle)
+    assert shell.windowTitle() == "mine.apd[*] – bottle.obj – APD Viewer"
+    assert not shell.isWindowModified()
+    assert shell.windowFilePath() == str(tmp_path / "mine.apd")
+    bottle.session.settings.set_area(101.0)
+    assert shell.isWindowModified()
+
+
+def test_a_name_like_the_mark_is_no_mark(qtbot, bottle, person, tmp_path):
+    person.target = tmp_path / "a[*]b.apd"
+    bottle.actions_.file.save.trigger()
+    idle(qtbot, bottle)
+    assert bottle.shell.windowTitle() == "a[*][*]b.apd[*] – bottle.obj – APD Viewer"
