@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.geometry.analysis.bounding_boxes import compactness
 from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.pose.frame import MET
+from apd_viewer.geometry.pose.winding import signed_angle
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.number_format import length, short, signed, significant
 from apd_viewer.session.model.status_text import about_caps
@@ -161,12 +162,11 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
     centre = document.centre(k)
     if centre is None:
         return tr("Paint it with Paint handle")
-    pose = document.handles[k].pose
-    moved = pose[:3, :3] @ centre + pose[:3, 3] - centre
-    cosine = (np.trace(pose[:3, :3]) - 1.0) / 2.0
-    turned = math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
+    handle = document.handles[k]
+    moved = handle.pose[:3, :3] @ centre + handle.pose[:3, 3] - centre
     way = length(float(np.linalg.norm(moved)), size)
-    return tr("moved {length}, rotated {angle:.1f}°").format(length=unit.length(way), angle=turned)
+    turned = signed(math.degrees(signed_angle(handle.rotation)), 1)
+    return tr("moved {length}, rotated {angle}°").format(length=unit.length(way), angle=turned)
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:

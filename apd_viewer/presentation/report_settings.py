@@ -10,7 +10,6 @@ import numpy as np
 
 from apd_viewer.files.html_page import Block, Note, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.pose.transforms import decomposed
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.number_format import short, significant
@@ -18,6 +17,7 @@ from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.named_parts import Handle
     from apd_viewer.session.model.state import State
 
 
@@ -61,7 +61,7 @@ def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
             yield handle.name, tr("not painted"), ""
             continue
         said = [trn("{n:,} vertex", "{n:,} vertices", count).format(n=count)]
-        said += _motion(handle.pose, centre, unit, size)
+        said += _motion(handle, centre, unit, size)
         pivot = document.pivot(k)
         if handle.pivot is not None and pivot is not None:
             said.append(tr("pivot {point}").format(point=unit.length(_vector(pivot, size))))
@@ -75,19 +75,17 @@ def handle_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
         yield name, trn("{n:,} vertex", "{n:,} vertices", int(n)).format(n=int(n)), ""
 
 
-def _motion(pose: np.ndarray, centre: np.ndarray, unit: Unit, size: float) -> Iterator[str]:
+def _motion(handle: Handle, centre: np.ndarray, unit: Unit, size: float) -> Iterator[str]:
     """Reproducible motion: displacement of the centre, axis and angle, and scale."""
-    if np.array_equal(pose, np.eye(4)):
+    pose, rotation = handle.pose, handle.rotation
+    if np.array_equal(pose, np.eye(4)) and not rotation.any():
         return
-    left, scale, right = np.linalg.svd(pose[:3, :3])
-    rigid = np.eye(4)
-    rigid[:3, :3] = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
-    turn = decomposed(rigid, centre)
+    scale, turned = np.linalg.svd(pose[:3, :3])[1], float(np.linalg.norm(rotation))
     displacement = (pose[:3, :3] - np.eye(3)) @ centre + pose[:3, 3]
     yield tr("displacement {vector}").format(vector=unit.length(_vector(displacement, size)))
-    if turn.angle > 0.0:
-        angle = f"{math.degrees(turn.angle):.6f}".rstrip("0").rstrip(".")
-        yield tr("axis {vector}, angle {angle}°").format(vector=_vector(turn.axis), angle=angle)
+    if turned > 0.0:
+        angle = f"{math.degrees(turned):.6f}".rstrip("0").rstrip(".")
+        yield tr("axis {vector}, angle {angle}°").format(vector=_vector(rotation / turned), angle=angle)
     if np.abs(scale - 1.0).max() > _RIGID:
         factors = scale[:1] if np.ptp(scale) <= _RIGID else scale
         yield tr("scaled by {factors}").format(factors=" × ".join(f"{factor:.6g}" for factor in factors))

@@ -11,11 +11,12 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, pose_after
+from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, poses_along
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.store import Store
 
 
@@ -35,19 +36,24 @@ class Handles:
         self._listener = listener
 
     def drag(self, pose: np.ndarray, which: int = 0) -> None:
-        """Set a handle's pose (4, 4), relative to its grip, within a gesture."""
+        """Move a handle on to a pose (4, 4), relative to its grip, within a gesture."""
         state = self._store.required()
         if self._gestures.before is not None:  # another mesh may have ended the drag
-            self._store.solve(state.document.with_pose(which, pose))
+            self._store.solve(state.document.moved(which, pose))
+
+    def release(self, name: str) -> None:
+        """End a drag; the shape of a winding path is solved anew along it.
+
+        The hand came there at its own pace, and a shape with many minima would tell.
+        """
+        dragged = self._gestures.before is not None
+        self._gestures.end(name)
+        if dragged and self._store.required().document.winds:
+            self._store.walk(self._store.required().document)
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
-        """Set a handle's pose (4, 4) as one step; ``repeats`` joins it to the last step."""
-        state = self._gestures.alone()
-        if state.document.problem:
-            self._listener.failed(state.document.problem)
-        elif not np.array_equal(pose, state.document.handles[which].pose):
-            self._gestures.record(gesture, state, repeats)
-            self._store.solve(state.document.with_pose(which, pose))
+        """Move a handle on to a pose (4, 4) as one step; ``repeats`` joins it to the last step."""
+        self._go(self._gestures.alone().document.moved(which, pose), which, gesture, repeats)
 
     def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
         """Move a handle by a typed amount along a :class:`TypedMotion`; raises InputError.
@@ -55,8 +61,26 @@ class Handles:
         ``line`` (2, 3) is the axis of a bend about a line.
         """
         state, kind = self._gestures.alone(), TypedMotion[motion]
+        document = state.document
         amount = amount_of(kind, text, state, self._store.unit)
-        self.pose(pose_after(state.document, which, kind, amount, line), which, MOTIONS[kind])
+        for pose in poses_along(state.document, which, kind, amount, line):
+            document = document.moved(which, pose)
+        self._go(document, which, MOTIONS[kind])
+
+    def reset(self, which: int) -> None:
+        """Reset one handle to its grip; the mesh follows."""
+        document = self._gestures.alone().document
+        self._go(document.with_pose(which, IDENTITY), which, tr("Reset handle"))
+
+    def _go(self, document: Document, which: int, gesture: str, repeats: bool = False) -> None:
+        """Go on to a document with another pose of one handle, as one step."""
+        state = self._store.required()
+        before, after = state.document.handles[which], document.handles[which]
+        if state.document.problem:
+            self._listener.failed(state.document.problem)
+        elif not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints):
+            self._gestures.record(gesture, state, repeats)
+            (self._store.walk if document.winds else self._store.solve)(document)
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""
@@ -68,7 +92,3 @@ class Handles:
             return
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(which, replace(handle, pivot=point)))
-
-    def reset(self, which: int) -> None:
-        """Reset one handle to its grip; the mesh follows."""
-        self.pose(IDENTITY, which, tr("Reset handle"))

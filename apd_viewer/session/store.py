@@ -100,6 +100,10 @@ class Store:
         iterate = self.activity is Activity.REFINING or not at_rest
         self._ask_and_show(state.unsettled() if iterate else state, iterate)
 
+    def walk(self, document: Document) -> None:
+        """Replace the document and solve it from the grip, along the paths of its handles."""
+        self.jump(self.required().at(document).unsettled())
+
     def revert(self, document: Document) -> None:
         """Go back to a document; the solver is asked unless it was its last request."""
         (self.set_document if document is self._asked else self.solve)(document)

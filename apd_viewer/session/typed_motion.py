@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
@@ -36,6 +38,11 @@ class TypedMotion(Enum):
     BEND_LINE = auto()
     SCALE = auto()
 
+    @property
+    def kind(self) -> str:
+        """Name without the axis."""
+        return self.name.partition("_")[0]
+
 
 # Names in the undo history.
 MOTIONS = {
@@ -52,6 +59,8 @@ MOTIONS = {
     TypedMotion.BEND_LINE: tr("Bend about a line"),
     TypedMotion.SCALE: tr("Scale"),
 }
+MOST_TURNS = 100
+_LARGEST_STEP = math.radians(90.0)
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
@@ -65,9 +74,21 @@ def names_of(state: State) -> dict[str, float]:
 def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float:
     """Typed length, angle in radians or factor; raises InputError with a sentence."""
     names = names_of(state)
-    if motion.name.startswith("MOVE"):
+    if motion.kind == "MOVE":
         return length(text, unit, names)
     return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
+
+
+def poses_along(
+    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
+) -> Iterator[np.ndarray]:
+    """Poses (4, 4) on the way of a motion, less than half a turn apart; see :func:`pose_after`."""
+    turns = motion.kind not in ("MOVE", "SCALE")
+    if turns and abs(amount) > MOST_TURNS * 2.0 * math.pi:
+        raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))
+    steps = max(1, math.ceil(abs(amount) / _LARGEST_STEP)) if turns else 1
+    for step in range(1, steps + 1):
+        yield pose_after(document, k, motion, amount * step / steps, line)
 
 
 def pose_after(
@@ -82,7 +103,7 @@ def pose_after(
         raise InputError(tr("“{name}” is empty; paint it first.").format(name=document.handles[k].name))
     pose = document.handles[k].pose
     centre = transform(pose, gripped[None])[0]
-    kind, _, letter = motion.name.partition("_")
+    kind, letter = motion.kind, motion.name[-1]
     if kind == "MOVE":
         by = shifted(amount * np.array(_AXES[letter]))
     elif kind == "TURN":

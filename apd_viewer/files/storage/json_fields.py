@@ -91,6 +91,15 @@ class Fields:
             raise _damaged(key)
         return np.array(said, dtype=np.float64)
 
+    def stack(self, key: str, most: int, *shape: int) -> list[np.ndarray]:
+        """Grids of numbers, at most so many; none where the field is missing."""
+        if not self.says(key):
+            return []
+        grids = self._list(key, most)
+        if not all(_is_grid(each, shape) for each in grids):
+            raise _damaged(key)
+        return [np.array(each, dtype=np.float64) for each in grids]
+
     def _list(self, key: str, most: int) -> list[object]:
         said = self._checked(key, self._said.get(key), list)
         if len(said) > most:

@@ -62,6 +62,11 @@ class ScrewPath(NamedTuple):
         return moved
 
     @property
+    def moves(self) -> bool:
+        """True if the path leads away from its start."""
+        return self.angle != 0.0 or self.stretched or bool(self.along.any() or self.across.any())
+
+    @property
     def stretched(self) -> bool:
         """True if there is more than a rotation and a translation."""
         return bool(np.abs(np.log(self.stretches)).max() > _FLAT)
@@ -87,6 +92,11 @@ class Turn(NamedTuple):
     def at(self, part: float) -> np.ndarray:
         """The motion (4, 4) of a ``part`` of the turn."""
         return turned_about(self.point, self.axis, part * self.angle)
+
+    @property
+    def moves(self) -> bool:
+        """True if there is an angle to turn by."""
+        return self.angle != 0.0
 
     @property
     def stretched(self) -> bool:

@@ -122,6 +122,11 @@ class Document:
         return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
 
     @property
+    def winds(self) -> bool:
+        """True if any handle has turned by half a turn or more."""
+        return any(handle.winds for handle in self.handles)
+
+    @property
     def percentages(self) -> tuple[float | None, ...]:
         """Percentages asked for: of the area, the volume and each region."""
         return self.area, self.volume, *(part.area for part in self.regions)
@@ -165,7 +170,7 @@ class Document:
         """The document with all handles reset, and every percentage at 100."""
         regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
         volume = None if self.volume is None else 100.0
-        handles = tuple(replace(handle, pose=IDENTITY) for handle in self.handles)
+        handles = tuple(handle.at(IDENTITY) for handle in self.handles)
         return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
@@ -187,8 +192,12 @@ class Document:
         return frozen(painted)
 
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
-        """The same document with handle ``k`` at ``pose`` (4, 4)."""
-        return self.with_handle(k, replace(self.handles[k], pose=frozen(np.array(pose, dtype=np.float64))))
+        """The same document with handle ``k`` at ``pose`` (4, 4), reached directly."""
+        return self.with_handle(k, self.handles[k].at(pose))
+
+    def moved(self, k: int, pose: np.ndarray) -> Document:
+        """The same document with handle ``k`` moved on to ``pose`` (4, 4)."""
+        return self.with_handle(k, self.handles[k].moved(pose))
 
     def with_handle(self, k: int, handle: Handle) -> Document:
         """The same document with another handle ``k``, or one more."""

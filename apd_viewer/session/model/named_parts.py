@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.winding import extended, rotation_vector, winds
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 
 IDENTITY = frozen(np.eye(4))
@@ -22,6 +23,8 @@ class Handle:
     name : str
     pose : (4, 4) float array
         Its motion since it was gripped, read-only.
+    waypoints : tuple of (4, 4) float arrays
+        Poses on its way from the grip, by which a turn of more than half is known; read-only.
     pivot : (3,) float array or None
         What it turns about, where that was when it was gripped, read-only; None is its centre.
     falloff : float
@@ -32,11 +35,30 @@ class Handle:
     pose: np.ndarray = field(default_factory=lambda: IDENTITY, metadata=NOT_FACTORED)
     pivot: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
     falloff: float = field(default=0.0, metadata=FACTORED)
+    waypoints: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
+
+    def at(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
+        """The handle at ``pose`` (4, 4), reached along waypoints."""
+        return replace(self, pose=frozen(np.array(pose, dtype=np.float64)), waypoints=waypoints)
+
+    def moved(self, pose: np.ndarray) -> Handle:
+        """The handle moved on to ``pose`` (4, 4), by the shortest rotation."""
+        return self.at(pose, extended(self.waypoints, self.pose, pose))
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """Total rotation since it was gripped, (3,): unit axis times angle, radians."""
+        return rotation_vector(self.waypoints, self.pose)
+
+    @property
+    def winds(self) -> bool:
+        """True if it has turned by half a turn or more, which its pose does not tell."""
+        return winds(self.waypoints, self.pose)
 
     def gripped(self) -> Handle:
         """The handle gripped at its current pose."""
         pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
-        return replace(self, pose=IDENTITY, pivot=pivot)
+        return replace(self, pose=IDENTITY, waypoints=(), pivot=pivot)
 
 
 @dataclass(frozen=True, eq=False)

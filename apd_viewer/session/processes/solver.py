@@ -32,6 +32,7 @@ from apd_viewer.session.processes.messages import Message, Order, OrderStage
 from apd_viewer.session.processes.remote_factor import FarFactor
 from apd_viewer.session.processes.requests import Account, Reply, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
+from apd_viewer.session.processes.walk import Walk
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.linalg.linear_solver import Matrix
@@ -67,6 +68,7 @@ class Solver:
         self._key: tuple[object, ...] = ()
         self._goals: tuple[object, ...] = ()
         self._poses: tuple[object, ...] = ()
+        self._walk: Walk | None = None
         self._generation: int | None = None
         self._warm = False
 
@@ -100,7 +102,7 @@ class Solver:
 
     def _drop(self) -> None:
         """Forget the deformation, and end its factorizations."""
-        self._solver = None
+        self._solver = self._walk = None
         for factor in self._factors:
             factor.close()
         self._factors = []
@@ -133,16 +135,21 @@ class Solver:
             self._have_factored()
 
     def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
-        tray, account = self._tray_of(order), None
+        tray, account, walk = self._tray_of(order), None, self._walk
+        assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
         while True:  # once at least, or poses faster than their preparation would show nothing
             while not solver.ready:
                 if self._orders.waiting:
                     return
                 time.sleep(_MOMENT)
-            solver.iterate()
+            walk.iterate()
             iterations += 1
-            finished = solver.settled or iterations >= MOST_ITERATIONS
+            if walk.hides:
+                if self._orders.waiting:
+                    return
+                continue
+            finished = walk.arrived and (solver.settled or iterations >= MOST_ITERATIONS)
             if finished:
                 took = time.perf_counter() - started
                 while tray is not None and not tray.free and not self._orders.waiting:
@@ -195,10 +202,11 @@ class Solver:
         self._solver.tolerance = document.tolerance
         self._solver.loose.choose(document.staying)
         self._warning = self._solver.loose.warning
-        jump = fresh or request.generation != self._generation
+        elsewhere = request.generation != self._generation
         # Aiming again would reset the paper method's handle to its target.
-        if jump or not alike(poses, self._poses):
-            self._solver.aim(held.targets, request.U if jump else None, held.soft_targets)
+        if fresh or elsewhere or not alike(poses, self._poses):
+            U = request.U if fresh or elsewhere else None
+            self._walk = Walk(self._solver, document, U, walks=elsewhere and request.iterate)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         return self._solver
 

@@ -32,6 +32,7 @@ from apd_viewer.session.quantities.wall_mass import Wall
 
 _MOST = 1e9  # of a weight or a percentage
 _LEAST = 1e-12  # of what is more than zero
+_MOST_WAYPOINTS = 10_000  # of a handle
 _MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
 _NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
 _POINTS = ("position", "focal", "up")
@@ -55,6 +56,8 @@ def document_said(document: Document) -> dict[str, Any]:
 def _handle_said(handle: Handle) -> dict[str, Any]:
     pivot = None if handle.pivot is None else handle.pivot.tolist()
     said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
+    if handle.waypoints:
+        said["waypoints"] = [each.tolist() for each in handle.waypoints]
     return {**said, "falloff": _number(handle.falloff)} if handle.falloff else said
 
 
@@ -104,14 +107,15 @@ def _staying(said: Fields, document: Document, shape: np.ndarray) -> tuple[int, 
 
 
 def _handle(said: Fields) -> Handle:
-    pose = said.numbers("pose", 4, 4)
-    if not np.array_equal(pose[3], _MOTIONLESS):
+    pose = frozen(said.numbers("pose", 4, 4))
+    waypoints = tuple(map(frozen, said.stack("waypoints", _MOST_WAYPOINTS, 4, 4)))
+    if any(not np.array_equal(each[3], _MOTIONLESS) for each in (pose, *waypoints)):
         raise ValueError(
             tr("the “pose” of a handle is not an affine transform: its last row must be 0 0 0 1")
         )
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
     falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
-    return Handle(said.text("name"), frozen(pose), pivot, falloff)
+    return Handle(said.text("name"), pose, pivot, falloff, waypoints)
 
 
 def _region(said: Fields) -> NamedRegion:

@@ -17,6 +17,7 @@ from apd_viewer.geometry.solver.deform import Result, iterated, result_of
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.walk import Walk
 from apd_viewer.session.storage.session_file import open_session
 
 # Rounding of held vertices, in bounding-box diagonals.
@@ -49,11 +50,16 @@ def replay(
         raise InputError(f"{Path(path).name}: {document.problem}")
     held = document.constraints()
     solver = deformation_of(document, held)
-    solver.aim(held.targets, None if from_rest else state.frame.U, held.soft_targets)
-    if from_rest or not _has_settled(state, held, solver):
-        return document.mesh, iterated(solver, started, progress=progress)
-    frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
-    return document.mesh, result_of(solver, frame, time.perf_counter() - started, 0.0)
+    if not from_rest and _has_settled(state, held, solver):
+        solver.aim(held.targets, state.frame.U, held.soft_targets)
+        frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
+        return document.mesh, result_of(solver, frame, time.perf_counter() - started, 0.0)
+    walk = Walk(solver, document, None if from_rest else state.frame.U)
+    while not walk.arrived:
+        walk.iterate()
+        if progress:
+            progress(solver.frame())
+    return document.mesh, iterated(solver, started, progress=progress)
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

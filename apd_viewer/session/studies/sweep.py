@@ -10,12 +10,15 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
-from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn
+from apd_viewer.geometry.pose.screw_motion import Turn
+from apd_viewer.geometry.pose.winding import WaypointPath
+from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.processes.deforming import deformation_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
     from apd_viewer.geometry.pose.frame import Frame
+    from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
 
@@ -70,7 +73,7 @@ class Sweep:
     ----------
     document : Document
         Its paint, its settings, and its grip, from which the handles start.
-    paths : tuple of ScrewPath or Turn
+    paths : tuple of HandlePath
         The way of each handle.
     parts : tuple of float
         Of the motion, one for each step.
@@ -80,7 +83,7 @@ class Sweep:
     """
 
     document: Document
-    paths: tuple[ScrewPath | Turn, ...]
+    paths: tuple[HandlePath, ...]
     parts: tuple[float, ...]
     methods: tuple[str, ...]
     iterations: int = DEFAULT_ITERATIONS
@@ -88,13 +91,14 @@ class Sweep:
     @property
     def leading(self) -> int:
         """The first moving handle."""
-        return next(k for k, path in enumerate(self.paths) if moves(path))
+        return next(k for k, path in enumerate(self.paths) if path.moves)
 
     @property
     def abscissa(self) -> str:
         """Kind of abscissa: "degrees" of a turn, the "way" of a shift, or the "part"."""
         path = self.paths[self.leading]
-        if sum(map(moves, self.paths)) > 1 or path.stretched:
+        several = sum(path.moves for path in self.paths) > 1
+        if several or path.stretched or isinstance(path, WaypointPath):
             return "part"
         if isinstance(path, Turn):
             return "degrees"
@@ -108,10 +112,7 @@ class Sweep:
 
     def document_at(self, part: float) -> Document:
         """The document with its handles at a part of their motion."""
-        document = self.document
-        for k, path in enumerate(self.paths):
-            document = document.with_pose(k, path.at(part))
-        return document
+        return document_at(self.document, self.paths, part)
 
     def steps(self, tick: Callable[[float, str], object] = lambda *_: None) -> Iterator[SweepStep]:
         """The shapes, one method after another.
@@ -158,10 +159,3 @@ class Sweep:
             solver.rest.volume,
             solver.rest.energy(frame.U),
         )
-
-
-def moves(path: ScrewPath | Turn) -> bool:
-    """True if a path leads away from its start."""
-    if isinstance(path, Turn):
-        return path.angle != 0.0
-    return path.angle != 0.0 or path.stretched or bool(path.along.any() or path.across.any())

@@ -9,17 +9,18 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE
-from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
+from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.solver.methods import OFFERED, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
-from apd_viewer.session.model.named_parts import IDENTITY
+from apd_viewer.session.model.handle_paths import paths_of
 from apd_viewer.session.quantities.expressions import angle
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.session.model.document import Document
 
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, Sweep, moves
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, Sweep
 
 MOST_STEPS = 1000
 
@@ -66,8 +67,8 @@ def sweep_of(
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
-    paths = _twisting(document, twists) if twists else _posed(document)
-    if not any(map(moves, paths)):
+    paths = _twisting(document, twists) if twists else paths_of(document)
+    if not any(path.moves for path in paths):
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
@@ -80,15 +81,7 @@ def twist_of(text: str) -> float:
     return angle(text, {})
 
 
-def _posed(document: Document) -> tuple[ScrewPath | Turn, ...]:
-    pivots = [document.pivot(k) for k in range(len(document.handles))]
-    return tuple(
-        path_of(IDENTITY, np.zeros(3)) if pivot is None else path_of(handle.pose, pivot)
-        for handle, pivot in zip(document.handles, pivots, strict=True)
-    )
-
-
-def _twisting(document: Document, twists: Sequence[float]) -> tuple[ScrewPath | Turn, ...]:
+def _twisting(document: Document, twists: Sequence[float]) -> tuple[HandlePath, ...]:
     if len(twists) != len(document.handles):
         raise InputError(
             tr("There are {handles} handles but {twists} twists; give one for each handle.").format(

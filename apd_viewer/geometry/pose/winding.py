@@ -1,0 +1,179 @@
+"""Paths of a handle beyond half a turn: waypoints, total rotation, evenly walked parts.
+
+A pose alone does not tell a turn by 311 degrees from one by -49. So whoever moves a handle keeps the poses on
+its way at which the shortest rotation from one to the next still is the rotation that was made.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.screw_motion import ScrewPath, Turn, path_of
+from apd_viewer.geometry.pose.transforms import decomposed, turned_about
+
+# Radians. Three rotations by less than a third of a turn each make no full turn together: within this
+# distance a waypoint can be left out.
+_FARTHEST = math.radians(115.0)
+# Radians: for smaller rotations the axis is rounding.
+_STRAIGHT = 1e-7
+# Radians: the part of a path that a piece without rotation takes.
+_LEAST_WEIGHT = 0.1
+# Closer to half a turn, rounding decides the sense of rotation.
+_HALF_TURN = math.pi - 1e-6
+# Relative to the coordinates: smaller differences are rounding.
+_SAME = 1e-9
+
+
+def extended(
+    waypoints: tuple[np.ndarray, ...], present: np.ndarray, pose: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Waypoints after the shortest rotation from the present pose (4, 4) to another.
+
+    Going back along the path takes waypoints off again.
+    """
+    passed = [np.eye(4), *waypoints, present]
+    while len(passed) > 1 and _can_skip(passed[-2], passed[-1], pose):
+        passed.pop()
+    return tuple(frozen(np.array(each)) for each in passed[1:])
+
+
+def _can_skip(before: np.ndarray, between: np.ndarray, after: np.ndarray) -> bool:
+    ways = (before, between), (between, after), (before, after)
+    return max(_angle(*way) for way in ways) <= _FARTHEST
+
+
+def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.ndarray:
+    """Total rotation of a path, (3,): its unit axis times its angle, radians.
+
+    Of a path from rest along waypoints (4, 4) to ``pose`` (4, 4). Its angle is that of ``pose`` plus or
+    minus full turns: as many as come nearest to the sum of the rotations from waypoint to waypoint.
+    """
+    rotations = [_rotation(each) for each in (np.eye(4), *waypoints, pose)]
+    made = np.sum([_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0)
+    turn, total = decomposed(_linear(rotations[-1]), np.zeros(3)), float(np.linalg.norm(made))
+    axis = made / total if turn.angle < _STRAIGHT and total > 0.0 else turn.axis
+    turns = round((math.copysign(total, float(made @ axis)) - turn.angle) / (2.0 * math.pi))
+    vector: np.ndarray = axis * (turn.angle + 2.0 * math.pi * turns)
+    return vector
+
+
+def signed_angle(vector: np.ndarray) -> float:
+    """Angle of a rotation vector (3,) about its axis turned towards positive coordinates.
+
+    The largest coordinate of the axis counts, so a turn about +y and its opposite differ in sign alone.
+    """
+    return math.copysign(float(np.linalg.norm(vector)), float(vector[np.argmax(np.abs(vector))]))
+
+
+def winds(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> bool:
+    """True if a path turns by half a turn or more, so that ``pose`` (4, 4) does not tell it."""
+    return bool(waypoints) and float(np.linalg.norm(rotation_vector(waypoints, pose))) >= _HALF_TURN
+
+
+class WaypointPath(NamedTuple):
+    """Path along waypoints, by a screw motion from one to the next.
+
+    Attributes
+    ----------
+    poses : tuple of (4, 4) float arrays
+        At the beginning of each piece.
+    pieces : tuple of ScrewPath
+        From there on.
+    angle : float
+        Of the whole turn, radians.
+    """
+
+    poses: tuple[np.ndarray, ...]
+    pieces: tuple[ScrewPath, ...]
+    angle: float
+
+    def at(self, part: float) -> np.ndarray:
+        """Pose (4, 4) at ``part`` of the path; each piece takes a part by its rotation."""
+        weights = np.cumsum([max(piece.angle, _LEAST_WEIGHT) for piece in self.pieces])
+        ends = weights / weights[-1]
+        k = min(int(np.searchsorted(ends, part)), len(self.pieces) - 1)
+        start = ends[k - 1] if k else 0.0
+        moved: np.ndarray = self.pieces[k].at((part - start) / (ends[k] - start)) @ self.poses[k]
+        return moved
+
+    @property
+    def moves(self) -> bool:
+        """It turns by half a turn at least."""
+        return True
+
+    @property
+    def stretched(self) -> bool:
+        """True if there is more than rotations and translations."""
+        return any(piece.stretched for piece in self.pieces)
+
+
+HandlePath: TypeAlias = ScrewPath | Turn | WaypointPath
+
+
+def way_of(waypoints: Sequence[np.ndarray], pose: np.ndarray, pivot: npt.ArrayLike) -> HandlePath:
+    """Path from rest along waypoints to ``pose`` (4, 4) of a handle with its pivot (3,) at rest.
+
+    Raises
+    ------
+    InputError
+        If a part of it mirrors or flattens, or turns by half a turn without a waypoint.
+    """
+    if not winds(waypoints, pose):
+        return path_of(pose, pivot)
+    steps = list(_pieces(waypoints, pose))
+    vectors = [rotation_vector(waypoints[:k], end) for k, (_, end) in enumerate(steps)]
+    angle = float(np.linalg.norm(vectors[-1]))
+    turn = _turn(steps[0][1], vectors[0], vectors[-1] / angle, angle)
+    if all(_same(turn.at(v @ turn.axis / angle), end) for v, (_, end) in zip(vectors, steps, strict=True)):
+        return turn
+    centre = np.asarray(pivot, dtype=float)
+    pieces = [path_of(end @ np.linalg.inv(start), transform(start, centre[None])[0]) for start, end in steps]
+    return WaypointPath(tuple(start for start, _ in steps), tuple(pieces), angle)
+
+
+def _turn(first: np.ndarray, vector: np.ndarray, axis: np.ndarray, angle: float) -> Turn:
+    """Turn along a unit axis (3,) about the line that the first waypoint turns about."""
+    R = turned_about(np.zeros(3), axis, float(vector @ axis))[:3, :3]
+    point = np.linalg.lstsq(np.eye(3) - R, first[:3, 3], rcond=1e-6)[0]
+    return Turn(point, axis, angle)
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    return bool(np.abs(one - other).max() <= _SAME * max(1.0, np.abs(other[:3, 3]).max()))
+
+
+def _pieces(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    passed = [np.eye(4), *waypoints, pose]
+    return itertools.pairwise(passed)
+
+
+def _angle(one: np.ndarray, other: np.ndarray) -> float:
+    """Angle of the shortest rotation between two poses, radians."""
+    return decomposed(_linear(_rotation(other) @ _rotation(one).T), np.zeros(3)).angle
+
+
+def _rotation(pose: np.ndarray) -> np.ndarray:
+    """The rotation (3, 3) nearest to the linear part of a pose."""
+    left, _, right = np.linalg.svd(pose[:3, :3])
+    rotation: np.ndarray = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    return rotation
+
+
+def _linear(R: np.ndarray) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3] = R
+    return pose
+
+
+def _vector(R: np.ndarray) -> np.ndarray:
+    """Rotation vector (3,) of a rotation (3, 3) by at most half a turn."""
+    turn = decomposed(_linear(R), np.zeros(3))
+    return turn.angle * turn.axis

@@ -1,0 +1,45 @@
+"""Paths of the handles of a document, and the document on its way along them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.pose.winding import HandlePath, way_of
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.constraints import Constraints
+    from apd_viewer.session.model.document import Document
+
+# Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.
+_STEP = math.radians(45.0)
+ITERATIONS_A_STEP = 4
+
+
+def paths_of(document: Document) -> tuple[HandlePath, ...]:
+    """Path of each handle from its grip; raises InputError where there is none."""
+    pivots = [document.pivot(k) for k in range(len(document.handles))]
+    return tuple(
+        way_of((), np.eye(4), np.zeros(3)) if pivot is None else way_of(handle.waypoints, handle.pose, pivot)
+        for handle, pivot in zip(document.handles, pivots, strict=True)
+    )
+
+
+def document_at(document: Document, paths: Sequence[HandlePath], part: float) -> Document:
+    """The document with its handles at a part of their paths."""
+    for k, path in enumerate(paths):
+        document = document.with_pose(k, path.at(part))
+    return document
+
+
+def stops_of(document: Document) -> Iterator[Constraints]:
+    """Constraints on the way from the grip, where the poses do not tell it; without the end."""
+    if not document.winds:
+        return
+    paths = paths_of(document)
+    steps = math.ceil(max(path.angle for path in paths) / _STEP)
+    for step in range(1, steps):
+        yield document_at(document, paths, step / steps).constraints()

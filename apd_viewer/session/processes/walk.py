@@ -1,0 +1,69 @@
+"""Walk of a shape along the paths of its handles, where their poses do not tell them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, stops_of
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.pose.constraints import Constraints
+    from apd_viewer.geometry.solver.deformation import Deformation
+    from apd_viewer.session.model.document import Document
+
+# In bounding-box diagonals: held vertices as close as this are in place.
+_IN_PLACE = 1e-9
+
+
+class Walk:
+    """Iterations of a deformation, first along the paths and then at their end.
+
+    Paths beyond half a turn are walked from the grip in steps; otherwise the shape goes to the poses at once.
+    So it depends on what is in the document, and not on the pace of the hand.
+
+    Parameters
+    ----------
+    solver : Deformation
+    document : Document
+    U : (n, 3) float array or None
+        The shape on screen, to go on from where there is nothing to walk; None goes on from the last
+        iteration.
+    walks : bool
+        Otherwise go to the poses at once.
+
+    Attributes
+    ----------
+    arrived : bool
+        True once the handles are at their poses.
+    hides : bool
+        True on the way to where the shape on screen is already.
+    """
+
+    def __init__(
+        self, solver: Deformation, document: Document, U: np.ndarray | None = None, walks: bool = True
+    ) -> None:
+        self._solver, self._end, self._iterations = solver, document.constraints(), 0
+        self._stops = stops_of(document) if walks else iter(())
+        stop = next(self._stops, None)
+        self.arrived = stop is None
+        self.hides = not self.arrived and U is not None and self._is_in_place(U)
+        self._aim(stop or self._end, U if self.arrived else document.grip)
+
+    def _is_in_place(self, U: np.ndarray) -> bool:
+        away = float(np.abs(U[self._end.fixed] - self._end.targets).max())
+        return away <= (_IN_PLACE + self._solver.rest.weld.slack) * self._solver.rest.diagonal
+
+    def _aim(self, held: Constraints, U: np.ndarray | None = None) -> None:
+        self._solver.aim(held.targets, U, held.soft_targets)
+
+    def iterate(self) -> None:
+        """Iterate once, and go a step further when it is time."""
+        self._solver.iterate()
+        self._iterations += 1
+        if not self.arrived and self._iterations % ITERATIONS_A_STEP == 0:
+            stop = next(self._stops, None)
+            self.arrived = stop is None
+            self.hides = self.hides and not self.arrived
+            self._aim(stop or self._end)

@@ -1,0 +1,103 @@
+"""Turns beyond half: what a path remembers, what it reads, and where it leads."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from apd_viewer.geometry.pose.screw_motion import Turn
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.winding import (
+    WaypointPath,
+    extended,
+    rotation_vector,
+    signed_angle,
+    way_of,
+    winds,
+)
+
+coordinates = st.floats(-3, 3)
+points = st.tuples(coordinates, coordinates, coordinates).map(np.array)
+axes = points.filter(lambda v: np.linalg.norm(v) > 0.1).map(lambda v: v / np.linalg.norm(v))
+angles = st.floats(-900, 900)
+steps = st.floats(15, 100)
+
+
+def walked(point, axis, degrees, step=10.0, start=None):
+    """Waypoints and pose after a turn in steps, as a hand makes it."""
+    waypoints, pose = start or ((), np.eye(4))
+    first, count = pose, max(1, int(np.ceil(abs(degrees) / step)))
+    for k in range(1, count + 1):
+        after = turned_about(point, axis, np.deg2rad(degrees * k / count)) @ first
+        waypoints, pose = extended(waypoints, pose, after), after
+    return waypoints, pose
+
+
+@settings(max_examples=20)
+@given(points, axes, angles, steps)
+def test_the_total_is_that_of_the_turn_however_it_was_made(point, axis, degrees, step):
+    vector = rotation_vector(*walked(point, axis, degrees, step))
+    np.testing.assert_allclose(vector, np.deg2rad(degrees) * axis, atol=1e-6)
+
+
+@settings(max_examples=20)
+@given(points, axes, angles, steps)
+def test_there_and_back_leaves_nothing(point, axis, degrees, step):
+    there = walked(point, axis, degrees, step)
+    waypoints, pose = walked(point, axis, -degrees, step, there)
+    assert not winds(waypoints, pose)
+    np.testing.assert_allclose(rotation_vector(waypoints, pose), 0.0, atol=1e-6)
+
+
+@settings(max_examples=20)
+@given(points, axes, st.floats(-179.9, 179.9), steps)
+def test_less_than_half_a_turn_is_told_by_the_pose(point, axis, degrees, step):
+    assert not winds(*walked(point, axis, degrees, step))
+
+
+@settings(max_examples=20)
+@given(points, axes, st.floats(180, 900), steps, st.floats(0, 1.3))
+def test_a_turn_about_one_line_is_that_turn(point, axis, degrees, step, part):
+    path = way_of(*walked(point, axis, degrees, step), point)
+    assert isinstance(path, Turn)
+    expected = turned_about(point, axis, part * np.deg2rad(degrees))
+    np.testing.assert_allclose(path.at(part), expected, atol=1e-5)
+
+
+@settings(max_examples=20)
+@given(points, axes, axes, st.floats(200, 800), st.floats(20, 90), points)
+def test_a_path_goes_along_its_waypoints_without_a_jump(point, axis, other, degrees, tilt, shift):
+    twisted = walked(point, axis, degrees)
+    waypoints, pose = walked(point + 1.0, other, tilt, start=twisted)
+    moved = shifted(shift) @ pose
+    waypoints = extended(waypoints, pose, moved)
+    path = way_of(waypoints, moved, point)
+    parts = np.linspace(0, 1, 200)
+    poses = [path.at(part) for part in parts]
+    np.testing.assert_allclose(poses[0], np.eye(4), atol=1e-7)
+    np.testing.assert_allclose(poses[-1], moved, atol=1e-7)
+    for one, two in itertools.pairwise(poses):
+        assert np.abs(two[:3, :3] - one[:3, :3]).max() < 0.2
+
+
+def test_a_twist_and_a_bend_keep_the_turns_of_the_twist():
+    twisted = walked(np.zeros(3), np.array([0.0, 0.0, 1.0]), 380.0)
+    waypoints, pose = walked(np.zeros(3), np.array([1.0, 0.0, 0.0]), 30.0, start=twisted)
+    vector = rotation_vector(waypoints, pose)
+    assert 380 < np.rad2deg(np.linalg.norm(vector)) < 420
+    assert isinstance(way_of(waypoints, pose, np.zeros(3)), WaypointPath)
+
+
+def test_a_stretched_handle_turns_by_the_same_total():
+    waypoints, pose = walked(np.ones(3), np.array([0.0, 1.0, 0.0]), 300.0)
+    stretched = pose @ scaled_about(np.ones(3), [1.0, 2.0, 0.5])
+    waypoints = extended(waypoints, pose, stretched)
+    assert np.rad2deg(signed_angle(rotation_vector(waypoints, stretched))) == pytest.approx(300.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("axis", "sign"), [([0, 1, 0], 1), ([0, -1, 0], -1), ([0.1, -0.9, 0.3], -1)])
+def test_the_sign_is_that_about_the_positive_axis(axis, sign):
+    vector = rotation_vector(*walked(np.zeros(3), np.array(axis) / np.linalg.norm(axis), 250.0))
+    assert np.rad2deg(signed_angle(vector)) == pytest.approx(sign * 250.0)

@@ -1,0 +1,136 @@
+"""Turns beyond half: by hand, typed, repeated, undone, saved, replayed and swept."""
+
+import numpy as np
+import pytest
+from driven_session import Driven
+
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.transforms import twist
+from apd_viewer.presentation import readings
+from apd_viewer.session.model.view import View
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.studies.replay import replay
+from apd_viewer.session.studies.sweep_setup import sweep_of
+
+pytestmark = pytest.mark.usefixtures("process")
+
+
+@pytest.fixture
+def bottle(empty: Driven) -> Driven:
+    """The sample bottle, painted as it comes."""
+    empty.files.open_sample("bottle")
+    empty.until(lambda: empty.jobs.current is None and empty.store.state is not None)
+    empty.settle()
+    return empty
+
+
+def twisted(session: Driven, degrees: float) -> np.ndarray:
+    """Pose of the handle after a twist from its grip, as the ring makes it."""
+    document = session.store.state.document
+    base, handle = (document.grip[document.labels == code].mean(axis=0) for code in (BASE, HANDLE))
+    return twist(base, handle, np.deg2rad(degrees))
+
+
+def reading(session: Driven) -> str:
+    state = session.store.state
+    return readings.motion(state.document, 0, Unit.NONE, max(state.inspection.size)).split(" ")[-1]
+
+
+def diagonal(session: Driven) -> float:
+    return float(np.linalg.norm(np.ptp(session.store.state.document.mesh.V, axis=0)))
+
+
+def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(bottle, tmp_path):
+    at_rest = bottle.store.state
+    bottle.drag(*(twisted(bottle, angle) for angle in range(5, 401, 5)))
+    assert bottle.wait_idle(120)
+    assert reading(bottle) == "+400.0°"
+    by_hand = bottle.U
+    bottle.gestures.undo()
+    assert bottle.store.state is at_rest
+
+    bottle.handles.move_by("TWIST", "400deg", 0)
+    assert bottle.wait_idle(120)
+    assert reading(bottle) == "+400.0°"
+    typed = bottle.U
+    assert np.abs(typed - by_hand).max() <= 1e-6 * diagonal(bottle)
+
+    path = tmp_path / "wound.apd"
+    save_session(path, bottle.store.state, View(), embed=True)
+    opened, _ = open_session(path)
+    assert np.rad2deg(np.linalg.norm(opened.document.handles[0].rotation)) == pytest.approx(400.0)
+    assert np.array_equal(replay(path)[1].U, typed)
+    again = replay(path, from_rest=True)[1].U
+    assert np.abs(again - typed).max() <= 1e-6 * diagonal(bottle)
+
+    bottle.gestures.undo()
+    assert bottle.store.state is at_rest
+    for angle in ("160", "160", "80"):
+        bottle.handles.move_by("TWIST", angle, 0)
+    assert bottle.wait_idle(120)
+    assert reading(bottle) == "+400.0°"
+    assert np.abs(bottle.U - typed).max() <= 1e-6 * diagonal(bottle)
+
+
+@pytest.mark.parametrize(
+    ("steps", "total"), [((120, 60, 60), "+240.0°"), ((-200, -111.2), "−311.2°"), ((400, -400), "0.0°")]
+)
+def test_the_total_has_its_sign(session, steps, total):
+    for degrees in steps:
+        session.handles.move_by("TWIST", f"{degrees}deg", 0)
+    assert reading(session) == total
+
+
+def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
+    rest = session.store.state.document.mesh.V
+    session.handles.move_by("TWIST", "300", 0)
+    session.settle()
+    session.handles.move_by("TWIST", "-300", 0)
+    session.settle()
+    assert not session.store.state.document.winds
+    np.testing.assert_allclose(session.U, rest, atol=1e-3)
+
+
+def test_reset_forgets_the_turns(session):
+    session.handles.move_by("TWIST", "1 turn", 0)
+    assert reading(session) == "+360.0°"
+    assert session.gestures.history.done[-1] == "Twist"
+    session.handles.reset(0)
+    assert reading(session) == "0.0°"
+    assert session.store.state.document.handles[0].waypoints == ()
+
+
+def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
+    session.handles.move_by("TWIST", "400", 0)
+    session.settings.set_stiffness(1e-3)
+    session.settle()
+    state = session.store.state
+    held = state.document.constraints()
+    np.testing.assert_allclose(session.U[held.fixed], held.targets, atol=1e-12)
+    assert state.frame.converged
+
+
+def test_a_sweep_goes_around_twice(session):
+    session.handles.move_by("TWIST", "720", 0)
+    sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
+    assert sweep.abscissa == "degrees"
+    steps = list(sweep.steps())
+    assert [step.degrees for step in steps] == pytest.approx(np.linspace(0, 720, 17))
+    held = sweep.document.mesh.V[sweep.document.labels == HANDLE]
+    for step in (steps[8], steps[16]):
+        np.testing.assert_allclose(step.frame.U[sweep.document.labels == HANDLE], held, atol=1e-9)
+
+
+def test_half_a_turn_has_its_way(session):
+    session.handles.move_by("TWIST", "-180", 0)
+    assert reading(session) == "−180.0°"
+    steps = list(sweep_of(session.store.state.document, 2, methods=["arap"], iterations=5).steps())
+    assert steps[1].degrees == pytest.approx(90.0)
+
+
+def test_more_turns_than_anyone_means_are_refused(session):
+    before = session.store.state
+    with pytest.raises(Exception, match="at most 100 turns"):
+        session.handles.move_by("TWIST", "101 turn", 0)
+    assert session.store.state is before
