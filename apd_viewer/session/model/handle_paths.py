@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.pose.winding import HandlePath, way_of
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.pose.winding import HandlePath, rounded, way_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.constraints import Constraints
@@ -36,10 +37,24 @@ def document_at(document: Document, paths: Sequence[HandlePath], part: float) ->
 
 
 def stops_of(document: Document) -> Iterator[Constraints]:
-    """Constraints on the way from the grip, where the poses do not tell it; without the end."""
+    """Constraints on the way from the grip to winding poses, without the end."""
     if not document.winds:
         return
     paths = paths_of(document)
     steps = math.ceil(max(path.angle for path in paths) / _STEP)
     for step in range(1, steps):
-        yield document_at(document, paths, step / steps).constraints()
+        stop = document_at(document, paths, step / steps)
+        yield _rounded(stop, [True] * len(paths)).constraints()
+
+
+def without_last_digits(document: Document) -> Document:
+    """The document with the poses of winding handles rounded."""
+    return _rounded(document, [handle.winds for handle in document.handles])
+
+
+def _rounded(document: Document, which: Sequence[bool]) -> Document:
+    size = diagonal(document.mesh.V)
+    for k, handle in enumerate(document.handles):
+        if which[k]:
+            document = document.with_handle(k, handle.at(rounded(handle.pose, size), handle.waypoints))
+    return document

@@ -1,4 +1,4 @@
-"""Walk of a shape along the paths of its handles, where their poses do not tell them."""
+"""Walk of a shape along the winding paths of its handles."""
 
 from __future__ import annotations
 
