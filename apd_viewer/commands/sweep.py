@@ -26,7 +26,7 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.solver.methods import METHODS, OFFERED
+from apd_viewer.geometry.solver.methods import METHODS, COMPARED
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import opened
@@ -73,7 +73,7 @@ def sweep_parser() -> Parser:
         "--to", metavar="PART", type=float, default=1.0, help="of the motion, where to end; 1.5 goes past it"
     )
     parser.add_argument(
-        "--methods", metavar="M,M,...", default=",".join(OFFERED), help="default: %(default)s"
+        "--methods", metavar="M,M,...", default=",".join(COMPARED), help="default: %(default)s"
     )
     parser.add_argument(
         "--iterations",

@@ -123,14 +123,14 @@ METHODS = {
     "sr-arap": Method(
         title=tr("SR-ARAP"),
         short_title=tr("SR-ARAP"),
-        keeps=tr("Keeps neighbouring rotations alike, and the handles in place."),
-        gives_up=tr("Gives up the area."),
+        keeps=tr("Keeps neighbouring rotations alike, by the stiffness, and the handles in place."),
+        gives_up=tr("Gives up the area, and at stiffness 0 it is ARAP."),
         material=_coupled,
         plain_only=True,
     ),
 }
-# Methods offered by the window and compared in studies, in the order of their area error.
-OFFERED = ("arap", "paper", "exact", "local")
+# Methods compared in studies, in the order of their area error.
+COMPARED = ("arap", "paper", "exact", "local")
 
 
 def method_named(name: str) -> Method:

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE
 from apd_viewer.geometry.pose.screw_motion import Turn
-from apd_viewer.geometry.solver.methods import OFFERED, method_named
+from apd_viewer.geometry.solver.methods import COMPARED, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.handle_paths import paths_of
@@ -29,7 +29,7 @@ def sweep_of(
     document: Document,
     steps: int,
     to: float = 1.0,
-    methods: Sequence[str] = OFFERED,
+    methods: Sequence[str] = COMPARED,
     twists: Sequence[float] = (),
     iterations: int = DEFAULT_ITERATIONS,
 ) -> Sweep:

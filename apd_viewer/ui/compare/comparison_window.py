@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
-from apd_viewer.geometry.solver.methods import METHODS, OFFERED
+from apd_viewer.geometry.solver.methods import METHODS, COMPARED
 from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
 from apd_viewer.session.studies.comparison import Comparison, MethodOutcome
@@ -80,10 +80,10 @@ class ComparisonWindow(QWidget):
         self._task = BackgroundTask(self)
         self._task.done.connect(self._take)
         self._woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        self.linked = LinkedViews({method: METHODS[method].title for method in OFFERED})
+        self.linked = LinkedViews({method: METHODS[method].title for method in COMPARED})
         self.views = self.linked.views
-        chosen = [method for method in OFFERED if method in memory.compared]
-        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(OFFERED))
+        chosen = [method for method in COMPARED if method in memory.compared]
+        self.checks = self._make_checks(chosen if len(chosen) >= _FEWEST else list(COMPARED))
         self.legend = SharedScale(scale)
         self.legend.changed.connect(self._rescale)
         self.linked.read.connect(self.legend.show_span)
@@ -94,7 +94,7 @@ class ComparisonWindow(QWidget):
 
     def _make_checks(self, chosen: list[str]) -> dict[str, Check]:
         checks = {}
-        for method in OFFERED:
+        for method in COMPARED:
             check = Check(METHODS[method].title, toolTip=METHODS[method].about)
             check.setChecked(method in chosen)
             check.toggled.connect(self._choose)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, OFFERED, Method
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.fields import Choice, Number
 from apd_viewer.ui.widgets.folding_section import Section, quiet
@@ -40,8 +40,7 @@ class MethodSection(Section):
         super().__init__(tr("Method"))
         self.method = Choice(accessibleName=tr("Method"), toolTip=tr("Deformation method"))
         for name, method in METHODS.items():
-            if name in OFFERED:
-                self.method.addItem(method.title, name)
+            self.method.addItem(method.title, name)
         self.method.activated.connect(lambda index: self.method_chosen.emit(self.method.itemData(index)))
         self.column.addWidget(self.method)
         self._keeps = quiet(tr("What the method keeps"))

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.methods import METHODS, OFFERED
+from apd_viewer.geometry.solver.methods import METHODS, COMPARED
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
@@ -124,7 +124,7 @@ class SweepDialog(QDialog):
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.method
-        self.methods = {name: Check(METHODS[name].short_title) for name in OFFERED}
+        self.methods = {name: Check(METHODS[name].short_title) for name in COMPARED}
         for name, check in self.methods.items():
             slow = METHODS[name].slow
             check.setChecked(not slow or own == name)

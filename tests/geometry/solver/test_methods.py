@@ -9,7 +9,7 @@ import pytest
 import apd_viewer
 from apd_viewer.errors import InputError
 from apd_viewer.figures.style import METHOD_LOOKS
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, OFFERED, check_method
+from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, COMPARED, check_method
 
 PACKAGE = Path(apd_viewer.__file__).parent
 NAMES = "|".join(map(re.escape, METHODS))
@@ -28,8 +28,8 @@ def test_no_other_module_compares_names_of_methods():
 
 
 def test_every_method_can_be_offered_and_drawn():
-    assert set(OFFERED) <= set(METHODS)
-    assert DEFAULT_METHOD in OFFERED
+    assert set(COMPARED) <= set(METHODS)
+    assert DEFAULT_METHOD in COMPARED
     assert set(METHOD_LOOKS) == set(METHODS)
 
 

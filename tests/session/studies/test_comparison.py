@@ -10,7 +10,7 @@ from driven_session import BENT, LONG, document
 
 import apd_viewer
 from apd_viewer.geometry.energy import elastic
-from apd_viewer.geometry.solver.methods import OFFERED
+from apd_viewer.geometry.solver.methods import COMPARED
 from apd_viewer.session.processes import process_client
 from apd_viewer.session.studies.comparison import Comparison
 
@@ -20,7 +20,7 @@ def begun():
     """Begins comparisons, and closes them at last."""
     made = []
 
-    def begin(asked, methods=OFFERED):
+    def begin(asked, methods=COMPARED):
         awake = threading.Event()
         comparison = Comparison(asked, awake.set)
         made.append(comparison)
@@ -54,7 +54,7 @@ def test_each_method_comes_to_what_it_comes_to_alone(begun, cold):
     asked = replace(document(at=BENT), stiffness=0.02, area=102.0)
     comparison = begun(asked)
     finish(comparison)
-    assert list(comparison.outcomes) == list(OFFERED)
+    assert list(comparison.outcomes) == list(COMPARED)
     held, mesh = asked.constraints(), asked.mesh
     for method, outcome in comparison.outcomes.items():
         alone = apd_viewer.deform(
