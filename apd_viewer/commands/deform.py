@@ -8,8 +8,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.result_output import progress_line, readings, summary, write_result
+from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.mesh_writing import check_target
@@ -85,6 +88,7 @@ def deform_parser() -> Parser:
     _add_targets(parser)
     _add_stiffness(parser)
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    add_scalar_options(parser)
     parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
     parser.set_defaults(run=_deform)
     return parser
@@ -165,8 +169,10 @@ def _deform(options: argparse.Namespace) -> None:
     output = check_target(options.output)
     if options.picture:
         check_picture(options.picture)
+    check_scalar_options(options)
     mesh = open_mesh(options.mesh)
     selection = read_selection_file(options.selection, mesh)
+    regions = [_region(words, len(mesh.V)) for words in options.region]
     held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
     result = deform(
         mesh.V,
@@ -183,17 +189,26 @@ def _deform(options: argparse.Namespace) -> None:
         area=options.area,
         volume=options.volume,
         loose=options.loose,
-        regions=[_region(words, len(mesh.V)) for words in options.region],
+        regions=regions,
         progress=progress_line(options.iterations) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has
         if picture:
             beside.enter_context(replacing(options.picture)).write_bytes(picture)
+        write_scalar_files(beside, options, mesh, result.U, selection.labels, _member(regions, len(mesh.V)))
         written = write_result(beside, mesh, result, options.report, output)
     print(summary(mesh, result, output, written))
     if options.picture and not picture:
         print(no_pictures())
+
+
+def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:
+    """Number of the region of each vertex, from 1; of several the last."""
+    member = np.zeros(vertices, dtype=np.uint8)
+    for k, region in enumerate(regions, start=1):
+        member[region.vertices] = k
+    return member
 
 
 def _picture(mesh: Mesh, selection: Selection, result: Result) -> bytes | None:

@@ -26,7 +26,7 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.files.storage.atomic_folder import filling
 from apd_viewer.files.tables import write_table
-from apd_viewer.geometry.solver.methods import METHODS, COMPARED
+from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import opened

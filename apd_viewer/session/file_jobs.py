@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.samples import SAMPLES, open_sample
+from apd_viewer.files.scalar_files import Rows, write_scalars
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -110,6 +111,22 @@ class Files:
             return about_export(path.name, file.area, state.inspection.area, unit)
 
         self._write(tr("Writing {name}").format(name=path.name), write, then)
+
+    def export_scalars(self, path: str | Path, rows: Rows) -> None:
+        """Write the scalars of the shape on screen, in the background."""
+        path, state = Path(path), self._store.required()
+
+        def write() -> str:
+            # Here, because numba need not be loaded for the first picture.
+            from apd_viewer.geometry.analysis.scalars import scalars_of
+
+            document, U = state.document, state.frame.U
+            scalars = scalars_of(document.mesh, U, document.labels, document.member)
+            write_scalars(path, document.mesh, U, scalars, rows)
+            return tr("Exported scalars to {name}.").format(name=path.name)
+
+        title = tr("Writing {name}").format(name=path.name)
+        self._jobs.run(title, write, self._listener.told, can_be_cancelled=False)
 
     def save(
         self,

@@ -595,10 +595,10 @@ def test_a_replay_goes_on_and_then_leaves_the_shape_as_it_is(bar, saved, command
     assert command("replay", saved, "-o", bar.out)[0] == 0
     mesh = open_mesh(bar.mesh)
     state, _ = open_session(saved)
-    settled, result = replay(saved)
+    document, result = replay(saved)
     frame = replace(state.frame, U=result.U, settled=True, converged=True)
     save_session(saved, replace(state, frame=frame), View())
-    save_mesh(settled, result.U, bar.folder / "expected.obj")
+    save_mesh(document.mesh, result.U, bar.folder / "expected.obj")
     assert bar.out.read_bytes() == (bar.folder / "expected.obj").read_bytes()
     np.testing.assert_allclose(open_mesh(bar.out).V[bar.fixed], bar.targets, rtol=0, atol=1e-13)
     again = bar.folder / "again.obj"
@@ -904,3 +904,42 @@ def test_without_opengl_the_mesh_is_written_and_the_picture_is_not(bar, capsys, 
     assert "The shapes were not drawn: off-screen OpenGL is not available" in capsys.readouterr().out
     assert path.read_bytes() == b"of yesterday"
     assert bar.out.exists()
+
+
+# Scalars
+
+
+def columns_of(path):
+    head, *rows = path.read_text().splitlines()
+    return head.split(","), np.array([[float(x or "nan") for x in row.split(",")] for row in rows])
+
+
+def test_scalars_of_a_result_are_written_beside_it(bar, command):
+    vertices, triangles = bar.folder / "v.csv", bar.folder / "t.csv"
+    options = "--scalars", vertices, "--triangle-scalars", triangles, "--method", "arap"
+    status, _, err = command(*bar.words(*options))
+    assert (status, err) == (0, "")
+    mesh = open_mesh(bar.out)
+    names, rows = columns_of(vertices)
+    assert names[:6] == ["vertex", "x", "y", "z", "apd_label", "apd_region"]
+    np.testing.assert_allclose(rows[:, 1:4], mesh.V, rtol=0, atol=1e-12)
+    assert np.array_equal(rows[:, 4], bar.labels)
+    names, rows = columns_of(triangles)
+    areas = rows[:, names.index("area_rest")], rows[:, names.index("area")]
+    assert areas[1].sum() == pytest.approx(trimesh.Trimesh(mesh.V, mesh.F, process=False).area, rel=1e-9)
+    np.testing.assert_allclose(rows[:, names.index("area_change")], areas[1] / areas[0] - 1.0, atol=1e-9)
+
+
+def test_a_replay_writes_scalars_too(bar, saved, command):
+    path = bar.folder / "s.ply"
+    assert command("replay", saved, "-o", bar.out, "--scalars", path)[0] == 0
+    np.testing.assert_allclose(open_mesh(path).V, open_mesh(bar.out).V, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("option", [("--scalars", "s.obj"), ("--triangle-scalars", "t.ply")])
+def test_scalars_in_another_kind_of_file_are_refused_before_anything_is_done(option, bar, command):
+    name, path = option
+    status, _, err = command(*bar.words(name, bar.folder / path))
+    assert status == 2
+    assert err.startswith("error: ")
+    assert not bar.out.exists()

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, iterated, result_of
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.walk import Walk
@@ -26,7 +26,7 @@ _IN_PLACE = 1e-9
 
 def replay(
     path: str | Path, from_rest: bool = False, progress: Callable[[Frame], None] | None = None
-) -> tuple[Mesh, Result]:
+) -> tuple[Document, Result]:
     """Bring the shape of a saved session to rest.
 
     A saved shape that has settled is the answer already: it is measured anew, and stays as it is.
@@ -53,13 +53,13 @@ def replay(
     if not from_rest and _has_settled(state, held, solver):
         solver.aim(held.targets, state.frame.U, held.soft_targets)
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
-        return document.mesh, result_of(solver, frame, time.perf_counter() - started, 0.0)
+        return document, result_of(solver, frame, time.perf_counter() - started, 0.0)
     walk = Walk(solver, document, None if from_rest else state.frame.U)
     while not walk.arrived:
         walk.iterate()
         if progress:
             progress(solver.frame())
-    return document.mesh, iterated(solver, started, progress=progress)
+    return document, iterated(solver, started, progress=progress)
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

@@ -34,7 +34,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, save, save_as, export, report, picture, copy_picture, quit : QAction
+    open, save, save_as, export, scalars, report, picture, copy_picture, quit : QAction
     samples : list of QAction
     recent : QMenu
         The files that were opened last.
@@ -54,6 +54,14 @@ class FileActions:
             tr("Export the deformed mesh to a file"),
             "Ctrl+E",
             filing.ask_for_target,
+        )
+        self.scalars = make(
+            "export_scalars",
+            tr("Export sca&lars…"),
+            "tables",
+            tr("Export area change, strain, displacement and labels as CSV or PLY"),
+            None,
+            filing.ask_for_scalars,
         )
         self.save = make(
             "save",
@@ -107,7 +115,7 @@ class FileActions:
         self.recent = menu.addMenu(tr("Open &recent"))
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
         menu.addSeparator()
-        menu.addActions([self.save, self.save_as, self.export])
+        menu.addActions([self.save, self.save_as, self.export, self.scalars])
         menu.addSeparator()
         menu.addActions([self.report, self.picture, self.copy_picture])
         menu.addSeparator()
@@ -125,4 +133,5 @@ class FileActions:
     @property
     def of_a_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
-        return [self.save, self.save_as, self.export, self.report, self.picture, self.copy_picture]
+        made = self.report, self.picture, self.copy_picture
+        return [self.save, self.save_as, self.export, self.scalars, *made]

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
-from apd_viewer.geometry.solver.methods import METHODS, COMPARED
+from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation.method_readings import columns, readings, write_outcomes
 from apd_viewer.session.studies.comparison import Comparison, MethodOutcome

@@ -81,6 +81,14 @@ class Filing:
         if path is not None:
             self._session.files.export(path, then)
 
+    def ask_for_scalars(self) -> None:
+        """Choose a target for the scalars."""
+        if (state := self._session.store.state) is None:
+            return
+        found = file_dialogs.ask_for_scalars(self._window, self._memory.folder, state.document.mesh)
+        if found is not None:
+            self._session.files.export_scalars(*found)
+
     def save(self, then: Callable[[], object] = lambda: None) -> None:
         """Save the session to its file; ask for one if there is none.
 

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from apd_viewer.files.mesh_writing import dropped
 from apd_viewer.files.meshes import FORMATS, WRITTEN
+from apd_viewer.files.scalar_files import Rows
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
@@ -76,6 +77,23 @@ def ask_for_target(parent: QWidget, folder: Path, mesh: Mesh) -> Path | None:
     if Path(path).suffix.lower() not in FORMATS:
         target = _ended(parent, path, next(kind for kind, name in filters.items() if name == chosen))
     return target if target and _agreed(parent, mesh, target) else None
+
+
+def ask_for_scalars(parent: QWidget, folder: Path, mesh: Mesh) -> tuple[Path, Rows] | None:
+    """Choose a target for the scalars, and the rows of a table."""
+    filters = {
+        tr("PLY with scalars of vertices and faces (*.ply)"): (".ply", Rows.VERTICES),
+        tr("CSV with a row per vertex (*.csv)"): (".csv", Rows.VERTICES),
+        tr("CSV with a row per triangle (*.csv)"): (".csv", Rows.TRIANGLES),
+    }
+    path, chosen = QFileDialog.getSaveFileName(
+        parent, tr("Export scalars"), str(folder / f"{mesh.stem}-scalars.ply"), ";;".join(filters)
+    )
+    if not path:
+        return None
+    suffix, rows = filters.get(chosen, (".ply", Rows.VERTICES))
+    target = Path(path) if path.lower().endswith((".ply", ".csv")) else _ended(parent, path, suffix)
+    return None if target is None else (target, rows)
 
 
 def _agreed(parent: QWidget, mesh: Mesh, target: Path) -> bool:

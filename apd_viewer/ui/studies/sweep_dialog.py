@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.solver.methods import METHODS, COMPARED
+from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS

@@ -9,7 +9,7 @@ import pytest
 import apd_viewer
 from apd_viewer.errors import InputError
 from apd_viewer.figures.style import METHOD_LOOKS
-from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, COMPARED, check_method
+from apd_viewer.geometry.solver.methods import COMPARED, DEFAULT_METHOD, METHODS, check_method
 
 PACKAGE = Path(apd_viewer.__file__).parent
 NAMES = "|".join(map(re.escape, METHODS))

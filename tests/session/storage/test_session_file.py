@@ -115,9 +115,9 @@ def test_a_session_is_opened_as_it_was_saved_and_replays_to_the_same(case, sessi
     check_equal(found, state)
 
     for _ in range(2):
-        mesh, result = replay(path)
+        document, result = replay(path)
         check_same_array(result.U, state.frame.U)
-        assert mesh.digest == state.document.mesh.digest
+        assert document.mesh.digest == state.document.mesh.digest
         assert (result.method, result.iterations) == (state.document.method, 0)
         assert result.converged == state.frame.converged
         assert result.area == pytest.approx(state.frame.area, rel=1e-12)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from driving import idle, show
 from PySide6.QtCore import QSettings
+from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
@@ -135,3 +136,19 @@ def test_a_session_that_says_no_overlay_that_there_is_leaves_it(bottle, said):
     bottle.looks.heat.choose(Measure.AREA)
     bottle.measuring.look_as(View(overlay=said))
     assert bottle.looks.heat.measure is Measure.AREA
+
+
+@pytest.mark.parametrize(
+    ("rows", "first"), [("per vertex", "vertex,x,y,z"), ("per triangle", "triangle,a,b,c")]
+)
+def test_scalars_are_exported_as_the_table_chosen(rows, first, qtbot, bottle, tmp_path, monkeypatch):
+    target = tmp_path / "s.csv"
+
+    def dialog(_parent, _title, _proposed, filters):
+        return str(target), next(each for each in filters.split(";;") if rows in each)
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", dialog)
+    bottle.actions_.file.scalars.trigger()
+    idle(qtbot, bottle)
+    assert target.read_text().startswith(first)
+    assert bottle.notice.text == "Exported scalars to s.csv."

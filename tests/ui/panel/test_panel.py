@@ -288,3 +288,12 @@ def test_nothing_is_cut_off_at_the_side(qtbot, bottle, method):
     assert panel.widget().width() <= panel.viewport().width()
     assert panel.area.percent.isVisible()
     assert {BASE, HANDLE} <= set(document(bottle).labels)
+
+
+def test_sr_arap_is_offered_and_deforms(qtbot, bottle):
+    choose(bottle, "sr-arap")
+    drag(qtbot, bottle, ring_grip(bottle, 1), (40, 0))
+    idle(qtbot, bottle)
+    assert document(bottle).method == "sr-arap"
+    assert bottle.session.store.activity is Activity.SETTLED
+    assert shown(bottle) == {"stiffness"}

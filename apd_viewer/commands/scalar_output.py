@@ -1,0 +1,63 @@
+"""Options for the scalars of a result, and their files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.scalar_files import Rows, check_scalar_file, write_scalars
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    import argparse
+    from contextlib import ExitStack
+
+    import numpy as np
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+def add_scalar_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options for scalars."""
+    parser.add_argument(
+        "--scalars",
+        metavar="S.ply",
+        type=Path,
+        help=tr("write area change, strain, displacement and labels: .ply, or .csv with a row per vertex"),
+    )
+    parser.add_argument(
+        "--triangle-scalars",
+        metavar="T.csv",
+        type=Path,
+        help=tr("write those of the triangles, with a row per triangle"),
+    )
+
+
+def check_scalar_options(options: argparse.Namespace) -> None:
+    """Raise InputError if a file cannot hold scalars."""
+    if options.scalars:
+        check_scalar_file(options.scalars)
+    if options.triangle_scalars and options.triangle_scalars.suffix.lower() != ".csv":
+        name = options.triangle_scalars.name
+        raise InputError(tr("{name} is no table; use the ending .csv.").format(name=name))
+
+
+def write_scalar_files(
+    beside: ExitStack,
+    options: argparse.Namespace,
+    mesh: Mesh,
+    U: np.ndarray,
+    labels: np.ndarray,
+    member: np.ndarray,
+) -> None:
+    """Write the files asked for; they replace old ones when ``beside`` is closed."""
+    asked = (options.scalars, Rows.VERTICES), (options.triangle_scalars, Rows.TRIANGLES)
+    if not any(path for path, _ in asked):
+        return
+    scalars = scalars_of(mesh, U, labels, member)
+    for path, rows in asked:
+        if path:
+            write_scalars(beside.enter_context(replacing(path)), mesh, U, scalars, rows)

@@ -1,0 +1,99 @@
+"""Scalars of a deformed mesh, per vertex and per triangle."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
+from apd_viewer.geometry.pose.constraints import FREE
+
+LABEL, REGION = "apd_label", "apd_region"
+
+
+class Scalars(NamedTuple):
+    """Named columns of a table for the vertices, and of one for the triangles.
+
+    Attributes
+    ----------
+    vertices : dict of str to (n,) array
+        ``apd_label`` and ``apd_region``; ``area_change`` of the triangles around a vertex and
+        ``edge_strain``, relative to rest; ``bending``, the change of the mean curvature; ``displacement`` and
+        ``distance_to_rest``, mesh units.
+    triangles : dict of str to (m,) array
+        ``apd_label`` and ``apd_region``, where all corners agree; ``area_rest``, ``area`` and its relative
+        ``area_change``; ``largest_stretch`` and ``smallest_stretch``, the singular values of the
+        deformation gradient. NaN where a triangle has no area at rest.
+    """
+
+    vertices: dict[str, np.ndarray]
+    triangles: dict[str, np.ndarray]
+
+
+def scalars_of(mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray) -> Scalars:
+    """Scalars of the shape ``U`` (n, 3).
+
+    Parameters
+    ----------
+    mesh : Mesh
+    U : (n, 3) float array
+    labels, member : (n,) int arrays
+        Base, free or handle, and number of the region, of each vertex.
+    """
+    joined = mesh.weld.first[mesh.weld.inverse]
+    deviation = Deviation(mesh.V, mesh.joined_F, joined)
+    vertices = {
+        LABEL: labels,
+        REGION: member,
+        "area_change": np.expm1(deviation.area(U)),
+        "edge_strain": np.expm1(deviation.strain(U)),
+        "bending": deviation.bending(U),
+        "displacement": deviation.displacement(U),
+        "distance_to_rest": deviation.distance(U),
+    }
+    rest, area = face_areas(mesh.V, mesh.F), face_areas(U, mesh.F)
+    largest, smallest = _stretches(mesh.V[mesh.F], U[mesh.F])
+    triangles = {
+        LABEL: _agreed(labels[mesh.F], FREE),
+        REGION: _agreed(member[mesh.F], 0),
+        "area_rest": rest,
+        "area": area,
+        "area_change": np.divide(area, rest, out=np.full(len(rest), np.nan), where=rest > 0.0) - 1.0,
+        "largest_stretch": largest,
+        "smallest_stretch": smallest,
+    }
+    return Scalars(vertices, triangles)
+
+
+def _agreed(codes: np.ndarray, otherwise: int) -> np.ndarray:
+    """The code that all three corners (m, 3) have, or another, (m,)."""
+    return np.where((codes == codes[:, :1]).all(axis=1), codes[:, 0], otherwise)
+
+
+def _stretches(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Largest and smallest stretch of each triangle (m, 3, 3), both (m,)."""
+    # In the plane of each triangle the first edge is (a, 0) and the second (b, c).
+    (a, b, c), (p, q, r) = _edges(before), _edges(after)
+    proper = (a > 0.0) & (c > 0.0)
+    a, c = np.where(proper, a, 1.0), np.where(proper, c, 1.0)
+    xx, yy, xy = p / a, r / c, (q - p * b / a) / c
+    # Singular values of the triangular matrix ((xx, xy), (0, yy)).
+    apart, together = np.hypot(xx - yy, xy), np.hypot(xx + yy, xy)
+    largest, smallest = 0.5 * (together + apart), 0.5 * np.abs(together - apart)
+    return np.where(proper, largest, np.nan), np.where(proper, smallest, np.nan)
+
+
+def _edges(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges of each triangle in its plane: ``a, b, c`` for (a, 0) and (b, c)."""
+    frames = triangle_frames(corners)
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    along, across = frames[:, 0], frames[:, 1]
+    return (
+        np.linalg.norm(first, axis=1),
+        np.einsum("ij,ij->i", second, along),
+        np.einsum("ij,ij->i", second, across),
+    )
