@@ -63,6 +63,7 @@ class ActionMaker:
         keys = key if isinstance(key, tuple) else () if key is None else (key,)
         action.setShortcuts([QKeySequence(one) for one in keys])
         action.setStatusTip(tip)
+        action.setIconVisibleInMenu(not action.isCheckable())  # a tick stands in its place
         self.entries.append(ShortcutEntry.of(action, name, plain(action.text()), image, tip))
         return action
 
@@ -71,6 +72,7 @@ class ActionMaker:
         group = QActionGroup(self._window)
         for action in actions:
             action.setCheckable(True)
+            action.setIconVisibleInMenu(False)
             group.addAction(action)
 
     def set_theme(self, theme: Theme) -> None:
