@@ -38,7 +38,7 @@ def legend_svg(
     )
     largest = ""
     if span is not None:
-        value = scale.written(max(span, key=abs), unit)
+        value = scale.written(scale.largest(span), unit)
         said = escape(tr("largest {value}").format(value=value))
         largest = f'<text x="{WIDTH - _LEFT}" y="18" {_LETTERS} text-anchor="end" fill="{ink}">{said}</text>'
     title = escape(scale.measure.words.title)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.language import tr
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL, ColorMap
 from apd_viewer.presentation.number_format import round_step, short
@@ -90,7 +91,7 @@ def _words() -> dict[Measure, Words]:
     return {
         Measure.AREA: Words(
             tr("Local area change"),
-            tr("Colour by local area change: the triangles around each vertex compared with rest"),
+            tr("Colour by local area change: the most changed triangle at each vertex, compared with rest"),
             "Alt+1",
             ScaleKind.RATIO,
             lambda deviation, U, _: deviation.area(U),
@@ -190,13 +191,21 @@ class Scale:
         neutral = self.measure.is_signed and abs(place - 0.5) < 0.5 * self.neutral_share
         return self.measure.colors.color(0.5 if neutral else place)
 
+    def changes(self, values: np.ndarray) -> np.ndarray:
+        """What is displayed of values: of ratios the change, 0.1 for 10 %."""
+        return np.expm1(values) if self.measure.words.kind is ScaleKind.RATIO else values
+
+    def largest(self, span: tuple[float, float]) -> float:
+        """End of a span that is displayed as the larger change, up or down."""
+        return span[int(np.abs(self.changes(np.array(span))).argmax())]
+
     def written(self, value: float, unit: Unit) -> str:
         """Format a value of the measure."""
         if math.isnan(value):
             return tr("no value")
-        if abs(value) < _NOTHING * self.end:
-            value = 0.0
         kind = self.measure.words.kind
+        if abs(value) < (MET if kind is ScaleKind.RATIO else _NOTHING * self.end):
+            value = 0.0
         if kind is ScaleKind.RATIO:
             return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
         if kind is ScaleKind.CURVATURE:

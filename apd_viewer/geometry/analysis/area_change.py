@@ -16,6 +16,7 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.measures import SLIVER
 
 # Bins per octave of c; the octaves reach from 2^_LOWEST, mere rounding, to 2^_HIGHEST.
 _STEPS = 64
@@ -26,8 +27,6 @@ _BELOW_STEPS = 52 - int(math.log2(_STEPS))
 _BEFORE = (1023 + _LOWEST) * _STEPS - 1
 _AT_ONCE = 512  # triangles
 _PARTS = 4
-# Triangle areas below this part of the mean are rounding.
-_SLIVER = 1e-9
 
 
 def _edges() -> np.ndarray:
@@ -74,7 +73,7 @@ def local_change(U: np.ndarray, F: np.ndarray, rest: np.ndarray) -> LocalChange:
     parts = np.zeros((_PARTS, 2, _BINS + 1))
     found = np.zeros((_PARTS, 2))
     with cores_for(len(U)):
-        _sort_in(U, F, rest, _SLIVER * rest.mean(), parts, found)
+        _sort_in(U, F, rest, SLIVER * rest.mean(), parts, found)
     weights, moved, largest = parts.sum(axis=0), found[:, 0].sum(), float(found[:, 1].max())
     total = weights.sum()
     if total == 0.0:

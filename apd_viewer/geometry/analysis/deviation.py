@@ -12,20 +12,18 @@ from functools import cached_property
 import numpy as np
 
 from apd_viewer.geometry.analysis.deviation_kernels import (
+    area_change,
     displacements,
     edge_strain,
-    log_ratio,
     mean_curvature,
-    star_areas,
 )
 from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.analysis.surface_distance import distances
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.measures import SLIVER, Patch
+from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 
-# Vertex areas below this part of the mean are rounding.
-_SLIVER = 1e-12
 # Vertices between two checks for cancellation.
 _PORTION = 8192
 
@@ -47,15 +45,24 @@ class Deviation:
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))
-        self._faces = np.empty(len(F))
-        with cores_for(len(V)):
-            self._rest_areas = self._star_areas(self._V)
+        self._ratios = np.empty(len(F))
+        self._rest_areas = face_areas(self._V, F)
+        self._least = SLIVER * float(self._rest_areas.mean())
 
     def area(self, U: np.ndarray) -> np.ndarray:
-        """Logarithm of the area around each vertex against rest, (n,)."""
+        """Logarithm of the area ratio of the most changed triangle at each vertex, (n,)."""
+        patch = self._patch
         with cores_for(len(U)):
-            now = self._star_areas(U)
-            return log_ratio(now, self._rest_areas, self._named, self._least)
+            return area_change(
+                U,
+                self._F,
+                self._rest_areas,
+                self._least,
+                patch.start,
+                patch.corner,
+                self._named,
+                self._ratios,
+            )
 
     def strain(self, U: np.ndarray) -> np.ndarray:
         """Largest logarithmic edge strain at each vertex, (n,)."""
@@ -90,21 +97,14 @@ class Deviation:
         found[self._bare] = np.nan
         return found
 
-    def _star_areas(self, U: np.ndarray) -> np.ndarray:
-        return star_areas(U, self._F, self._patch.start, self._patch.corner, self._faces)
-
     def _curvature(self, U: np.ndarray) -> np.ndarray:
         patch = self._patch
         return mean_curvature(U, patch.start, patch.second, patch.third, self._named)
 
     @cached_property
-    def _least(self) -> float:
-        return _SLIVER * float(np.nanmean(self._rest_areas))
-
-    @cached_property
     def _bare(self) -> np.ndarray:
         """The vertices without a triangle, (k,) int array."""
-        return np.flatnonzero(np.isnan(self._rest_areas[self._named]))
+        return np.flatnonzero((np.diff(self._patch.start) == 0)[self._named])
 
     @cached_property
     def _rest_curvature(self) -> np.ndarray:

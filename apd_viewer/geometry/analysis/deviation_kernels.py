@@ -9,35 +9,35 @@ from apd_viewer.geometry.linalg.threads import parallel
 
 
 @parallel()
-def star_areas(
-    U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray, faces: np.ndarray
+def area_change(
+    U: np.ndarray,
+    F: np.ndarray,
+    rest: np.ndarray,
+    least: float,
+    start: np.ndarray,
+    corner: np.ndarray,
+    named: np.ndarray,
+    ratios: np.ndarray,
 ) -> np.ndarray:
-    """Area of the triangles around each vertex, (n,), NaN without one."""
+    """Logarithm of the area ratio of the most changed triangle at each vertex, (n,).
+
+    NaN at a vertex without a triangle of more than ``least`` area at rest; ``ratios`` (m,) is room.
+    """
     for t in prange(len(F)):
         i, j, k = F[t, 0], F[t, 1], F[t, 2]
         ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
         bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        faces[t] = 0.5 * np.sqrt(x * x + y * y + z * z)
-    areas = np.empty(len(U))
-    for v in prange(len(U)):
-        total = np.nan if start[v] == start[v + 1] else 0.0
-        for e in range(start[v], start[v + 1]):
-            total += faces[corner[e] // 3]
-        areas[v] = total
-    return areas
-
-
-@parallel()
-def log_ratio(now: np.ndarray, rest: np.ndarray, named: np.ndarray, least: float) -> np.ndarray:
-    """Logarithm of ``now / rest``, (n,); NaN below ``least``."""
+        own = 0.5 * np.sqrt(x * x + y * y + z * z)
+        ratios[t] = own / rest[t] if rest[t] > least else np.nan
     out = np.empty(len(named))
     for v in prange(len(named)):
-        w = named[v]
-        if not rest[w] > least:
-            out[v] = np.nan
-        else:
-            out[v] = np.log(now[w] / rest[w]) if now[w] > 0.0 else -np.inf
+        w, found, largest = named[v], np.nan, -1.0
+        for e in range(start[w], start[w + 1]):
+            ratio = ratios[corner[e] // 3]
+            if abs(ratio - 1.0) > largest:
+                found, largest = ratio, abs(ratio - 1.0)
+        out[v] = -np.inf if found == 0.0 else np.log(found)
     return out
 
 

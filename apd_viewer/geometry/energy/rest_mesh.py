@@ -14,13 +14,10 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.measures import survey
+from apd_viewer.geometry.mesh.measures import SLIVER, survey
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
-
-# Triangle areas below this part of the mean are rounding.
-_SLIVER = 1e-9
 
 
 class Survey(NamedTuple):
@@ -103,7 +100,7 @@ class RestMesh:
 
     def survey(self, U: np.ndarray) -> Survey:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
-        least = _SLIVER * self.area / len(self.F)
+        least = SLIVER * self.area / len(self.F)
         F, caps = self.shape.whole.F, self._caps
         area, volume, change = survey(U, F, self.face_areas, least)
         capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])

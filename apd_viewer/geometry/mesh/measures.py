@@ -10,6 +10,8 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import parallel
 
+# Triangle areas at rest below this part of the mean are rounding: their change is none.
+SLIVER = 1e-9
 # Triangles per task of a core.
 _PORTION = 1024
 

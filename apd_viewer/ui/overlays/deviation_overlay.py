@@ -233,4 +233,4 @@ class HeatMap(QObject):
         """Frame the next or previous extreme; nothing without one."""
         values = self.reading.values
         if values is not None:
-            self.extremes.step(values, self._size, step, lambda value: self.scale.written(value, self.unit))
+            self.extremes.step(values, self._size, step, self.scale, self.unit)

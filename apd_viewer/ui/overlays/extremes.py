@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from PySide6.QtCore import QRect
     from PySide6.QtGui import QPainter
 
+    from apd_viewer.presentation.scales import Scale
+    from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.tools.canvas import Canvas
 
 _PLACES = 12  # worst places, so far apart in sizes of the mesh, shown with so much around them
@@ -49,7 +51,7 @@ class Extremes(MouseTool):
         self._places = None
         self.mark.show(None)
 
-    def step(self, values: np.ndarray, size: float, by: int, written: Callable[[float], str]) -> None:
+    def step(self, values: np.ndarray, size: float, by: int, scale: Scale, unit: Unit) -> None:
         """Frame the next or previous extreme, if there is any.
 
         Parameters
@@ -59,19 +61,20 @@ class Extremes(MouseTool):
         size : float
             Of the mesh.
         by : int
-        written : callable
-            Text of a value.
+        scale : Scale
+        unit : Unit
+            They say which value is the largest, and how it is written.
         """
         surface = self._canvas.surface
         if self._places is None:
-            self._places = worst(values, surface.U, _APART * size, _PLACES)
+            self._places = worst(scale.changes(values), surface.U, _APART * size, _PLACES)
         if not len(self._places):
             return
         before = np.flatnonzero(self._places == self.mark.vertex)
         k = (int(before[0]) + by) % len(self._places) if len(before) else 0
         vertex = int(self._places[k])
         text = tr("{number} of {count}: {value}").format(
-            number=k + 1, count=len(self._places), value=written(float(values[vertex]))
+            number=k + 1, count=len(self._places), value=scale.written(float(values[vertex]), unit)
         )
         self.mark.show(vertex, text)
         away = ((surface.U - surface.U[vertex]) ** 2).sum(axis=1)

@@ -143,7 +143,7 @@ class Legend(QFrame):
         """Show least, largest and current value; None hides them."""
         self.bar.show_values(span, value)
         written = "–" if value is None else self._scale.written(value, self._unit)
-        largest = "–" if span is None else self._scale.written(max(span, key=abs), self._unit)
+        largest = "–" if span is None else self._scale.written(self._scale.largest(span), self._unit)
         for label, text in ((self._cursor, written), (self._largest, largest)):
             if label.text() != text:
                 label.setText(text)

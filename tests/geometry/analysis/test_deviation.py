@@ -133,10 +133,8 @@ def test_edges_and_areas_are_those_of_a_loop_over_all():
         for v in (a, b):
             ratio[v].append(np.log(np.linalg.norm(U[a] - U[b]) / np.linalg.norm(V[a] - V[b])))
     strain = [max(ratios, key=abs) for ratios in ratio.values()]
-    areas = [
-        np.log(mesh.area_faces[(v == F).any(axis=1)].sum() / rest.area_faces[(v == F).any(axis=1)].sum())
-        for v in range(len(V))
-    ]
+    ratios = mesh.area_faces / rest.area_faces
+    areas = [np.log(max(ratios[(v == F).any(axis=1)], key=lambda r: abs(r - 1))) for v in range(len(V))]
     np.testing.assert_allclose(change(V, F).strain(U), strain, atol=1e-12)
     np.testing.assert_allclose(change(V, F).area(U), areas, atol=1e-12)
 

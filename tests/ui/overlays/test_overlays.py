@@ -225,6 +225,19 @@ def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
     assert [text for _, text in legend.bar.labels] == ["−4.76\u00a0%", "0\u00a0%", "+5\u00a0%"]
 
 
+def test_the_largest_local_area_change_is_one_number_in_panel_and_legend(qtbot, bottle):
+    choose(qtbot, bottle, Measure.AREA)
+    bottle.session.handles.move_by("TWIST", "60deg", 0)
+    idle(qtbot, bottle)
+    legend, panel = bottle.looks.legend, bottle.panel.area
+    settle(qtbot, bottle.canvas.viewport)
+    bottle.looks.heat.reading.read()
+    said = legend._largest.text().replace("\u00a0", " ").lstrip("+−")
+    assert said == panel.local_change.text() != "0 %"
+    bottle.looks.heat.next_worst()
+    assert bottle.looks.heat.extremes.mark._text.endswith(legend._largest.text())
+
+
 def test_what_counts_for_no_change_is_never_in_the_strongest_colours(qtbot, area):
     legend, heat = area.looks.legend, area.looks.heat
     answer(qtbot, area, 1.3 * document(area).mesh.V)
