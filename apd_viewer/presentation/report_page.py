@@ -123,14 +123,13 @@ def _size(subject: Subject) -> Iterator[Block]:
         grams, problem = mass(subject.wall, state.frame.area, unit), ""
     except InputError as error:
         grams, problem = None, str(error)
-    wall = ", ".join(text.strip() for text in subject.wall if text.strip())
     yield Table(
         (
             (tr("Bounding box"), *extent),
             (tr("Bounding box volume"), *box),
             (tr("Smallest box volume"), *packed),
             (tr("Compactness"), *readings.compact(state)),
-            (tr("Wall"), wall or readings.NOTHING, ""),
+            (tr("Wall"), subject.wall.written(unit) or readings.NOTHING, ""),
             (tr("Mass"), readings.weight(grams), problem),
         )
     )

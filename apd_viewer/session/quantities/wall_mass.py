@@ -43,6 +43,13 @@ class Wall(NamedTuple):
     thickness: str = ""
     density: str = ""
 
+    def written(self, unit: Unit) -> str:
+        """Thickness and density, a bare number with the unit that it is in; empty if none."""
+        thickness, density = (text.strip() for text in self)
+        thickness = unit.length(thickness) if _is_bare(thickness) else thickness
+        density = f"{density}\u00a0g/cm³" if _is_bare(density) else density
+        return ", ".join(filter(None, (thickness, density)))
+
 
 NO_WALL = Wall()
 
@@ -69,6 +76,14 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
     litres = unit.litres(area * thickness)
     assert litres is not None
     return 1000.0 * litres * density(wall.density)
+
+
+def _is_bare(text: str) -> bool:
+    try:
+        number(text, {})
+    except InputError:
+        return False
+    return True
 
 
 def density(text: str) -> float:

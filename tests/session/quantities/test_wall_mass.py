@@ -59,3 +59,17 @@ def test_units_of_density():
 
 def test_litres():
     assert [unit.litres(1.0) for unit in (MM, CM, M, NONE)] == pytest.approx([1e-6, 1e-3, 1e3, None])
+
+
+@pytest.mark.parametrize(
+    ("wall", "unit", "said"),
+    [
+        (("0.3mm", "1.38"), Unit.CENTIMETRE, "0.3mm, 1.38\u00a0g/cm³"),
+        (("0.3", "1380 kg/m3"), Unit.MILLIMETRE, "0.3\u00a0mm, 1380 kg/m3"),
+        ((" 1/2 ", ""), Unit.MILLIMETRE, "1/2\u00a0mm"),
+        (("", "heavy"), Unit.NONE, "heavy"),
+        (("", ""), Unit.NONE, ""),
+    ],
+)
+def test_a_bare_number_is_written_with_the_unit_that_it_is_in(wall, unit, said):
+    assert Wall(*wall).written(unit) == said

@@ -99,6 +99,7 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert size["Smallest box volume"] == f"{shown.packed.text()}\n{shown._packed_change.text()}"
     assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
     assert size["Mass"] == shown.mass.text()
+    assert size["Wall"] == "0.3mm, 1.38\u00a0g/cm³"
     handle, held = state.document.handles[0].name, state.document.counts[HANDLE]
     details = panel.handles.list.rows[0].details.text()
     assert rows["Handles"][handle].startswith(
