@@ -192,7 +192,7 @@ class Scale:
         return self.measure.colors.color(0.5 if neutral else place)
 
     def changes(self, values: np.ndarray) -> np.ndarray:
-        """What is displayed of values: of ratios the change, 0.1 for 10 %."""
+        """Displayed changes of values: of ratios 0.1 for 10 %."""
         return np.expm1(values) if self.measure.words.kind is ScaleKind.RATIO else values
 
     def largest(self, span: tuple[float, float]) -> float:
