@@ -38,13 +38,18 @@ def document_at(document: Document, paths: Sequence[HandlePath], part: float) ->
 
 def stops_of(document: Document) -> Iterator[Constraints]:
     """Constraints on the way from the grip to winding poses, without the end."""
+    return (step.constraints() for step in on_the_way(document))
+
+
+def on_the_way(document: Document) -> Iterator[Document]:
+    """The document at steps on the way to winding poses, without the end."""
     if not document.winds:
         return
     paths = paths_of(document)
     steps = math.ceil(max(path.angle for path in paths) / _STEP)
     for step in range(1, steps):
         stop = document_at(document, paths, step / steps)
-        yield _rounded(stop, [True] * len(paths)).constraints()
+        yield _rounded(stop, [True] * len(paths))
 
 
 def without_last_digits(document: Document) -> Document:

@@ -34,7 +34,7 @@ class FileActions:
 
     Attributes
     ----------
-    open, save, save_as, export, scalars, report, picture, copy_picture, quit : QAction
+    open, save, save_as, export, scalars, report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
         The files that were opened last.
@@ -103,6 +103,14 @@ class FileActions:
             "Ctrl+Shift+C",
             reporting.pictures.copy,
         )
+        self.copy_python = make(
+            "copy_python",
+            tr("Copy as P&ython"),
+            "copy",
+            tr("Copy the Python lines that repeat this deformation to the clipboard"),
+            None,
+            reporting.copy_python,
+        )
         self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, commands.quit)
         self.samples = []
         for name, title in SAMPLES.items():
@@ -117,7 +125,7 @@ class FileActions:
         menu.addSeparator()
         menu.addActions([self.save, self.save_as, self.export, self.scalars])
         menu.addSeparator()
-        menu.addActions([self.report, self.picture, self.copy_picture])
+        menu.addActions([self.report, self.picture, self.copy_picture, self.copy_python])
         menu.addSeparator()
         menu.addAction(self.quit)
 
@@ -133,5 +141,5 @@ class FileActions:
     @property
     def of_a_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
-        made = self.report, self.picture, self.copy_picture
+        made = self.report, self.picture, self.copy_picture, self.copy_python
         return [self.save, self.save_as, self.export, self.scalars, *made]

@@ -22,6 +22,7 @@ from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import legend_svg
+from apd_viewer.presentation.python_script import python_script
 from apd_viewer.presentation.report_origin import Evidence
 from apd_viewer.presentation.report_page import Subject, page_of
 from apd_viewer.presentation.scales import Measure, Scale, usual
@@ -99,6 +100,18 @@ class Reporting:
         """Copy diagnostics to the clipboard."""
         QGuiApplication.clipboard().setText(diagnostics(self._canvas.viewport.opengl))
         self._notice.tell(tr("Diagnostics copied; paste them into your report."))
+
+    def copy_python(self) -> None:
+        """Copy the Python lines that repeat the deformation."""
+        if (state := self._session.store.state) is None:
+            return
+        try:
+            lines = python_script(state.document)
+        except InputError as error:
+            self._notice.fail(str(error))
+            return
+        QGuiApplication.clipboard().setText(lines)
+        self._notice.tell(tr("Copied the Python lines that repeat this deformation."))
 
     def ask(self) -> None:
         """Choose a target and write a report."""

@@ -292,3 +292,11 @@ def test_before_there_is_a_mesh_there_is_nothing_to_hand_out(window):
         assert not action.isEnabled()
     window.reporting.ask()
     window.reporting.ask_for_picture()
+
+
+def test_python_lines_are_copied_and_told(qtbot, bottle):
+    bottle.actions_.file.copy_python.trigger()
+    lines = QGuiApplication.clipboard().text()
+    compile(lines, "copied", "exec")
+    assert "bottle.obj" in lines
+    assert bottle.notice.text == "Copied the Python lines that repeat this deformation."

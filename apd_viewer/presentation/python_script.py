@@ -1,0 +1,173 @@
+"""Python lines that repeat what a window did: open, hold, pose, deform, save."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.mesh import Baked
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.language import tr
+from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, on_the_way
+from apd_viewer.session.model.targets import targets_of
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+_WIDTH = 110
+_TARGETS = """
+def targets(poses):
+    moved = [X @ pose[:3, :3].T + pose[:3, 3] for X, pose in zip(gripped, poses)]
+    return np.vstack([base_at, *moved])
+
+"""
+_AT_ONCE = """
+result = apd_viewer.deform(
+    mesh.V, mesh.F, fixed, targets(poses), handle=handles, {settings}
+)
+"""
+# A pose tells a turn up to 180 degrees; larger ones need the way.
+_IN_STEPS = """
+solver = apd_viewer.Deformation(
+    mesh.V, mesh.F, fixed, handle=handles, {settings}
+)
+for step in way:
+    solver.aim(targets(step))
+    for _ in range({iterations}):
+        solver.step()
+solver.aim(targets(poses))
+while not solver.settled:
+    result = solver.step()
+"""
+
+
+def python_script(document: Document) -> str:
+    """Lines that deform as the document says, by the public names.
+
+    Raises
+    ------
+    InputError
+        If the document cannot be deformed, or the public names cannot say it.
+    """
+    _check(document)
+    handles = [k for k in range(len(document.handles)) if document.counts[HANDLE + k]]
+    lines = [
+        "import numpy as np",
+        "",
+        "import apd_viewer",
+        "",
+        f"mesh = apd_viewer.open_mesh({str(document.mesh.path)!r})",
+        *_assigned("base", _ids(np.flatnonzero(document.labels == BASE))),
+        "handles = [",
+        *(line for k in handles for line in _handle(document, k)),
+        "]",
+        "fixed = np.concatenate([base, *handles])",
+        *_gripped(document, handles),
+        *_assigned("poses", _poses(document, handles)),
+        *_regions(document),
+        _TARGETS.rstrip(),
+        *_deformed(document, handles),
+        f"apd_viewer.save_mesh(mesh, result.U, {_target(document)!r})",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _check(document: Document) -> None:
+    if document.problem:
+        raise InputError(document.problem)
+    mesh = document.mesh
+    if mesh.path is None or isinstance(mesh.origin, Baked):
+        raise InputError(
+            tr("The rest shape is in no file: export it with the handles reset, open that, and try again.")
+        )
+    if any(handle.falloff for handle in document.handles):
+        raise InputError(tr("A falloff cannot be said in these lines; save the session and replay it."))
+
+
+def _target(document: Document) -> str:
+    suffix = document.mesh.path.suffix if document.mesh.path else ""
+    return f"{document.mesh.stem}-deformed{suffix}"
+
+
+def _assigned(name: str, value: str) -> list[str]:
+    """Assignment, wrapped; continued lines stand in the brackets of the value."""
+    return textwrap.wrap(
+        f"{name} = {value}", _WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
+
+
+def _ids(ids: np.ndarray) -> str:
+    """Expression of ascending ids, by their ranges."""
+    ends = np.flatnonzero(np.diff(ids) != 1) + 1
+    runs = np.split(ids, ends)
+    said = (f"{run[0]}:{run[-1] + 1}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
+    return f"np.r_[{', '.join(said)}]" if len(ids) else "np.array([], dtype=int)"
+
+
+def _handle(document: Document, k: int) -> Iterator[str]:
+    ids = _ids(np.flatnonzero(document.labels == HANDLE + k))
+    yield f"    # {' '.join(document.handles[k].name.split())}"
+    yield from textwrap.wrap(f"{ids},", _WIDTH, initial_indent="    ", subsequent_indent="        ")
+
+
+def _regions(document: Document) -> Iterator[str]:
+    regions = targets_of(document).regions
+    if not regions:
+        return
+    yield "regions = ["
+    for region in regions:
+        yield f"    apd_viewer.Region(\n        {region.name!r},"
+        ids = f"{_ids(region.vertices)},"
+        yield from textwrap.wrap(ids, _WIDTH, initial_indent=" " * 8, subsequent_indent=" " * 12)
+        yield f"        {region.area!r},\n    ),"
+    yield "]"
+
+
+def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
+    """Positions that base and handles were gripped at."""
+    V, grip = document.mesh.V, document.grip
+    held = document.labels != 1
+    if np.array_equal(V[held], grip[held]):
+        yield "base_at, gripped = mesh.V[base], [mesh.V[ids] for ids in handles]"
+        return
+    # Painted when the shape was deformed already: only the positions themselves tell.
+    yield from _assigned("base_at", _array(grip[document.labels == BASE]))
+    each = ", ".join(_array(grip[document.labels == HANDLE + k]) for k in handles)
+    yield from _assigned("gripped", f"[{each}]")
+
+
+def _array(X: np.ndarray) -> str:
+    return f"np.array({X.tolist()!r})"
+
+
+def _poses(document: Document, handles: list[int]) -> str:
+    return f"[{', '.join(_array(document.handles[k].pose) for k in handles)}]"
+
+
+def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
+    settings = _settings(document)
+    if not document.winds:
+        yield _AT_ONCE.format(settings=settings).rstrip()
+        return
+    yield ""
+    yield "# A turn of more than 180 degrees goes in steps."
+    way = (_poses(step, handles) for step in on_the_way(document))
+    yield from _assigned("way", f"[{', '.join(way)}]")
+    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP).strip("\n")
+
+
+def _settings(document: Document) -> str:
+    """Arguments for method, settings and targets."""
+    method, targets = document.traits, targets_of(document)
+    said: dict[str, object] = {"method": document.method, "stiffness": document.stiffness}
+    if method.has_tolerance:
+        said["tolerance"] = document.tolerance
+    if method.has_moduli:
+        said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
+    said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
+    words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
+    return ", ".join([*words, "regions=regions"] if targets.regions else words)

@@ -1,0 +1,111 @@
+"""Python lines run, and give the shape that the session replays to, bit for bit."""
+
+import numpy as np
+import pytest
+from driven_session import Driven, bar, pose
+from meshes import ends
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.presentation.python_script import python_script
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import save_session
+from apd_viewer.session.studies.replay import replay
+
+SETTINGS = {
+    "exact": {},
+    "all targets": {"set_area": (104.0,), "set_volume": (97.0,), "set_stiffness": (0.01,)},
+    "local": {"set_method": ("local",), "set_material": (7.0, 0.3), "hold_area": (True,)},
+    "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
+    "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
+    "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
+    "what stays": {"let_stay": ((0,), True)},
+}
+
+
+@pytest.fixture
+def session(tmp_path):
+    """A bar from a file, with a base and two handles that have been moved."""
+    mesh, path = bar(), tmp_path / "bar.obj"
+    save_mesh(mesh, mesh.V, path)
+    session = Driven()
+    session.show_now(open_mesh(path))
+    base, top = ends(mesh.V)
+    left = mesh.V[top, 0] <= 0.5
+    session.stroke(base, BASE)
+    session.stroke(top[left], HANDLE)
+    session.parts.add_handle()
+    session.stroke(top[~left], HANDLE + 1)
+    yield session
+    session.close()
+
+
+def move(session):
+    session.gestures.begin()
+    session.handles.drag(pose(0.4, (0.3, 0.0, 0.1)), 0)
+    session.handles.drag(pose(0.4, (0.3, 0.0, 0.1)), 1)
+    session.gestures.end("Move handles")
+
+
+def check_repeats(session, folder, monkeypatch):
+    state = session.store.state
+    save_session(folder / "a.apd", state, View())
+    expected = replay(folder / "a.apd", from_rest=True)[1].U
+    monkeypatch.chdir(folder)
+    names = {}
+    exec(python_script(state.document), names)
+    assert np.array_equal(names["result"].U, expected)
+    assert np.abs(open_mesh(folder / "bar-deformed.obj").V - expected).max() < 1e-12
+
+
+@pytest.mark.parametrize("case", SETTINGS)
+def test_the_lines_repeat_what_the_session_says(case, session, tmp_path, monkeypatch):
+    for verb, given in SETTINGS[case].items():
+        getattr(session.settings, verb)(*given)
+    move(session)
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def test_regions_are_repeated(session, tmp_path, monkeypatch):
+    V = session.store.state.document.mesh.V
+    session.gestures.begin()
+    session.painting.paint_region(np.flatnonzero(V[:, 2] <= 2), 1)
+    session.painting.end_stroke("Paint region")
+    session.parts.rename_region(0, "a 'label', too")
+    session.settings.set_region_area(0, 103.0)
+    move(session)
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def test_turns_of_more_than_half_are_repeated(session, tmp_path, monkeypatch):
+    session.gestures.begin()
+    for angle in np.linspace(0.3, 4.0, 14):
+        for k in (0, 1):
+            session.handles.drag(pose(angle), k)
+    session.gestures.end("Move handles")
+    assert session.store.state.document.winds
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def test_what_was_painted_on_a_bent_shape_is_held_where_it_was(session, tmp_path, monkeypatch):
+    move(session)
+    assert session.wait_idle(60.0)
+    V = session.store.state.document.mesh.V
+    session.stroke(np.flatnonzero(V[:, 2] == 5.0), HANDLE)
+    move(session)
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def test_what_the_lines_cannot_say_is_refused(session):
+    document = session.store.state.document
+    session.settings.set_falloff(0, 1.0)
+    with pytest.raises(InputError, match="falloff"):
+        python_script(session.store.state.document)
+    with pytest.raises(InputError, match="no base"):
+        python_script(document.painted(np.arange(len(document.labels)), HANDLE))
+    session.show_now(bar())
+    session.paint_ends()
+    with pytest.raises(InputError, match="in no file"):
+        python_script(session.store.state.document)
