@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import MOTIONS, TypedMotion, amount_of, poses_along
+from apd_viewer.session.typed_motion import TypedMotion, amount_of, poses_along, title_of
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -67,7 +67,8 @@ class Handles:
         amount = amount_of(kind, text, state, self._store.unit)
         for pose in poses_along(state.document, which, kind, amount, line):
             document = document.moved(which, pose)
-        self._go(document, which, MOTIONS[kind])
+        name = document.handles[which].name
+        self._go(document, which, title_of(kind, amount, name, self._store.unit))
 
     def reset(self, which: int) -> None:
         """Reset one handle to its grip; the mesh follows."""

@@ -44,8 +44,8 @@ class TypedMotion(Enum):
         return self.name.partition("_")[0]
 
 
-# Names in the undo history.
-MOTIONS = {
+# Names in the undo history, before the amount.
+_MOTIONS = {
     TypedMotion.MOVE_X: tr("Move along x"),
     TypedMotion.MOVE_Y: tr("Move along y"),
     TypedMotion.MOVE_Z: tr("Move along z"),
@@ -77,6 +77,19 @@ def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float
     if motion.kind == "MOVE":
         return length(text, unit, names)
     return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
+
+
+def title_of(motion: TypedMotion, amount: float, handle: str, unit: Unit) -> str:
+    """Name in the undo history, such as “Twist +60° (Handle 1)”."""
+    if motion is TypedMotion.SCALE:
+        said = f"×{amount:.4g}"
+    elif motion.kind == "MOVE":
+        said = unit.length(f"{amount:+.4g}")
+    else:
+        said = f"{math.degrees(amount):+.4g}°"
+    return tr("{motion} {amount} ({handle})").format(
+        motion=_MOTIONS[motion], amount=said.replace("-", "−"), handle=handle
+    )
 
 
 def poses_along(

@@ -263,7 +263,9 @@ class Workbench(QObject):
         session = self.session
         history, state = session.gestures.history, session.store.state
         self.actions_.show_history(history.next_undo, history.next_redo)
-        self.shell.history.show_steps(history.done, history.undone)
+        if state is not None:
+            first = (history.past or [state])[0].document.mesh
+            self.shell.history.show_steps(first.name, history.done, history.undone)
         self.actions_.offer(state is not None, state is None or state.is_at_rest)
         self.panel.show_status(session)
         self.empty.setVisible(state is None and session.jobs.current is None)

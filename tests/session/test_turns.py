@@ -95,7 +95,7 @@ def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
 def test_reset_forgets_the_turns(session):
     session.handles.move_by("TWIST", "1 turn", 0)
     assert reading(session) == "+360.0°"
-    assert session.gestures.history.done[-1] == "Twist"
+    assert session.gestures.history.done[-1] == "Twist +360° (Handle 1)"
     session.handles.reset(0)
     assert reading(session) == "0.0°"
     assert session.store.state.document.handles[0].waypoints == ()

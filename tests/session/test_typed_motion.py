@@ -70,7 +70,7 @@ def test_a_factor_scales_about_the_centre(bent):
 def test_a_motion_is_one_step_and_the_shape_follows(bent):
     before, steps = bent.store.state, len(bent.gestures.history.done)
     bent.handles.move_by("TWIST", "20", 0)
-    assert bent.gestures.history.done[steps:] == ["Twist"]
+    assert bent.gestures.history.done[steps:] == ["Twist +20° (Handle 1)"]
     bent.settle()
     held = bent.store.state.document.constraints()
     np.testing.assert_allclose(bent.U[held.fixed], held.targets, rtol=0, atol=1e-12)
@@ -140,6 +140,22 @@ def test_one_handle_is_put_back_and_the_paint_stays(bent):
     assert len(bent.gestures.history.done) == steps, "it is back already"
 
 
+@pytest.mark.parametrize(
+    ("motion", "text", "name"),
+    [
+        ("MOVE_X", "-1/4", "Move along x −0.25\u00a0cm (Cap)"),
+        ("MOVE_Z", "5mm", "Move along z +0.5\u00a0cm (Cap)"),
+        ("TURN_Y", "-1/6 turn", "Rotate about y −60° (Cap)"),
+        ("SCALE", "120%", "Scale ×1.2 (Cap)"),
+    ],
+)
+def test_a_step_names_the_amount_and_the_handle(bent, motion, text, name):
+    bent.store.unit = Unit.CENTIMETRE
+    bent.parts.rename_handle(0, "Cap")
+    bent.handles.move_by(motion, text, 0)
+    assert bent.gestures.history.next_undo == name
+
+
 def test_travelling_leads_to_the_very_states_that_were_there(bent):
     states = [bent.store.state]
     start = len(bent.gestures.history.done)
@@ -150,5 +166,6 @@ def test_travelling_leads_to_the_very_states_that_were_there(bent):
     for steps in (1, 3, 0, 2, 2, 3, 0):
         bent.gestures.travel(start + steps)
         assert bent.store.state is states[steps]
-        assert bent.gestures.history.done[start:] == ["Twist"] * steps
-        assert bent.gestures.history.undone == ["Twist"] * (3 - steps)
+        names = [f"Twist +{angle}° (Handle 1)" for angle in (5, 10, 15)]
+        assert bent.gestures.history.done[start:] == names[:steps]
+        assert bent.gestures.history.undone == names[steps:]

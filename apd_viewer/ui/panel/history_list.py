@@ -8,8 +8,6 @@ from PySide6.QtWidgets import QListWidget, QListWidgetItem
 
 from apd_viewer.language import tr
 
-_START = tr("Opened")
-
 
 class HistoryList(QListWidget):
     """One row a step, oldest first; undone steps are paler.
@@ -26,19 +24,19 @@ class HistoryList(QListWidget):
         super().__init__(objectName="history", accessibleName=tr("History"))
         self.setToolTip(tr("Click a step to go back or forward to it"))
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._shown: tuple[list[str], list[str]] = [], []
+        self._shown: tuple[str, list[str], list[str]] = "", [], []
         self.itemClicked.connect(lambda item: self.chosen.emit(self.row(item)))
         self.itemActivated.connect(lambda item: self.chosen.emit(self.row(item)))
-        self.show_steps([], [])
 
-    def show_steps(self, done: list[str], undone: list[str]) -> None:
-        """Show the steps done and those to redo, in order."""
-        if (done, undone) == self._shown and self.count():
+    def show_steps(self, name: str, done: list[str], undone: list[str]) -> None:
+        """Show the mesh of the first step, the steps done and those to redo, in order."""
+        if (name, done, undone) == self._shown:
             return
-        self._shown = list(done), list(undone)
+        self._shown = name, list(done), list(undone)
         self.clear()
-        for k, name in enumerate([_START, *done, *undone]):
-            item = QListWidgetItem(name)
+        start = tr("Open {name}").format(name=name)
+        for k, step in enumerate([start, *done, *undone]):
+            item = QListWidgetItem(step)
             font = QFont(self.font())
             font.setBold(k == len(done))
             item.setFont(font)

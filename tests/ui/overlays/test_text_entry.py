@@ -6,6 +6,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.toolbox import Tool
 
 
@@ -26,9 +27,14 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
     entered(qtbot, typed, "31 px")
     assert (brush.radius, brush.length, typed.isHidden()) == (31.0, None, True)
     bottle.actions_.select.sizes[2].trigger()
+    assert typed.text.text() == typed.text.selectedText() == "31px", "the present size, to be typed over"
     entered(qtbot, typed, "0.05L")
     assert brush.length == pytest.approx(0.05 * max(bottle.session.store.state.inspection.size))
     assert "Brush" in bottle.status.currentMessage()
+    bottle._choose_unit(Unit.MILLIMETRE)
+    bottle.actions_.select.sizes[2].trigger()
+    assert typed.text.text() == f"{brush.length:.4g}mm"
+    qtbot.keyClick(typed.text, Qt.Key.Key_Return)
     bottle.actions_.select.sizes[0].trigger()
     assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.store.state.inspection.size))
 
@@ -106,7 +112,7 @@ def test_a_bend_about_a_line_of_two_clicks(qtbot, bottle, mouse):
     pose = session.store.state.document.handles[0].pose
     np.testing.assert_allclose(transform(pose, np.array(expected)), expected, atol=1e-9)
     assert np.trace(pose[:3, :3]) == pytest.approx(1 + 2 * np.cos(np.pi / 9))
-    assert session.gestures.history.next_undo == "Bend about a line"
+    assert session.gestures.history.next_undo == "Bend about a line +20° (Handle 1)"
     motion.choice.setCurrentIndex(0)
     assert len(bottle.canvas.picker.shown) == 0
 

@@ -50,7 +50,7 @@ def test_a_typed_twist_is_the_ring_dragged_and_the_matrix(qtbot, bottle, mouse):
 
     typed(qtbot, bottle, "TWIST", "60deg")
     by_typing = pose(bottle)
-    assert bottle.session.gestures.history.next_undo == "Twist"
+    assert bottle.session.gestures.history.next_undo == "Twist +60° (Handle 1)"
     qtbot.waitUntil(arrives, timeout=20_000)
     bottle.session.gestures.undo()
     assert not arrives()
@@ -228,7 +228,8 @@ def test_a_click_in_the_history_goes_there(qtbot, bottle):
     bottle.tools.take(Tool.ORBIT)
     bottle.docks["history"].show()
     steps = bottle.shell.history
-    assert [steps.item(k).text() for k in range(steps.count())] == ["Opened", "Twist", "Twist"]
+    names = ["Open bottle.obj", "Twist +10° (Handle 1)", "Twist +20° (Handle 1)"]
+    assert [steps.item(k).text() for k in range(steps.count())] == names
     for k in (1, 0, 2, 1):
         at = steps.visualItemRect(steps.item(k)).center()
         qtbot.mouseClick(steps.viewport(), Qt.MouseButton.LeftButton, pos=at)
