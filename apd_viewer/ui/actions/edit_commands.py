@@ -133,7 +133,7 @@ class Editing:
         if self._is_open:
             if not self._canvas.tool.words.is_brush:
                 self._take(Tool.HANDLE)
-            self.typed.open(self.typed.brush)
+            self.typed.open_brush()
 
     # Moving the active handle
 

@@ -113,6 +113,13 @@ class Typed:
 
     # The brush
 
+    def open_brush(self) -> None:
+        """Show the card of the brush with its present radius."""
+        size = self._canvas.painter.size
+        length = None if size.length is None else f"{size.length:.4g}{self._session.store.unit.value}"
+        self.brush.text.setText(length or f"{size.radius:.0f}{_PIXELS}")
+        self.open(self.brush)
+
     def _radius(self, text: str) -> tuple[float, bool]:
         """The radius, and whether it is in pixels."""
         pixels = text.strip().lower().endswith(_PIXELS)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
-from PySide6.QtGui import QIcon, QIconEngine, QPainter, QPixmap
+from PySide6.QtGui import QColor, QIcon, QIconEngine, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 
 from apd_viewer.files.samples import resource
+from apd_viewer.presentation.palette import BASE_COLOR, HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.widgets.theme import Theme
 
 SIZE = QSize(20, 20)
+# In the drawings, besides ``currentColor``.
+_PARTS = {"baseColor": BASE_COLOR, "handleColor": HANDLE_COLORS[0], "regionColor": REGION_COLORS[0]}
 
 
 class _LineIcon(QIconEngine):
@@ -21,12 +24,12 @@ class _LineIcon(QIconEngine):
         self._theme = theme
 
     def paint(self, painter: QPainter, rect: object, mode: QIcon.Mode, state: QIcon.State) -> None:
-        color = self._theme.ink
-        if mode == QIcon.Mode.Disabled:
-            color = self._theme.faint
-        elif state == QIcon.State.On:
-            color = self._theme.on_accent
-        renderer = QSvgRenderer(QByteArray(self._svg.replace("currentColor", color).encode()))
+        theme, svg = self._theme, self._svg
+        quiet = mode == QIcon.Mode.Disabled or state == QIcon.State.On
+        ink = theme.faint if mode == QIcon.Mode.Disabled else theme.on_accent if quiet else theme.ink
+        for name, rgb in _PARTS.items():
+            svg = svg.replace(name, ink if quiet else QColor(*rgb).name())
+        renderer = QSvgRenderer(QByteArray(svg.replace("currentColor", ink).encode()))
         renderer.render(painter, QRectF(rect))
 
     def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:

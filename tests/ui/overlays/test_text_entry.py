@@ -34,7 +34,7 @@ def test_a_brush_is_typed_in_pixels_or_as_a_length(qtbot, bottle):
     bottle._choose_unit(Unit.MILLIMETRE)
     bottle.actions_.select.sizes[2].trigger()
     assert typed.text.text() == f"{brush.length:.4g}mm"
-    qtbot.keyClick(typed.text, Qt.Key.Key_Return)
+    qtbot.keyClick(typed.text, Qt.Key.Key_Escape)
     bottle.actions_.select.sizes[0].trigger()
     assert brush.length == pytest.approx(1.25 * 0.05 * max(bottle.session.store.state.inspection.size))
 
