@@ -74,12 +74,13 @@ class Workbench(QObject):
 
     def _make_overlays(self) -> None:
         view = self.canvas.viewport
-        self.notice = Notice(view)
         self.invitation = Invitation(view)
         self.recovery = RecoveryBar(view)
+        self.notice = Notice(view, (self.invitation, self.recovery))
         self.health = Health(self.canvas, self.shell.badge, self.session)
         self.empty = Empty(view, self.shell.requests)
-        self.looks = Looks(self.canvas, self.memory, (self.invitation, self.recovery, self.health.list))
+        below = self.invitation, self.recovery, self.notice, self.health.list
+        self.looks = Looks(self.canvas, self.memory, below)
 
     def _make_controllers(self, recovery: Path | None) -> None:
         shell, canvas, memory, session, notice = (
@@ -96,6 +97,7 @@ class Workbench(QObject):
         self.filing = Filing(shell, memory, session, self._view, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
         self.looks.cards.stand_above(self.editing.typed.cards)
+        self.notice.stand_above(self.editing.typed.cards)
         self.studies = Studies(shell, memory, self._studied, notice.fail)
         self.comparing = Comparing(canvas, self.looks, memory, notice, session.store)
         self.reporting = Reporting(shell, canvas, self.looks, self.measuring, memory, notice, session)
@@ -232,7 +234,8 @@ class Workbench(QObject):
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.plots.follow()
         self.health.follow()
-        if old is None or old.document.labels is not document.labels:
+        before = None if old is None else old.document
+        if before is None or before.labels is not document.labels or before.posed != document.posed:
             self._show_next_step()
 
     def _show_opened(self, state: State) -> None:

@@ -1,17 +1,19 @@
-"""The small cards over the canvas, one below the other at its lower left."""
+"""Column of small cards over the canvas, at its lower left until dragged."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import QEvent, QObject, QRect
+from PySide6.QtCore import QEvent, QMargins, QObject, QPoint, QRect, Qt
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from apd_viewer.ui.scene.viewport import Viewport
 
 _MARGIN, _GAP = 12, 8
 WIDTH = 288
-_MOVES = (
+_SHARE = 1 / 8  # of the canvas that a card hides, unless it is unfolded
+MOVES = (
     QEvent.Type.Move,
     QEvent.Type.Resize,
     # These come to what is in a hidden widget too.
@@ -35,17 +37,21 @@ class Cards(QWidget):
         super().__init__(canvas)
         self._canvas = canvas
         self._below, self._beside = list[QWidget](), list[QWidget]()
-        self._fits: dict[QWidget, Callable[[int], None]] = {}
+        self._fits: dict[QWidget, Callable[[int, int], None]] = {}
+        self._grip: QPoint | None = None  # of the cursor in the column, during a drag
+        self._corner: QPoint | None = None  # of the column, once dragged
         self._placing = False
         self._column = QVBoxLayout(self, spacing=_GAP)
         self._column.setContentsMargins(0, 0, 0, 0)
-        self.setFixedWidth(WIDTH)
         canvas.resized.connect(self.place)
         self.hide()
         self.stand_above(below)
 
-    def add(self, card: QWidget, fit_into: Callable[[int], None] | None = None) -> None:
-        """Add a card; ``fit_into(height)`` shrinks it, if it can."""
+    def add(self, card: QWidget, fit_into: Callable[[int, int], None] | None = None) -> None:
+        """Add a card; ``fit_into(least, most)`` fits it into these heights, if it can.
+
+        ``most`` is what there is, ``least`` what it can have without hiding much of the mesh.
+        """
         if fit_into is not None:
             self._fits[card] = fit_into
         self._column.addWidget(card)
@@ -63,11 +69,26 @@ class Cards(QWidget):
         column.installEventFilter(self)
         self.place()
 
-    def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Make room for other widgets shown."""
-        if event.type() in _MOVES and not self._placing:
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Make room for other widgets shown; drag the column by its cards."""
+        if event.type() in MOVES and not self._placing:
             self.place()
-        return False
+        return isinstance(event, QMouseEvent) and watched.parent() is self and self._drag(event)
+
+    def _drag(self, event: QMouseEvent) -> bool:
+        """Follow a drag of a card; a double click puts the column back."""
+        at, left = event.globalPosition().toPoint(), event.button() == Qt.MouseButton.LeftButton
+        if event.type() == QEvent.Type.MouseButtonPress and left:
+            self._grip = at - self.pos()
+        elif event.type() == QEvent.Type.MouseMove and self._grip is not None:
+            self._corner = at - self._grip
+            self.place()
+        elif event.type() == QEvent.Type.MouseButtonRelease and left:
+            self._grip = None
+        elif event.type() == QEvent.Type.MouseButtonDblClick and left:
+            self._corner = None
+            self.place()
+        return True
 
     def place(self) -> None:
         """Move to the free place."""
@@ -82,12 +103,21 @@ class Cards(QWidget):
         shown = [card for card in cards if card is not None and not card.isHidden()]
         if shown:
             self._fold(shown)
+            widest = max(card.minimumSizeHint().width() for card in shown)
+            self.setFixedWidth(max(widest, min(WIDTH, self._canvas.width() // 3)))
             # Shown in the size that it had, it would lay out what is in its cards for that one.
             self._column.activate()
             self.adjustSize()
         self.setVisible(bool(shown))
         if not shown:
             return
+        room = self._home() if self._corner is None else QRect(self._corner, self.size())
+        free = self._canvas.size().shrunkBy(QMargins(0, 0, self.width() + _MARGIN, self.height() + _MARGIN))
+        self.move(max(min(room.left(), free.width()), _MARGIN), max(min(room.top(), free.height()), _MARGIN))
+        self.raise_()
+
+    def _home(self) -> QRect:
+        """Place at the lower left, beside and above other widgets."""
         room = QRect(_MARGIN, self._canvas.height() - self.height() - _MARGIN, self.width(), self.height())
         beside = [other for other in self._beside if not other.isHidden()]
         below = [other for other in self._below if not other.isHidden()]
@@ -95,19 +125,26 @@ class Cards(QWidget):
             for other in beside:
                 if _meet(room, other):
                     room.moveLeft(other.geometry().right() + _MARGIN)
-            for other in sorted(below, key=lambda widget: -widget.geometry().bottom()):
-                if _meet(room, other):
-                    room.moveBottom(other.geometry().top() - _MARGIN)
-        self.move(room.left(), max(room.top(), _MARGIN))
-        self.raise_()
+            room = clear_of(room, below)
+        return room
 
     def _fold(self, shown: Sequence[QWidget]) -> None:
         """Shrink cards if there is no room for all of them."""
         room = self._canvas.height() - 2 * _MARGIN - (len(shown) - 1) * _GAP
         room -= sum(card.sizeHint().height() for card in shown if card not in self._fits)
+        least = int(_SHARE * self._canvas.width() * self._canvas.height() / WIDTH)
         for card in shown:
             if fit_into := self._fits.get(card):
-                fit_into(room)
+                fit_into(min(least, room), room)
+
+
+def clear_of(room: QRect, below: Sequence[QWidget]) -> QRect:
+    """Rectangle moved up until it covers no visible widget."""
+    shown = [other for other in below if not other.isHidden()]
+    for other in sorted(shown, key=lambda widget: -widget.geometry().bottom()):
+        if _meet(room, other):
+            room.moveBottom(other.geometry().top() - _MARGIN)
+    return room
 
 
 def _meet(room: QRect, other: QWidget) -> bool:

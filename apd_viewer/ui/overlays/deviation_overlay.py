@@ -76,6 +76,9 @@ class HeatMap(QObject):
         self._change: Deviation | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
+        # Without a range of the user's the first values that are seen have one made for them.
+        self._fresh = False
+        self._fitted: Scale | None = None
         self.extremes = Extremes(canvas, covered)
         self.reading = DeviationReading(canvas, legend)
         self._task = BackgroundTask(self)
@@ -105,6 +108,7 @@ class HeatMap(QObject):
     def choose(self, measure: Measure | None) -> None:
         """Show another measure; None shows the paint."""
         self.measure = measure
+        self._fresh, self._fitted = True, None
         self.reading.on = measure is not None
         self._forget()
         self._task.give_up()
@@ -122,7 +126,7 @@ class HeatMap(QObject):
     def scale(self) -> Scale:
         """Current colour scale."""
         assert self.measure is not None
-        return self.scales.get(self.measure) or usual(self.measure, self._size)
+        return self.scales.get(self.measure) or self._fitted or usual(self.measure, self._size)
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
@@ -152,6 +156,12 @@ class HeatMap(QObject):
         if span is not None and self.measure is not None:
             fitted = self.scale.fitted(span, self._size)
             self._rescale(fitted.reach, fitted.neutral)
+
+    def _fit_first(self) -> None:
+        span, self._fresh = self.reading.span, False
+        if span is not None and self.measure is not None and self.measure not in self.scales:
+            self._fitted = self.scale.fitted(span, self._size)
+            self._legend.show_scale(self._fitted, self.unit)
 
     # Measuring
 
@@ -223,6 +233,8 @@ class HeatMap(QObject):
         values = self.reading.values
         if values is None:
             return
+        if self._fresh:
+            self._fit_first()
         surface, scale = self._canvas.surface, self.scale
         write_shades(values, scale.measure.is_signed, scale.end, surface.shades)
         surface.shades_changed()

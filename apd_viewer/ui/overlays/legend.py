@@ -40,7 +40,10 @@ class Legend(QFrame):
         shield(self)
         self._scale = Scale(Measure.AREA, 0.1, 0.001)
         self._unit = Unit.NONE
-        self._room = 10_000  # px in which it must find room
+        self._theme = LIGHT
+        self._least, self._most = 10_000, 10_000  # px in which it finds room, folded by itself and at most
+        self._unfolded: bool | None = None  # by the user; None as there is room
+        self._folded = False
         self._make_parts()
         self._lay_out()
         self.set_theme(LIGHT)
@@ -53,6 +56,8 @@ class Legend(QFrame):
         self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
         self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
         self.close_button.clicked.connect(lambda: self.chosen.emit(None))
+        self.fold_button = small_button(tr("Fold legend"), tr("Show fewer or all lines of the legend"))
+        self.fold_button.clicked.connect(self._fold)
         self.bar = ScaleBar()
         self._note = QLabel(objectName="quiet", wordWrap=True)
         self._cursor, self._largest = QLabel(), QLabel()
@@ -69,12 +74,14 @@ class Legend(QFrame):
             tr("Fit"), toolTip=tr("Fit the scale to the largest change of the current shape")
         )
         self.fit.clicked.connect(self.fit_asked)
-        for button in (self.fit, self.worst, self.close_button):
+        for button in (self.fit, self.worst, self.fold_button, self.close_button):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to the canvas
 
     def _lay_out(self) -> None:
+        self._head: list[QWidget] = [self.choice, self.fold_button, self.close_button]
         head = QHBoxLayout(spacing=4)
         head.addWidget(self.choice, 1)
+        head.addWidget(self.fold_button)
         head.addWidget(self.close_button)
         self._rows = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._rows.setColumnStretch(1, 1)
@@ -95,7 +102,7 @@ class Legend(QFrame):
             if button is not None:
                 self._rows.addWidget(button, row, 2, Qt.AlignmentFlag.AlignCenter)
             self._lines.append([w for w in (self._names[value], value, button) if w is not None])
-        column = QVBoxLayout(self, spacing=8)
+        column = self._column = QVBoxLayout(self, spacing=8)
         column.setContentsMargins(12, 10, 12, 10)
         column.addLayout(head)
         column.addWidget(self.bar)
@@ -120,24 +127,43 @@ class Legend(QFrame):
         self._show_lines()
         self.show()
 
-    def fit_into(self, room: int) -> None:
-        """Hide the last lines as needed for a height of ``room``."""
-        self._room = room
+    def fit_into(self, least: int, most: int) -> None:
+        """Hide the last lines as needed for a height, see :meth:`Cards.add`."""
+        self._least, self._most = least, most
         self._show_lines()
 
+    def _fold(self) -> None:
+        """Hide all lines, or show all of them."""
+        self._unfolded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        self._show_lines()
+
+    def _wants(self, line: list[QWidget]) -> bool:
+        return self._scale.measure.is_signed or self.neutral not in line
+
     def _show_lines(self) -> None:
-        heights = [self._height(line) for line in self._lines]
-        height = self.sizeHint().height()
-        height -= sum(h for h, line in zip(heights, self._lines, strict=True) if not line[0].isHidden())
-        for h, line in zip(heights, self._lines, strict=True):
-            wanted = self._scale.measure.is_signed or self.neutral not in line
-            height += h if wanted else 0
+        room = {None: self._least, True: self._most, False: 0}[self._unfolded]
+        # Of the parts: the size hint of the whole depends on what is hidden, and would never come to rest.
+        margins = self._column.contentsMargins()
+        above: list[list[QWidget]] = [self._head, [self.bar]]
+        if not self._note.isHidden():
+            above.append([self._note])
+        height = margins.top() + margins.bottom() + sum(self._height(line) for line in above)
+        for line in self._lines:
+            wanted = self._wants(line)
+            height += self._height(line) if wanted else 0
             for widget in line:
-                if widget.isHidden() == (wanted and height <= self._room):
+                if widget.isHidden() == (wanted and height <= room):
                     widget.setVisible(widget.isHidden())
+        folded = any(line[0].isHidden() for line in self._lines if self._wants(line))
+        if folded != self._folded:  # another icon asks for another layout
+            self._folded = folded
+            self._draw_fold()
+
+    def _draw_fold(self) -> None:
+        self.fold_button.setIcon(icon("folded" if self._folded else "unfolded", self._theme))
 
     def _height(self, line: list[QWidget]) -> int:
-        return max(widget.sizeHint().height() for widget in line) + self._rows.verticalSpacing()
+        return max(widget.sizeHint().height() for widget in line) + self._column.spacing()
 
     def show_values(self, span: tuple[float, float] | None, value: float | None) -> None:
         """Show least, largest and current value; None hides them."""
@@ -158,6 +184,8 @@ class Legend(QFrame):
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""
+        self._theme = theme
+        self._draw_fold()
         self.close_button.setIcon(icon("cancel", theme))
         self.worst.setIcon(icon("worst", theme))
 

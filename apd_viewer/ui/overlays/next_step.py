@@ -67,6 +67,6 @@ class NextStep:
             )
         if tool is Tool.REGION and not document.member.any():
             return tr("Paint a part to measure its area or keep it")
-        if self._moved:
+        if self._moved or document.posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])

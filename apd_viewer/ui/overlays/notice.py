@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from functools import partial
 
-from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QShowEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt, QTimer
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -21,8 +22,8 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 from apd_viewer.ui.filing.file_requests import FileRequests
+from apd_viewer.ui.overlays.card_stack import MOVES, clear_of
 from apd_viewer.ui.scene.viewport import Viewport
-from apd_viewer.ui.widgets.event_barrier import shield
 from apd_viewer.ui.widgets.icons import SIZE, icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme, mark
 from apd_viewer.ui.widgets.wrapping_row import arrange
@@ -30,36 +31,64 @@ from apd_viewer.ui.widgets.wrapping_row import arrange
 _LOGGER = logging.getLogger(__name__)
 _MARGIN = 12
 _WIDEST = 480
+_CLOSE = 34  # px: the button of a notice
 _UNBOUNDED = 16_777_215  # Qt's largest size of a widget
 _INVITATION_PADDING = 20
 _READING_TIME = 7000  # ms; failures stay until they are read
 
 
 class Notice(QFrame):
-    """Message at the top of the canvas, replaced by newer ones."""
+    """Message low in the canvas, replaced by newer ones; clicks go through it.
 
-    def __init__(self, canvas: Viewport) -> None:
+    Parameters
+    ----------
+    canvas : Viewport
+    below : sequence of QWidget
+        At the bottom of the canvas, which must not be covered.
+    """
+
+    def __init__(self, canvas: Viewport, below: Sequence[QWidget]) -> None:
         super().__init__(canvas)
-        shield(self)
         self._canvas = canvas
+        self._below = list[QWidget]()
         self._theme = LIGHT
         self.setObjectName("notice")
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self._text = QLabel(wordWrap=True)
-        self._text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._symbol = QLabel()
-        self._close = QToolButton(accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE)
+        # Beside the frame, and not in it, so that it has the mouse.
+        self._close = QToolButton(
+            canvas, accessibleName=tr("Dismiss message"), toolTip=tr("Dismiss"), iconSize=SIZE
+        )
         self._close.clicked.connect(self.hide)
         row = self._row = QHBoxLayout(self)
-        row.setContentsMargins(12, 8, 8, 8)
+        row.setContentsMargins(12, 8, 8 + _CLOSE, 8)
         row.setSpacing(8)
         row.addWidget(self._symbol)
         row.addWidget(self._text, 1)
-        row.addWidget(self._close)
         self._timer = QTimer(self, singleShot=True, interval=_READING_TIME)
         self._timer.timeout.connect(self.hide)
         self._kind = "message"
         self.hide()
+        self.stand_above(below)
         canvas.resized.connect(self._place)
+
+    def stand_above(self, others: Sequence[QWidget]) -> None:
+        """Leave room for widgets at the bottom of the canvas."""
+        self._below += others
+        for other in others:
+            other.installEventFilter(self)
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Make room for other widgets shown."""
+        if event.type() in MOVES:
+            self._place()
+        return False
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Take the button away."""
+        super().hideEvent(event)
+        self._close.hide()
 
     @property
     def text(self) -> str:
@@ -89,7 +118,9 @@ class Notice(QFrame):
         mark(self, "kind", kind)
         self._draw_symbol()
         self.show()
+        self._close.show()
         self.raise_()
+        self._close.raise_()
         self._place()
 
     def _draw_symbol(self) -> None:
@@ -108,7 +139,12 @@ class Notice(QFrame):
         self._text.setFixedSize(width, self._text.heightForWidth(width))
         self._row.activate()
         self.adjustSize()
-        self.move((canvas.width() - self.width()) // 2, _MARGIN)
+        left = (canvas.width() - self.width()) // 2
+        room = QRect(QPoint(left, canvas.height() - self.height() - 2 * _MARGIN), self.size())
+        self.setGeometry(clear_of(room, self._below))
+        self._close.setFixedSize(_CLOSE, _CLOSE)
+        beside = self.geometry().right() - _CLOSE - 4
+        self._close.move(beside, self.geometry().center().y() - _CLOSE // 2)
 
 
 class Invitation(QLabel):

@@ -13,16 +13,11 @@ def number_card(window):
     return window.editing.typed.vertices
 
 
-def notice(window):
-    window.notice.fail("Something was not done.")
-    return window.notice
-
-
 def way_bar(window):
     return window.way_bar
 
 
-@pytest.mark.parametrize("over", [number_card, notice, way_bar])
+@pytest.mark.parametrize("over", [number_card, way_bar])
 def test_a_press_beside_the_buttons_goes_no_farther(qtbot, bottle, over):
     bottle.tools.take(Tool.BASE)
     bottle.tools.choose_way(Way.SLAB)
