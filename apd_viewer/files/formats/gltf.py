@@ -19,6 +19,7 @@ from apd_viewer.files.formats.gltf_arrays import (
     array_of,
     buffer_of,
     chunks_of,
+    colors_of,
     document_of,
     positions_of,
     triangles_of,
@@ -26,6 +27,7 @@ from apd_viewer.files.formats.gltf_arrays import (
 from apd_viewer.files.formats.gltf_scene import a_list, carried, one, parts, placed, whole
 from apd_viewer.files.formats.json_spans import spans
 from apd_viewer.files.formats.parsed import Parsed, turned
+from apd_viewer.files.formats.vertex_colors import encoded
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -38,6 +40,7 @@ class _Block(NamedTuple):
     first: int
     position: int
     normal: int | None
+    color: object
     matrix: np.ndarray
 
 
@@ -72,6 +75,13 @@ class GltfFile:
             "COLOR_0": tr("vertex colours"),
         }
         return (*has, *(what for name, what in kinds.items() if name in attributes))
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours, (n, 3) uint8, if every part has them."""
+        if not self.blocks or any(block.color is None for block in self.blocks):
+            return None
+        return encoded(np.vstack([colors_of(self.document, self.buffers, b.color) for b in self.blocks]))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), their bounds and turned normals."""
@@ -199,7 +209,8 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
                 local = positions_of(document, buffers, position)
                 first[position] = count
                 normal = None if normal is None else whole(part["attributes"], "NORMAL")
-                blocks.append(_Block(count, position, normal, matrix))
+                color = part["attributes"].get("COLOR_0")
+                blocks.append(_Block(count, position, normal, color, matrix))
                 V.append(carried(matrix, local))
                 count += len(local)
             F.append(triangles_of(document, buffers, part, mode) + first[position])

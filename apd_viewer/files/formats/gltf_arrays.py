@@ -19,7 +19,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 
 
-_NAMES = {1: "SCALAR", 3: "VEC3"}
+_NAMES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
 
 def document_of(said: bytes) -> tuple[str, dict[str, Any]]:
@@ -90,6 +90,13 @@ def positions_of(document: dict[str, Any], buffers: list[Any], accessor: object)
         return np.maximum(array / np.iinfo(array.dtype).max, -1.0)
     with np.errstate(invalid="ignore"):  # NaN is refused later
         return array.astype(np.float64)
+
+
+def colors_of(document: dict[str, Any], buffers: list[Any], accessor: object) -> np.ndarray:
+    """Linear colours (n, 3) of an accessor, from 0 to 1."""
+    width = 4 if one(document, "accessors", accessor).get("type") == "VEC4" else 3
+    array = array_of(document, buffers, accessor, width)[:, :3]
+    return array / (np.iinfo(array.dtype).max if array.dtype.kind == "u" else 1.0)
 
 
 def array_of(document: dict[str, Any], buffers: list[Any], accessor: object, width: int) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, numbers, plain
+from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -23,6 +24,7 @@ _GAP = rb"(?:[ \t]|\\\r?\n)+"
 # Searching for a preceding line end is much faster than for a line start.
 _VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
 _POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
+_COLORED = re.compile(rb"\n[ \t]*v" + 3 * (_GAP + rb"\S+") + 3 * (_GAP + rb"([^\s#]+)"))
 _ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
 _FACE = re.compile(rb"\nf[ \t]([^\n]*)")
 _FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
@@ -50,6 +52,18 @@ class ObjFile:
         has = [name for name, word in _EXTRAS if re.search(rb"^[ \t]*%s[ \t]" % word, self.content, re.M)]
         colours = re.search(rb"^[ \t]*v(?:[ \t]+[^\s#]+){6}", self.content, re.MULTILINE)
         return (*has, *([tr("vertex colours")] if colours else []))
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours, (n, 3) uint8, if each vertex has one."""
+        text = _lines(self.content)
+        first = _ANY_POSITION.search(text)
+        if first is None or not _COLORED.match(text, first.start()):
+            return None
+        words = _COLORED.findall(text)
+        if len(words) != len(_ANY_POSITION.findall(text)):
+            return None
+        return guessed(numbers([word for row in words for word in row]).reshape(-1, 3))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""

@@ -10,6 +10,7 @@ import numpy as np
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, lines, numbers, plain, shown, whole_numbers
+from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
@@ -30,6 +31,15 @@ class OffFile:
     def extras(self) -> tuple[str, ...]:
         """Contents besides positions and triangles, in words."""
         return (tr("colours"),) * self.has_colours + (tr("normals"),) * self.has_normals
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours, (n, 3) uint8, if it has any."""
+        if not self.has_colours or not self.rows:
+            return None
+        first = 6 if self.has_normals else 3
+        rows = [row.split()[first : first + 3] for _, row in self.rows]
+        return guessed(numbers([word for row in rows for word in row]).reshape(-1, 3))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""

@@ -22,10 +22,11 @@ from apd_viewer.files.formats.ply_rows import (
 )
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, numbers
+from apd_viewer.files.formats.vertex_colors import eight_bit
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-_AXES, _NORMAL = ("x", "y", "z"), ("nx", "ny", "nz")
+_AXES, _NORMAL, _COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
 _EXTRAS = {
     "red": tr("colours"),
     "nx": tr("normals"),
@@ -51,6 +52,16 @@ class PlyFile:
         found = [what for name, what in _EXTRAS.items() if name in names]
         known = {*_AXES, *_NORMAL, *INDICES, *_EXTRAS, "green", "blue", "t"}
         return (*found, *(f"“{name}”" for name in sorted(names - known)))
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours, (n, 3) uint8, if it has any."""
+        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
+        kinds = {name: np.dtype(kind) for name, length, kind in self.elements[at].properties if not length}
+        if not set(_COLORS) <= set(kinds):
+            return None
+        kind = kinds[_COLORS[0]]
+        return eight_bit(self.columns(at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max))
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""

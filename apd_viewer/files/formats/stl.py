@@ -34,6 +34,11 @@ class StlFile:
         facets = np.frombuffer(self.content, _FACET, offset=_HEAD) if self.is_binary else None
         return (tr("facet attributes"),) if facets is not None and facets["attribute"].any() else ()
 
+    @property
+    def colors(self) -> None:
+        """Vertex colours, not part of the format."""
+        return
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (3 m, 3) and updated normals."""
         moved = (mesh.V != U).any(axis=1).reshape(-1, 3).any(axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -27,6 +28,10 @@ class Origin(Protocol):
     @property
     def extras(self) -> tuple[str, ...]:
         """Contents besides positions and triangles, in words."""
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours, (n, 3) uint8, if it has any; ValueError if damaged."""
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
@@ -99,6 +104,15 @@ class Mesh:
         return Weld.of(self.V, self.F)
 
     @cached_property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours of the file, (n, 3) uint8; None without usable ones."""
+        with contextlib.suppress(ValueError):  # the mesh is usable without them
+            colors = None if self.origin is None else self.origin.colors
+            if colors is not None and colors.shape == self.V.shape:
+                return frozen(colors)
+        return None
+
+    @cached_property
     def joined_F(self) -> np.ndarray:
         """Triangles with each vertex replaced by the first at its position."""
         return self.weld.first[self.weld.inverse[self.F]]
@@ -144,6 +158,11 @@ class Baked:
     def extras(self) -> tuple[str, ...]:
         """Contents of the file besides positions and triangles."""
         return self.origin.extras
+
+    @property
+    def colors(self) -> np.ndarray | None:
+        """Vertex colours of the file."""
+        return self.origin.colors
 
     def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""

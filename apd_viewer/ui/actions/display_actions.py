@@ -81,6 +81,7 @@ class LookActions:
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show the axes and a ground grid in the unit of length")
+        colors = tr("Show the vertex colours of the file under the paint")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         self.switches = {
             name: maker.switch(name, title, name, tip, key, command, on)
@@ -89,6 +90,14 @@ class LookActions:
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
                 ("cut", tr("Se&ction"), cut, "S", looks.cut.show_card, False),
                 ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.on),
+                (
+                    "file_colors",
+                    tr("Co&lours of the file"),
+                    colors,
+                    None,
+                    looks.show_file_colors,
+                    looks.file_colors,
+                ),
                 ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.turn, False),
             )
         }

@@ -45,6 +45,8 @@ class Looks:
     ghost : Ghost
     ground : Ground
     turntable : Turntable
+    file_colors : bool
+        Whether the vertex colours of the file are shown.
     """
 
     def __init__(self, canvas: Canvas, memory: Preferences, below: Sequence[QWidget]) -> None:
@@ -69,6 +71,12 @@ class Looks:
     def show_ground(self, on: bool) -> None:
         """Show axes and grid, or hide them."""
         self.ground.on = on
+        self._keep()
+
+    def show_file_colors(self, on: bool) -> None:
+        """Show the vertex colours of the file under the paint, or hide them."""
+        self.file_colors = on
+        self._canvas.coloring.show_file(on)
         self._keep()
 
     def turn(self, on: bool) -> None:
@@ -101,14 +109,18 @@ class Looks:
             self.heat.choose(Measure(looks["overlay"]))
         self.ghost.on = looks.get("ghost") == "on"
         self.ground.on = looks.get("ground") == "on"
+        self.file_colors = looks.get("file_colors") == "on"
+        self._canvas.coloring.show_file(self.file_colors)
 
     def _keep(self) -> None:
         """Store the options, except the plane's place on this mesh."""
         measure = self.heat.measure
+        self._canvas.coloring.cover(measure is not None)
         looks = {
             "overlay": "" if measure is None else measure.value,
             "ghost": "on" if self.ghost.on else "",
             "ground": "on" if self.ground.on else "",
+            "file_colors": "on" if self.file_colors else "",
         }
         for scale in self.heat.scales.values():
             if scale.travels:

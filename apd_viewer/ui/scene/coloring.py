@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.geometry.pose.constraints import FREE
 from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
 
 if TYPE_CHECKING:
@@ -31,13 +32,35 @@ class Coloring:
     def __init__(self, surface: Surface, marks: Marks) -> None:
         self._surface, self._marks = surface, marks
         self._document: Document | None = None
+        self._of_file = self._covered = False
         self.previewed: np.ndarray | None = None
 
     def begin(self, document: Document) -> np.ndarray:
         """Colours of another mesh, (n, 4) uint8, without preview and marks."""
         self._document, self.previewed = document, None
         self._marks.show(None)
-        return colors_of(document)
+        return colors_of(document, own=self._own)
+
+    def show_file(self, on: bool) -> None:
+        """Show the vertex colours of the file under the paint, or none."""
+        self._of_file = on
+        self._repaint()
+
+    def cover(self, on: bool) -> None:
+        """Leave the colours of the file out while an overlay shows others."""
+        if on != self._covered:
+            self._covered = on
+            self._repaint()
+
+    @property
+    def _own(self) -> np.ndarray | None:
+        if self._document is None or not self._of_file or self._covered:
+            return None
+        return self._document.mesh.colors
+
+    def _repaint(self) -> None:
+        if self._document is not None and self._document.mesh.colors is not None:
+            self._restore(np.arange(len(self._document.labels)))
 
     def follow(self, document: Document) -> None:
         """Update the colours to another document of the mesh."""
@@ -48,7 +71,7 @@ class Coloring:
     def _restore(self, ids: np.ndarray) -> None:
         """Restore the vertices' own colours."""
         if self._document is not None:
-            self._surface.set_colors(colors_of(self._document, ids), ids)
+            self._surface.set_colors(colors_of(self._document, ids, self._own), ids)
         if self._marks.ids is not None:
             self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
@@ -61,7 +84,8 @@ class Coloring:
         if before is not None:
             self._restore(before)
         if self.previewed is not None:
-            self._surface.set_colors(tinted(colors_of(document, self.previewed), color), self.previewed)
+            colors = colors_of(document, self.previewed, self._own)
+            self._surface.set_colors(tinted(colors, color), self.previewed)
 
     def mark(self, vertices: np.ndarray | None) -> None:
         """Mark vertices; all for an empty array, none for None."""
@@ -78,10 +102,16 @@ class Coloring:
         self._surface.set_colors(self._marks.colors(), self._marks.ids)
 
 
-def colors_of(document: Document, ids: np.ndarray | None = None) -> np.ndarray:
-    """RGBA of the vertices ``ids``, or of all, (k, 4) uint8 array."""
+def colors_of(document: Document, ids: np.ndarray | None = None, own: np.ndarray | None = None) -> np.ndarray:
+    """RGBA of the vertices ``ids``, or of all, (k, 4) uint8 array.
+
+    ``own``, (n, 3), are the colours of all vertices without paint.
+    """
     some = slice(None) if ids is None else ids
     colors = label_colors(document.labels[some], document.member[some])
+    if own is not None:
+        bare = (document.labels[some] == FREE) & (document.member[some] == 0)
+        colors[bare, :3] = own[some][bare]
     soft = document.soft
     if len(soft.ids):
         where = np.full(len(document.labels), -1)

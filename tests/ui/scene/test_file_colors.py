@@ -1,0 +1,55 @@
+"""Colours of the file lie under the paint, and leave when an overlay shows others."""
+
+import numpy as np
+import pytest
+from driving import document, idle
+from meshes import sphere
+
+from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.presentation.palette import label_colors
+from apd_viewer.presentation.scales import Measure
+
+
+@pytest.fixture
+def colored(qtbot, window, tmp_path):
+    """A ball with colours, in a file, and a painted base."""
+    V, F = sphere(2)
+    rows = [f"v {x} {y} {z} {abs(x)} {abs(y)} 0.25" for x, y, z in V]
+    rows += [f"f {i} {j} {k}" for i, j, k in F + 1]
+    path = tmp_path / "ball.obj"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    window.filing.open_path(path)
+    idle(qtbot, window)
+    window.session.gestures.begin()
+    window.session.painting.paint(np.arange(20), BASE)
+    window.session.painting.end_stroke("Paint")
+    return window
+
+
+def shown(window):
+    return window.canvas.surface._arrays.rgba[:, :3].copy()
+
+
+def test_colours_are_shown_under_the_paint_when_asked(qtbot, colored, settings):
+    switch = colored.actions_.looks.switches["file_colors"]
+    assert switch.isEnabled()
+    paint = label_colors(document(colored).labels)[:, :3]
+    np.testing.assert_array_equal(shown(colored), paint)
+    switch.trigger()
+    bare = document(colored).labels == FREE
+    assert 0 < bare.sum() < len(bare)
+    expected = np.where(bare[:, None], document(colored).mesh.colors, paint)
+    np.testing.assert_array_equal(shown(colored), expected)
+    colored.session.gestures.undo()
+    np.testing.assert_array_equal(shown(colored), document(colored).mesh.colors)
+    colored.session.gestures.redo()
+    colored.actions_.looks.measures[Measure.AREA].trigger()
+    np.testing.assert_array_equal(shown(colored), paint)
+    colored.actions_.looks.off.trigger()
+    np.testing.assert_array_equal(shown(colored), expected)
+    switch.trigger()
+    np.testing.assert_array_equal(shown(colored), paint)
+
+
+def test_without_colours_there_is_nothing_to_show(bottle):
+    assert not bottle.actions_.looks.switches["file_colors"].isEnabled()
