@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 
 _NOTHING = 1e-7
+_POWERS = 999_999.5  # from here on as a power of ten
 _GROUPED = 999.5  # from here on three digits have no decimals
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def significant(value: float, digits: int = 6) -> str:
-    """The number with the given significant digits."""
-    return _with_power(f"{value:#.{digits}g}".rstrip(".")) if value else "0"
+    """The number with the given significant digits, or all before the point."""
+    if 10.0**digits - 0.5 <= abs(value) < _POWERS:
+        return f"{value:,.0f}"
+    return _with_power(f"{value:#,.{digits}g}".rstrip(".")) if value else "0"
 
 
 def length(value: float, size: float) -> str:

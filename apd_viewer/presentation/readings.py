@@ -36,8 +36,14 @@ def area_percent(state: State) -> str:
 
 def area(state: State, unit: Unit) -> str:
     """Area, and rest area."""
-    now, rest = significant(state.frame.area), significant(state.inspection.area)
-    return unit.area(tr("{now} of {rest}").format(now=now, rest=rest))
+    return _of_rest(state.frame.area, state.inspection.area, unit, 2)
+
+
+def _of_rest(now: float, rest: float, unit: Unit, power: int) -> str:
+    """Two areas or volumes, in one unit that suits both."""
+    larger, factor = unit.legible(max(now, rest, key=abs), power)
+    said = tr("{now} of {rest}").format(now=significant(factor * now), rest=significant(factor * rest))
+    return larger.area(said) if power == 2 else larger.volume(said)
 
 
 def verdict(state: State) -> str:
@@ -106,7 +112,7 @@ def volume(state: State, unit: Unit) -> Volume:
         lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
     return Volume(
         tr("{change}, capped").format(change=said) if capped else said,
-        unit.volume(tr("{now} of {rest}").format(now=significant(now), rest=significant(rest))),
+        _of_rest(now, rest, unit, 3),
         tuple(lines),
     )
 
@@ -131,7 +137,8 @@ def room(volume: float | None, at_rest: float | None, unit: Unit) -> tuple[str, 
     """Volume of a box around the shape, and its change; None if not measured yet."""
     if volume is None:
         return LATER, ""
-    written = NOTHING if math.isnan(volume) else unit.volume(significant(volume, 4))
+    larger, factor = unit.legible(volume, 3)
+    written = NOTHING if math.isnan(volume) else larger.volume(significant(factor * volume, 4))
     return written, "" if at_rest is None else change_of(volume, at_rest)
 
 
@@ -178,6 +185,5 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and not document.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)
-        sizes = tr("{now} of {rest}").format(now=significant(now), rest=significant(at_rest))
-        said.append((part, unit.area(sizes)))
+        said.append((part, _of_rest(now, at_rest, unit, 2)))
     return said

@@ -46,3 +46,13 @@ def test_places_on_an_axis_are_told_from_each_other(step, middle):
 
 def test_a_place_that_is_nothing_but_rounding_is_zero():
     assert place(math.sin(math.pi), 1.0) == place(-1e-17, 0.1) == "0"
+
+
+def test_digits_are_grouped_and_powers_begin_at_a_million():
+    assert [significant(x) for x in (123456.7, 999999.4, 12345.678)] == ["123,457", "999,999", "12,345.7"]
+    assert [significant(x, 4) for x in (1234.5, 12345.6, 99999.9, 999999.6)] == [
+        "1,234",
+        "12,346",
+        "100,000",
+        "1.000·10⁶",
+    ]

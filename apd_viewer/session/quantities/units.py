@@ -9,6 +9,7 @@ from apd_viewer.language import tr
 # No-break space: a number is not separated from its unit.
 _GAP = "\u00a0"
 _DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0}
+_LEGIBLE = 1e6  # from here on another unit is easier to read
 _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 
 
@@ -40,6 +41,15 @@ class Unit(Enum):
     def curvature(self, number: str) -> str:
         """A curvature: the number, as it is written, over the unit of length."""
         return self._written(number, -1)
+
+    def legible(self, value: float, power: int) -> tuple[Unit, float]:
+        """The unit in which an area or a volume is legible, and the factor into it."""
+        unit, factor = self, 1.0
+        while abs(factor * value) >= _LEGIBLE and unit in (Unit.MILLIMETRE, Unit.CENTIMETRE):
+            larger = Unit.CENTIMETRE if unit is Unit.MILLIMETRE else Unit.METRE
+            factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
+            unit = larger
+        return unit, factor
 
     def litres(self, volume: float) -> float | None:
         """A volume in cubic mesh units as litres; None without a unit."""

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.language import tr, trc
+from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.panel.motion_field import MotionField
@@ -95,7 +95,8 @@ class HandleSection(Section):
         self.list.show_parts([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
             count = document.counts[HANDLE + k]
-            row.reading.setText(f"{count:,}" if count else tr("not painted"))
+            said = trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count)
+            row.reading.setText(said if count else tr("not painted"))
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
         self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))

@@ -73,3 +73,19 @@ def test_litres():
 )
 def test_a_bare_number_is_written_with_the_unit_that_it_is_in(wall, unit, said):
     assert Wall(*wall).written(unit) == said
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "power", "legible", "factor"),
+    [
+        (Unit.MILLIMETRE, 999_999.0, 2, Unit.MILLIMETRE, 1.0),
+        (Unit.MILLIMETRE, 1.2e6, 2, Unit.CENTIMETRE, 1e-2),
+        (Unit.MILLIMETRE, -5e9, 3, Unit.METRE, 1e-9),
+        (Unit.CENTIMETRE, 2e7, 3, Unit.METRE, 1e-6),
+        (Unit.METRE, 1e9, 2, Unit.METRE, 1.0),
+        (Unit.NONE, 1e9, 2, Unit.NONE, 1.0),
+        (Unit.CENTIMETRE, float("nan"), 3, Unit.CENTIMETRE, 1.0),
+    ],
+)
+def test_large_areas_and_volumes_are_legible_in_a_larger_unit(unit, value, power, legible, factor):
+    assert unit.legible(value, power) == (legible, pytest.approx(factor))

@@ -53,6 +53,8 @@ def test_the_readings_are_those_of_the_frame(qtbot, bottle):
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
     assert panel.handles.drift.text() == "0"
     assert "rotated 0.0°" not in panel.handles.list.rows[0].details.text()
+    held = state.document.counts[HANDLE]
+    assert panel.handles.list.rows[0].reading.text() == f"{held:,} vertices"
 
 
 def test_the_paper_lets_the_handle_drift(qtbot, bottle):
