@@ -943,3 +943,13 @@ def test_scalars_in_another_kind_of_file_are_refused_before_anything_is_done(opt
     assert status == 2
     assert err.startswith("error: ")
     assert not bar.out.exists()
+
+
+def test_info_measures_the_distance_from_another_mesh(bar, command):
+    away = bar.folder / "away.obj"
+    save_mesh(open_mesh(bar.mesh), bar.V + [0.0, 0.0, 0.25], away)
+    said = json.loads(command("info", bar.mesh, "--compare", away, "--json")[1])
+    assert said["largest_distance"] == pytest.approx(0.25)
+    assert said["largest_distance_back"] == pytest.approx(0.25)
+    assert 0.0 < said["rms_distance"] < 0.25
+    assert "apart   0.25 at most" in command("info", bar.mesh, "--compare", away)[1]

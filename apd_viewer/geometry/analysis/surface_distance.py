@@ -2,15 +2,52 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
-from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.picking.bounding_hierarchy import FAN
+from apd_viewer.geometry.linalg.threads import cores_for, parallel
+from apd_viewer.geometry.mesh.operators import vertex_areas
+from apd_viewer.geometry.picking.bounding_hierarchy import FAN, bounding_hierarchy
 
 _BITS = 3  # of FAN
 # Points per task of a core.
 _PORTION = 128
+
+
+class SurfaceDistance(NamedTuple):
+    """Distance of the vertices of one surface from another, mesh units.
+
+    Attributes
+    ----------
+    largest : float
+    rms : float
+        Root mean square, each vertex weighted by its area.
+    """
+
+    largest: float
+    rms: float
+
+
+def surface_distance(U: np.ndarray, F: np.ndarray, V: np.ndarray, G: np.ndarray) -> SurfaceDistance:
+    """Distance of the surface ``U``, ``F`` from the surface ``V``, ``G``.
+
+    Largest over both directions it is the Hausdorff distance, up to the size of the triangles.
+    """
+    area = vertex_areas(U, F)
+    on = np.unique(F)
+    away = nearest(U[on], V, G)[0]
+    return SurfaceDistance(float(away.max()), float(np.sqrt(np.average(away**2, weights=area[on]))))
+
+
+def nearest(points: np.ndarray, V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (k,) of the nearest triangle from each point, and its corners (k, 3)."""
+    boxes, away = bounding_hierarchy(V, F), np.empty(len(points))
+    which = np.empty(len(points), dtype=np.int32)
+    with cores_for(max(len(V), len(points))):
+        distances(points, np.full(points.shape, np.inf), V, *boxes, away, which)
+    return away, boxes.F[which].astype(np.int64)
 
 
 @parallel()

@@ -10,12 +10,11 @@ import numpy as np
 from numba import prange
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.analysis.surface_distance import distances
+from apd_viewer.geometry.analysis.surface_distance import nearest
 from apd_viewer.geometry.linalg.quaternions import turned
 from apd_viewer.geometry.linalg.rotations import horn
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import bounding_hierarchy
 from apd_viewer.geometry.solver.arguments import vertex_ids
 from apd_viewer.language import tr, trn
 
@@ -139,7 +138,7 @@ def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray
     """Bind the parts of ``vertices`` (l,) to the triangles ``F`` (m, 3)."""
     vertices = vertices[np.argsort(piece[vertices], kind="stable")]
     _, first, part = np.unique(piece[vertices], return_index=True, return_inverse=True)
-    away, T = _nearest(V, F, V[vertices])
+    away, T = nearest(V[vertices], V, F)
     near = _nearness(V[vertices], away, first, part)
     share = near[:, None] * _barycentric(V[T], V[vertices])
     weight = share + _AROUND * near[:, None]
@@ -154,16 +153,6 @@ def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray
         np.bincount(which, share.ravel()),
         np.bincount(which, weight.ravel()),
     )
-
-
-def _nearest(V: np.ndarray, F: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distance (l,) of the nearest triangle from each point, and its corners (l, 3)."""
-    boxes, away = bounding_hierarchy(V, F), np.empty(len(points))
-    which = np.empty(len(points), dtype=np.int32)
-    with cores_for(len(V)):
-        on = np.full(points.shape, np.inf)
-        distances(points, on, V, *boxes, away, which)
-    return away, boxes.F[which].astype(np.int64)
 
 
 def _nearness(points: np.ndarray, away: np.ndarray, first: np.ndarray, part: np.ndarray) -> np.ndarray:
