@@ -1,5 +1,7 @@
 """Moving handles by hand, by keys and by typing, with the real window."""
 
+import re
+
 import numpy as np
 import pytest
 from driving import idle
@@ -10,6 +12,8 @@ from apd_viewer.api import deform
 from apd_viewer.files.samples import resource
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
+from apd_viewer.presentation import readings
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.gizmo_layout import RING, RINGS, Along
 from apd_viewer.ui.tools.toolbox import Tool
 
@@ -289,3 +293,23 @@ def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbo
     assert session.store.state is before
     assert view.look.eye.key == eye
     assert bottle.looks.heat._mesh is before.document.mesh
+
+
+def test_a_ring_dragged_around_more_than_once_is_remembered_and_undone_at_once(qtbot, bottle, mouse):
+    at_rest = bottle.session.store.state
+    frame = bottle.canvas.gizmo.frame
+    near = np.arctan2(*frame.facing[[0, 2]])
+    at = [on_ring(bottle, 1, near + a) for a in np.linspace(-1.2, 0.2, 60)]
+    begin = next(k for k, p in enumerate(at) if frame.handle_at(p.x(), p.y()) == "ry")
+    start = near - 1.2 + 1.4 * begin / 59
+    way = [on_ring(bottle, 1, start + a) for a in np.linspace(0.0, np.deg2rad(400), 81)]
+    mouse(bottle.canvas.viewport).drag(*way)
+    document = bottle.session.store.state.document
+    assert np.rad2deg(np.linalg.norm(document.handles[0].rotation)) == pytest.approx(400, abs=1.0)
+    said = readings.motion(document, 0, Unit.NONE, max(at_rest.inspection.size))
+    assert re.search(r"rotated \+(399|400|401)\.\d°", said)
+    qtbot.waitUntil(lambda: bottle.session.store.state.frame.settled, timeout=60_000)
+    held = document.constraints()
+    np.testing.assert_allclose(bottle.session.store.state.frame.U[held.fixed], held.targets, atol=1e-9)
+    bottle.session.gestures.undo()
+    assert bottle.session.store.state is at_rest
