@@ -12,12 +12,13 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import TypedMotion, amount_of, poses_along, title_of
+from apd_viewer.session.typed_motion import amount_of, poses_along, still_to_go, title_of
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.motions import TypedMotion
     from apd_viewer.session.store import Store
 
 
@@ -57,18 +58,22 @@ class Handles:
         """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
         self._go(self._gestures.alone().document.moved(which, pose), which, gesture, repeats)
 
-    def move_by(self, motion: str, text: str, which: int, line: np.ndarray | None = None) -> None:
-        """Move a handle by a typed amount along a :class:`TypedMotion`; raises InputError.
+    def move_by(
+        self, motion: TypedMotion, text: str, which: int, line: np.ndarray | None = None, to: bool = False
+    ) -> None:
+        """Move a handle by a typed amount, or to that total; raises InputError.
 
         ``line`` (2, 3) is the axis of a bend about a line.
         """
-        state, kind = self._gestures.alone(), TypedMotion[motion]
+        state = self._gestures.alone()
         document = state.document
-        amount = amount_of(kind, text, state, self._store.unit)
-        for pose in poses_along(state.document, which, kind, amount, line):
+        amount = amount_of(motion, text, state, self._store.unit)
+        if to:
+            amount = still_to_go(document, which, motion, amount, line)
+        for pose in poses_along(state.document, which, motion, amount, line):
             document = document.moved(which, pose)
         name = document.handles[which].name
-        self._go(document, which, title_of(kind, amount, name, self._store.unit))
+        self._go(document, which, title_of(motion, amount, name, self._store.unit))
 
     def reset(self, which: int) -> None:
         """Reset one handle to its grip; the mesh follows."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +11,10 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import BASE, transform
 from apd_viewer.geometry.pose.transforms import bend, scaled_about, shifted, turned_about, twist
+from apd_viewer.geometry.pose.winding import rotation_vector
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.quantities.expressions import angle, length, number
 
 if TYPE_CHECKING:
@@ -22,45 +23,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.quantities.units import Unit
 
 
-class TypedMotion(Enum):
-    """A way to move a handle by one number."""
-
-    MOVE_X = auto()
-    MOVE_Y = auto()
-    MOVE_Z = auto()
-    TURN_X = auto()
-    TURN_Y = auto()
-    TURN_Z = auto()
-    TWIST = auto()
-    BEND_X = auto()
-    BEND_Y = auto()
-    BEND_Z = auto()
-    BEND_LINE = auto()
-    SCALE = auto()
-
-    @property
-    def kind(self) -> str:
-        """Name without the axis."""
-        return self.name.partition("_")[0]
-
-
-# Names in the undo history, before the amount.
-_MOTIONS = {
-    TypedMotion.MOVE_X: tr("Move along x"),
-    TypedMotion.MOVE_Y: tr("Move along y"),
-    TypedMotion.MOVE_Z: tr("Move along z"),
-    TypedMotion.TURN_X: tr("Rotate about x"),
-    TypedMotion.TURN_Y: tr("Rotate about y"),
-    TypedMotion.TURN_Z: tr("Rotate about z"),
-    TypedMotion.TWIST: tr("Twist"),
-    TypedMotion.BEND_X: tr("Bend about x"),
-    TypedMotion.BEND_Y: tr("Bend about y"),
-    TypedMotion.BEND_Z: tr("Bend about z"),
-    TypedMotion.BEND_LINE: tr("Bend about a line"),
-    TypedMotion.SCALE: tr("Scale"),
-}
 MOST_TURNS = 100
 _LARGEST_STEP = math.radians(90.0)
+_SAMPLE = math.radians(10.0)  # by which the axis of a motion is found
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
@@ -88,7 +53,7 @@ def title_of(motion: TypedMotion, amount: float, handle: str, unit: Unit) -> str
     else:
         said = f"{math.degrees(amount):+.4g}°"
     return tr("{motion} {amount} ({handle})").format(
-        motion=_MOTIONS[motion], amount=said.replace("-", "−"), handle=handle
+        motion=motion.title, amount=said.replace("-", "−"), handle=handle
     )
 
 
@@ -102,6 +67,25 @@ def poses_along(
     steps = max(1, math.ceil(abs(amount) / _LARGEST_STEP)) if turns else 1
     for step in range(1, steps + 1):
         yield pose_after(document, k, motion, amount * step / steps, line)
+
+
+def still_to_go(
+    document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
+) -> float:
+    """Amount of a motion left to a total since the handle was gripped.
+
+    The total of a rotation is its part about the axis of the motion.
+    """
+    handle, gripped = document.handles[k], document.centre(k)
+    if gripped is None:
+        return amount
+    if motion.kind == "MOVE":
+        way = transform(handle.pose, gripped[None])[0] - gripped
+        return amount - float(way @ _AXES[motion.name[-1]])
+    if motion is TypedMotion.SCALE:
+        return amount / float(np.cbrt(np.linalg.det(handle.pose[:3, :3])))
+    made = rotation_vector((), pose_after(document, k, motion, _SAMPLE, line) @ np.linalg.inv(handle.pose))
+    return amount - float(handle.rotation @ made) / _SAMPLE
 
 
 def pose_after(

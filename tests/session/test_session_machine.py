@@ -14,10 +14,10 @@ from meshes import box, rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.store import Activity
-from apd_viewer.session.typed_motion import TypedMotion
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))
 
@@ -248,7 +248,7 @@ class Use(RuleBasedStateMachine):
     def type_motion(self, k, motion, text) -> None:
         before = self._before_act()
         with contextlib.suppress(InputError):
-            self.session.handles.move_by(motion.name, text, k % len(before.document.handles))
+            self.session.handles.move_by(motion, text, k % len(before.document.handles))
         self._problem_was_said(before)
         self._acted(before)
 

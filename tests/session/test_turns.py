@@ -7,6 +7,7 @@ from driven_session import Driven
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.transforms import twist
 from apd_viewer.presentation import readings
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
@@ -50,7 +51,7 @@ def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(bottle, tm
     bottle.gestures.undo()
     assert bottle.store.state is at_rest
 
-    bottle.handles.move_by("TWIST", "400deg", 0)
+    bottle.handles.move_by(TypedMotion.TWIST, "400deg", 0)
     assert bottle.wait_idle(120)
     assert reading(bottle) == "+400.0°"
     typed = bottle.U
@@ -67,7 +68,7 @@ def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(bottle, tm
     bottle.gestures.undo()
     assert bottle.store.state is at_rest
     for angle in ("160", "160", "80"):
-        bottle.handles.move_by("TWIST", angle, 0)
+        bottle.handles.move_by(TypedMotion.TWIST, angle, 0)
     assert bottle.wait_idle(120)
     assert reading(bottle) == "+400.0°"
     assert np.abs(bottle.U - typed).max() <= 1e-3 * diagonal(bottle), "other digits, other wrinkles"
@@ -78,22 +79,22 @@ def test_by_hand_typed_and_repeated_end_in_the_same_shape_and_reading(bottle, tm
 )
 def test_the_total_has_its_sign(session, steps, total):
     for degrees in steps:
-        session.handles.move_by("TWIST", f"{degrees}deg", 0)
+        session.handles.move_by(TypedMotion.TWIST, f"{degrees}deg", 0)
     assert reading(session) == total
 
 
 def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
     rest = session.store.state.document.mesh.V
-    session.handles.move_by("TWIST", "300", 0)
+    session.handles.move_by(TypedMotion.TWIST, "300", 0)
     session.settle()
-    session.handles.move_by("TWIST", "-300", 0)
+    session.handles.move_by(TypedMotion.TWIST, "-300", 0)
     session.settle()
     assert not session.store.state.document.winds
     np.testing.assert_allclose(session.U, rest, atol=1e-3)
 
 
 def test_reset_forgets_the_turns(session):
-    session.handles.move_by("TWIST", "1 turn", 0)
+    session.handles.move_by(TypedMotion.TWIST, "1 turn", 0)
     assert reading(session) == "+360.0°"
     assert session.gestures.history.done[-1] == "Twist +360° (Handle 1)"
     session.handles.reset(0)
@@ -102,7 +103,7 @@ def test_reset_forgets_the_turns(session):
 
 
 def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
-    session.handles.move_by("TWIST", "400", 0)
+    session.handles.move_by(TypedMotion.TWIST, "400", 0)
     session.settings.set_stiffness(1e-3)
     session.settle()
     state = session.store.state
@@ -112,7 +113,7 @@ def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
 
 
 def test_a_sweep_goes_around_twice(session):
-    session.handles.move_by("TWIST", "720", 0)
+    session.handles.move_by(TypedMotion.TWIST, "720", 0)
     sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
     assert sweep.abscissa == "degrees"
     steps = list(sweep.steps())
@@ -123,7 +124,7 @@ def test_a_sweep_goes_around_twice(session):
 
 
 def test_half_a_turn_has_its_way(session):
-    session.handles.move_by("TWIST", "-180", 0)
+    session.handles.move_by(TypedMotion.TWIST, "-180", 0)
     assert reading(session) == "−180.0°"
     steps = list(sweep_of(session.store.state.document, 2, methods=["arap"], iterations=5).steps())
     assert steps[1].degrees == pytest.approx(90.0)
@@ -132,5 +133,5 @@ def test_half_a_turn_has_its_way(session):
 def test_more_turns_than_anyone_means_are_refused(session):
     before = session.store.state
     with pytest.raises(Exception, match="at most 100 turns"):
-        session.handles.move_by("TWIST", "101 turn", 0)
+        session.handles.move_by(TypedMotion.TWIST, "101 turn", 0)
     assert session.store.state is before

@@ -7,8 +7,9 @@ from meshes import rotation
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.typed_motion import TypedMotion, amount_of, names_of, pose_after
+from apd_viewer.session.typed_motion import amount_of, names_of, pose_after
 
 pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}
@@ -35,7 +36,7 @@ def bent(session):
 
 @pytest.mark.parametrize("letter", "XYZ")
 def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
-    bent.handles.move_by(f"MOVE_{letter}", "0.15L + 0.1", 0)
+    bent.handles.move_by(TypedMotion[f"MOVE_{letter}"], "0.15L + 0.1", 0)
     expected = np.eye(4)
     expected[:3, 3] = (0.15 * max(bent.store.state.inspection.size) + 0.1) * np.array(AXES[letter])
     np.testing.assert_allclose(by(bent), expected, atol=1e-12)
@@ -45,7 +46,7 @@ def test_a_length_moves_along_an_axis_by_so_much(bent, letter):
 def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, letter):
     for kind, which in (("TURN", 1), ("BEND", 0)):
         fixed = centres(bent)[which]
-        bent.handles.move_by(f"{kind}_{letter}", "30deg", 0)
+        bent.handles.move_by(TypedMotion[f"{kind}_{letter}"], "30deg", 0)
         motion = by(bent)
         np.testing.assert_allclose(motion[:3, :3], rotation(AXES[letter], np.pi / 6), atol=1e-12)
         np.testing.assert_allclose(transform(motion, fixed[None])[0], fixed, atol=1e-12)
@@ -53,7 +54,7 @@ def test_an_angle_turns_about_the_centre_and_bends_about_that_of_the_base(bent, 
 
 def test_a_twist_turns_about_the_line_between_the_centres(bent):
     base, handle = centres(bent)
-    bent.handles.move_by("TWIST", "1/6 turn", 0)
+    bent.handles.move_by(TypedMotion.TWIST, "1/6 turn", 0)
     motion = by(bent)
     for point in (base, handle, 2 * handle - base):
         np.testing.assert_allclose(transform(motion, point[None])[0], point, atol=1e-11)
@@ -62,14 +63,14 @@ def test_a_twist_turns_about_the_line_between_the_centres(bent):
 
 def test_a_factor_scales_about_the_centre(bent):
     _, handle = centres(bent)
-    bent.handles.move_by("SCALE", "80%", 0)
+    bent.handles.move_by(TypedMotion.SCALE, "80%", 0)
     np.testing.assert_allclose(by(bent)[:3, :3], 0.8 * np.eye(3), atol=1e-12)
     np.testing.assert_allclose(centres(bent)[1], handle, atol=1e-12)
 
 
 def test_a_motion_is_one_step_and_the_shape_follows(bent):
     before, steps = bent.store.state, len(bent.gestures.history.done)
-    bent.handles.move_by("TWIST", "20", 0)
+    bent.handles.move_by(TypedMotion.TWIST, "20", 0)
     assert bent.gestures.history.done[steps:] == ["Twist +20° (Handle 1)"]
     bent.settle()
     held = bent.store.state.document.constraints()
@@ -82,7 +83,7 @@ def test_a_motion_is_one_step_and_the_shape_follows(bent):
 def test_what_is_no_angle_is_refused_in_a_sentence_and_nothing_moves(bent, text):
     before = bent.store.state.document
     with pytest.raises(InputError, match=r"\.$"):
-        bent.handles.move_by("TWIST", text, 0)
+        bent.handles.move_by(TypedMotion.TWIST, text, 0)
     assert bent.store.state.document is before
 
 
@@ -160,7 +161,7 @@ def test_travelling_leads_to_the_very_states_that_were_there(bent):
     states = [bent.store.state]
     start = len(bent.gestures.history.done)
     for angle in (5, 10, 15):
-        bent.handles.move_by("TWIST", f"{angle}", 0)
+        bent.handles.move_by(TypedMotion.TWIST, f"{angle}", 0)
         bent.settle()
         states.append(bent.store.state)
     for steps in (1, 3, 0, 2, 2, 3, 0):
@@ -169,3 +170,19 @@ def test_travelling_leads_to_the_very_states_that_were_there(bent):
         names = [f"Twist +{angle}° (Handle 1)" for angle in (5, 10, 15)]
         assert bent.gestures.history.done[start:] == names[:steps]
         assert bent.gestures.history.undone == names[steps:]
+
+
+@pytest.mark.parametrize(
+    ("motion", "total"),
+    [("TWIST", "30deg"), ("TURN_Y", "-250deg"), ("MOVE_Z", "1.5"), ("SCALE", "1.25"), ("BEND_X", "20deg")],
+)
+def test_a_total_is_reached_from_wherever_the_handle_is(session, motion, total):
+    session.handles.move_by(TypedMotion[motion], total, 0)
+    there = session.store.state.document.handles[0]
+    session.gestures.undo()
+    amounts = {"MOVE": "0.2", "SCALE": "80%"}
+    session.handles.move_by(TypedMotion[motion], amounts.get(TypedMotion[motion].kind, "300deg"), 0)
+    session.handles.move_by(TypedMotion[motion], total, 0, to=True)
+    handle = session.store.state.document.handles[0]
+    np.testing.assert_allclose(handle.pose, there.pose, atol=1e-9)
+    np.testing.assert_allclose(handle.rotation, there.rotation, atol=1e-9)

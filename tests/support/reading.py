@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
@@ -212,7 +213,7 @@ def settings(driver):
     driver.idle()
     session.files.load_selection(driver.folder / "bar.sel")
     driver.idle()
-    session.handles.move_by("TWIST", "30", 0)
+    session.handles.move_by(TypedMotion.TWIST, "30", 0)
     driver.idle()
     for method in ("exact", "local", "paper", "arap"):
         session.settings.set_method(method)
@@ -295,7 +296,7 @@ def mistakes(driver):
         ("MOVE_X", "5mm"), ("SCALE", "x + 1"), ("SCALE", "1/0"), ("SCALE", "sin"), ("SCALE", "sqrt(L)"),
         ("SCALE", "(2"), ("TWIST", "1+1deg"), ("SCALE", "1,234"), ("SCALE", "asin(2)"), ("SCALE", "9" * 400),
     ):  # fmt: skip
-        driver.window.editing.move_by(motion, text)
+        driver.window.editing.move_by(TypedMotion[motion], text, False)
         driver.scene("a motion that is none", field._problem)
         field._problem.hide()
     for name in ("gone.obj", "odd.xyz", "broken.obj"):

@@ -10,6 +10,7 @@ from PySide6.QtGui import QAccessible, QImage
 from PySide6.QtWidgets import QAbstractButton, QWidget
 
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.tools.toolbox import Tool
 
 SCHEMES = Qt.ColorScheme.Light, Qt.ColorScheme.Dark
@@ -27,7 +28,7 @@ def everything(window):
     actions.pose.parts[0].trigger()
     actions.pose.parts[2].trigger()
     window.session.settings.set_region_area(0, 100.0)
-    window.session.handles.move_by("TWIST", "20", 0)
+    window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     window.tools.take(Tool.HANDLE)
     window.panel.folded = []
     window.notice.fail("Something went wrong; do something else.")

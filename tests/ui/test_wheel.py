@@ -7,6 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QScrollBar, QTabBar
 
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.sharing.picture_dialog import PictureDialog
 from apd_viewer.ui.sharing.pictures import Wish
 from apd_viewer.ui.tools.toolbox import Tool
@@ -121,7 +122,7 @@ def dialog_of(window, name):
         window.studies.paper()
         return window.studies.dialogs["paper"]
     if name == "compare":
-        window.session.handles.move_by("TWIST", "20deg", 0)
+        window.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
         actions.pose.compare.trigger()
         return window.comparing.window
     pictures = window.reporting.pictures

@@ -13,6 +13,7 @@ from apd_viewer.ui.overlays.text_entry import Typed
 from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.motions import TypedMotion
     from apd_viewer.session.model.part_operation import PartOperation
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
@@ -147,13 +148,13 @@ class Editing:
         if self._may_begin() and (pose := self._canvas.nudged(step)) is not None:
             self._session.handles.pose(pose, self._parts.handle, tr("Nudge handle"), repeats=True)
 
-    def move_by(self, motion: str, text: str) -> None:
+    def move_by(self, motion: TypedMotion, text: str, to: bool) -> None:
         """Move the active handle by a typed motion, or show an error in the field."""
         if not self._is_open:
             return
         field = self._panel.handles.motion
         try:
-            self._session.handles.move_by(motion, text, self._parts.handle, self._canvas.line)
+            self._session.handles.move_by(motion, text, self._parts.handle, self._canvas.line, to)
         except InputError as error:
             field.refuse(str(error))
         else:

@@ -5,34 +5,20 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
-from apd_viewer.language import tr
+from apd_viewer.language import tr, trc
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import quiet
 
-# The names of Motion, which is loaded later, in the order that they are offered.
-_MOTIONS = {
-    "TWIST": tr("Twist"),
-    "MOVE_X": tr("Move along x"),
-    "MOVE_Y": tr("Move along y"),
-    "MOVE_Z": tr("Move along z"),
-    "TURN_X": tr("Rotate about x"),
-    "TURN_Y": tr("Rotate about y"),
-    "TURN_Z": tr("Rotate about z"),
-    "BEND_X": tr("Bend about x"),
-    "BEND_Y": tr("Bend about y"),
-    "BEND_Z": tr("Bend about z"),
-    "BEND_LINE": tr("About a line"),
-    "SCALE": tr("Scale"),
-}
-_LINE = "BEND_LINE"
 _TIPS = {
     "MOVE": tr("Along an axis: a length such as 12, 0.15L or 5mm; L is the longest side of the mesh"),
     "TURN": tr("About an axis through the centre of the handle: an angle such as 60deg or 1/6 turn"),
     "TWIST": tr("About the line from the centre of the base to that of the handle: an angle such as 60deg"),
     "BEND": tr("About an axis through the centre of the base: an angle such as 30deg"),
-    _LINE: tr("Click two points of the mesh: the bend is about the line through them"),
+    "LINE": tr("Click two points of the mesh: the bend is about the line through them"),
     "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
 }
+_RELATION = tr("“by” moves on from where the handle is, “to” goes to a total since it was gripped")
 
 
 class MotionField(QWidget):
@@ -40,24 +26,27 @@ class MotionField(QWidget):
 
     Attributes
     ----------
-    typed : Signal(str, str)
-        Name of the motion, and what was typed.
+    typed : Signal(TypedMotion, str, bool)
+        The motion, what was typed, and whether it is the total to go to.
     line_asked : Signal()
         The line to bend about is to be picked on the mesh.
     """
 
-    typed = Signal(str, str)
+    typed = Signal(TypedMotion, str, bool)
     line_asked = Signal()
 
     def __init__(self) -> None:
         super().__init__()
         self.choice = Choice(accessibleName=tr("Handle motion"))
-        for name, title in _MOTIONS.items():
-            self.choice.addItem(title, name)
-        self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS[_LINE])
+        for motion in TypedMotion:
+            self.choice.addItem(motion.title, motion.name)
+        self.relation = Choice(accessibleName=tr("By an amount or to a total"), toolTip=_RELATION)
+        self.relation.addItem(trc("amount", "by"), False)
+        self.relation.addItem(trc("amount", "to"), True)
+        self.pick = QPushButton(tr("Pick line"), toolTip=_TIPS["LINE"])
         self.pick.clicked.connect(self.line_asked)
         self.amount = Entry(accessibleName=tr("Amount"), placeholderText="60deg")
-        self.amount.returnPressed.connect(lambda: self.typed.emit(self.motion, self.amount.text()))
+        self.amount.returnPressed.connect(self._type)
         self.choice.currentIndexChanged.connect(self._choose)
         self._problem = quiet(tr("Error in the amount"))
         self._problem.setObjectName("unreached")
@@ -65,6 +54,7 @@ class MotionField(QWidget):
         self._problem.hide()
         line = QHBoxLayout(spacing=8)
         line.addWidget(self.choice, 1)
+        line.addWidget(self.relation)
         line.addWidget(self.amount, 1)
         column = QVBoxLayout(self, spacing=4)
         column.setContentsMargins(0, 4, 0, 4)
@@ -74,18 +64,19 @@ class MotionField(QWidget):
         self._choose()
 
     @property
-    def motion(self) -> str:
-        """Name of the chosen motion."""
-        return str(self.choice.currentData())
+    def motion(self) -> TypedMotion:
+        """The chosen motion."""
+        return TypedMotion[self.choice.currentData()]
 
     @property
     def about_line(self) -> bool:
         """True for a motion about a line picked on the mesh."""
-        return self.motion == _LINE
+        return self.motion is TypedMotion.BEND_LINE
 
     def clear(self) -> None:
         """Begin anew, for another mesh."""
         self.choice.setCurrentIndex(0)
+        self.relation.setCurrentIndex(0)
         self.amount.clear()
         self._problem.hide()
 
@@ -100,8 +91,11 @@ class MotionField(QWidget):
         self._problem.show()
         self.amount.selectAll()
 
+    def _type(self) -> None:
+        self.typed.emit(self.motion, self.amount.text(), self.relation.currentData())
+
     def _choose(self) -> None:
-        kind = _LINE if self.about_line else self.motion.partition("_")[0]
+        kind = "LINE" if self.about_line else self.motion.kind
         self.pick.setVisible(self.about_line)
         self.amount.setToolTip(_TIPS[kind])
         self.choice.setToolTip(_TIPS[kind])

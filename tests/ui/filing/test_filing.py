@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.scales import Measure
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
@@ -26,7 +27,7 @@ def chosen(monkeypatch):
 
 def test_a_session_shows_the_same_picture_again(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "twisted.apd"
-    bottle.session.handles.move_by("TWIST", "45", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
     bottle._choose_unit(Unit.CENTIMETRE)
     bottle.canvas.viewport.look.eye = bottle.canvas.viewport.look.eye.orbited(60, 20)
     idle(qtbot, bottle)
@@ -59,7 +60,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
     idle(qtbot, bottle)
     size = path.stat().st_size
     chosen["ask_for_session"] = None
-    bottle.session.handles.move_by("TWIST", "5", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "5", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)
@@ -75,7 +76,7 @@ def test_save_writes_to_where_the_session_is_and_asks_only_once(qtbot, bottle, t
 def test_a_window_opens_a_session_at_its_start(qtbot, bottle, tmp_path, chosen):
     path = tmp_path / "s.apd"
     chosen["ask_for_session"] = path, False
-    bottle.session.handles.move_by("TWIST", "30", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "30", 0)
     idle(qtbot, bottle)
     bottle.actions_.file.save.trigger()
     idle(qtbot, bottle)

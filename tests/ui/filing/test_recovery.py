@@ -29,6 +29,7 @@ PROGRAM = """
 import sys
 from pathlib import Path
 from PySide6.QtCore import QSettings
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.ui.application import make_application
 application = make_application([])
 from apd_viewer.ui.shell import Shell
@@ -39,7 +40,7 @@ shell.requests.open_sample("bottle")
 shell.show()
 window = Workbench(shell, folder / "recovery")
 assert window.session.wait_idle(20.0)
-window.session.handles.move_by("TWIST", "20", 0)
+window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
 assert window.session.wait_idle(20.0)
 application.exec()
 """

@@ -6,6 +6,7 @@ from driving import idle
 from PySide6.QtCore import Qt
 
 from apd_viewer.files.samples import open_sample
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.recovery import owned
@@ -59,7 +60,7 @@ def test_what_is_put_off_is_offered_again(qtbot, started, left):
 
 def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
     first = started()
-    first.session.handles.move_by("TWIST", "20", 0)
+    first.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     assert started().recovery.isHidden()
 
@@ -67,7 +68,7 @@ def test_two_windows_do_not_offer_each_others_work(qtbot, started, folder):
 def test_a_clean_end_leaves_nothing(qtbot, started, folder):
     window = started()
     assert window.recovery.isHidden()
-    window.session.handles.move_by("TWIST", "20", 0)
+    window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     qtbot.waitUntil(lambda: list(folder.glob("*.apd")) != [], timeout=5000)
     idle(qtbot, window)
     window.shell.close()

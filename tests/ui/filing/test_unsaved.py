@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
@@ -19,7 +20,7 @@ LEFT = Qt.MouseButton.LeftButton
 CHANGES = {
     "paint": lambda session: paint(session),
     "setting": lambda session: session.settings.set_stiffness(0.01),
-    "shape": lambda session: session.handles.move_by("TWIST", "20", 0),
+    "shape": lambda session: session.handles.move_by(TypedMotion.TWIST, "20", 0),
 }
 
 

@@ -19,6 +19,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
@@ -64,8 +65,8 @@ def twisted(qtbot, window, file):
     window.session.parts.add_region()
     wanted = window.session.store.state.document.mesh.V[:, 1] > 12.0
     window.session.painting.set_part(Part(1, is_region=True), wanted, "Paint region")
-    window.session.handles.move_by("TWIST", "20", 0)
-    window.session.handles.move_by("MOVE_Y", "0.25", 0)
+    window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
+    window.session.handles.move_by(TypedMotion.MOVE_Y, "0.25", 0)
     idle(qtbot, window)
     qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
     return window

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QFileDialog, QLabel
 
 from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.storage.session_file import open_session
 from apd_viewer.ui.widgets.figure_list import FigureView
 
@@ -85,7 +86,7 @@ def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_
 
 
 def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, monkeypatch):
-    bar.session.handles.move_by("MOVE_X", "0.5", 0)
+    bar.session.handles.move_by(TypedMotion.MOVE_X, "0.5", 0)
     idle(qtbot, bar)
     bar.actions_.pose.sweep.trigger()
     dialog = bar.studies.dialogs["sweep"]

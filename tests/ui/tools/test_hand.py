@@ -13,6 +13,7 @@ from apd_viewer.files.samples import resource
 from apd_viewer.files.selections.survey_formats import read_transform
 from apd_viewer.geometry.pose.constraints import HANDLE, transform
 from apd_viewer.presentation import readings
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.tools.gizmo_layout import RING, RINGS, Along
 from apd_viewer.ui.tools.toolbox import Tool
@@ -201,7 +202,7 @@ def test_arrow_keys_nudge_in_the_picture_and_nowhere_else(qtbot, bottle):
 
 def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
     gizmo, along = bottle.canvas.gizmo, bottle.actions_.pose.along
-    bottle.session.handles.move_by("TURN_X", "30", 0)
+    bottle.session.handles.move_by(TypedMotion.TURN_X, "30", 0)
     along[Along.HANDLE].trigger()
     np.testing.assert_allclose(gizmo.frame.axes, pose(bottle)[:3, :3].T, atol=1e-12)
     along[Along.VIEW].trigger()
@@ -216,7 +217,7 @@ def test_the_axes_of_the_gizmo_are_those_that_were_chosen(bottle):
 def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
     back = bottle.panel.handles.back
     assert not back.isEnabled()
-    bottle.session.handles.move_by("TWIST", "20", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     assert back.isEnabled()
     qtbot.mouseClick(back, Qt.MouseButton.LeftButton)
     assert not bottle.session.store.state.document.posed
@@ -226,7 +227,7 @@ def test_a_handle_is_put_back_by_its_button(qtbot, bottle):
 def test_a_click_in_the_history_goes_there(qtbot, bottle):
     states = [bottle.session.store.state]
     for angle in ("10", "20"):
-        bottle.session.handles.move_by("TWIST", angle, 0)
+        bottle.session.handles.move_by(TypedMotion.TWIST, angle, 0)
         idle(qtbot, bottle)
         states.append(bottle.session.store.state)
     bottle.tools.take(Tool.ORBIT)
@@ -254,9 +255,9 @@ def test_a_picked_pivot_is_what_rings_turn_about_and_a_step_of_undo(bottle, mous
     assert view.look.eye.key == eye.key
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point, atol=1e-9)
     assert session.gestures.history.next_undo == "Move pivot"
-    session.handles.move_by("TURN_Z", "30deg", 0)
+    session.handles.move_by(TypedMotion.TURN_Z, "30deg", 0)
     np.testing.assert_allclose(transform(pose(bottle), point[None])[0], point, atol=1e-9)
-    session.handles.move_by("MOVE_X", "1", 0)
+    session.handles.move_by(TypedMotion.MOVE_X, "1", 0)
     np.testing.assert_allclose(bottle.canvas.gizmo.frame.centre, point + [1, 0, 0], atol=1e-9)
     bottle.actions_.pose.pivots[2].trigger()
     centre = transform(pose(bottle), session.store.state.document.centre(0)[None])[0]
@@ -279,7 +280,7 @@ def test_escape_calls_the_picking_of_a_pivot_off(bottle, mouse):
 def test_baking_moves_neither_camera_nor_tool_and_nothing_has_changed_since(qtbot, bottle):
     session, view = bottle.session, bottle.canvas.viewport
     bottle.tools.take(Tool.BASE)
-    session.handles.move_by("BEND_Z", "20deg", 0)
+    session.handles.move_by(TypedMotion.BEND_Z, "20deg", 0)
     assert session.wait_idle(20.0)
     before, eye, title = session.store.state, view.look.eye.key, bottle.shell.windowTitle()
     bottle.actions_.bake.trigger()
