@@ -15,6 +15,7 @@ from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.typed_motion import amount_of, poses_along, still_to_go, title_of
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
@@ -36,6 +37,7 @@ class Handles:
         self._store = store
         self._gestures = gestures
         self._listener = listener
+        self._warned: Mesh | None = None
 
     def drag(self, pose: np.ndarray, which: int = 0) -> None:
         """Move a handle on to a pose (4, 4), relative to its grip, within a gesture."""
@@ -52,7 +54,7 @@ class Handles:
         self._gestures.end(name)
         document = self._store.required().document
         if dragged and document.winds:
-            self._store.walk(without_last_digits(document))
+            self._walk(document)
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
         """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
@@ -89,9 +91,21 @@ class Handles:
         elif not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints):
             self._gestures.record(gesture, state, repeats)
             if document.winds:
-                self._store.walk(without_last_digits(document))
+                self._walk(document)
             else:
                 self._store.solve(document)
+
+    def _walk(self, document: Document) -> None:
+        """Solve a document along its winding paths, and say once what may come of it."""
+        if document.mesh is not self._warned:
+            self._warned = document.mesh
+            self._listener.told(
+                tr(
+                    "Beyond half a turn a thin wall may pass through itself and unwind; "
+                    "the handle keeps its turns."
+                )
+            )
+        self._store.walk(without_last_digits(document))
 
     def set_pivot(self, point: np.ndarray | None, which: int) -> None:
         """Set a handle's pivot to a ``point`` (3,) on screen; None is its centre."""

@@ -41,8 +41,11 @@ class Choice(QComboBox):
         pass_wheel(self)
 
     def sizeHint(self) -> QSize:
-        """As high as a field."""
-        return QSize(super().sizeHint().width(), max(28, self.fontMetrics().height() + 12))
+        """As high as a field, with room for its longest entry."""
+        texts = [self.itemText(k) for k in range(self.count())]
+        longest = max((self.fontMetrics().horizontalAdvance(text) for text in texts), default=0)
+        width = max(super().sizeHint().width(), longest + 40)
+        return QSize(width, max(28, self.fontMetrics().height() + 12))
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the choice and a chevron."""
