@@ -15,6 +15,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.presentation.color_maps import DIVERGING, SEQUENTIAL
 from apd_viewer.presentation.palette import FREE_COLOR
 from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.legend import Legend
@@ -227,7 +228,7 @@ def test_the_range_is_typed_and_the_fit_is_a_click_away(qtbot, area):
 
 def test_the_largest_local_area_change_is_one_number_in_panel_and_legend(qtbot, bottle):
     choose(qtbot, bottle, Measure.AREA)
-    bottle.session.handles.move_by("TWIST", "60deg", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "60deg", 0)
     idle(qtbot, bottle)
     legend, panel = bottle.looks.legend, bottle.panel.area
     settle(qtbot, bottle.canvas.viewport)
