@@ -127,7 +127,7 @@ class Bench:
 
     def upload(self) -> None:
         self.surface._arrays.data.points.VTKObject.Modified()
-        self.surface.normals.VTKObject.Modified()
+        self.surface._arrays.data.point_data["Normals"].VTKObject.Modified()
         self.view.update()
 
     def move(self) -> None:
