@@ -153,7 +153,7 @@ def test_one_handle_is_put_back_and_the_paint_stays(bent):
 def test_a_step_names_the_amount_and_the_handle(bent, motion, text, name):
     bent.store.unit = Unit.CENTIMETRE
     bent.parts.rename_handle(0, "Cap")
-    bent.handles.move_by(motion, text, 0)
+    bent.handles.move_by(TypedMotion[motion], text, 0)
     assert bent.gestures.history.next_undo == name
 
 
