@@ -181,7 +181,7 @@ def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
     document, said = state.document, []
     rest, targets = document.rest_areas, [region.area for region in document.regions]
     for at_rest, now, target in zip(rest, state.frame.regions, targets, strict=False):
-        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("no triangles yet")
+        part = f"{100 * now / at_rest:.2f} %" if at_rest > 0.0 else tr("empty")
         kept = at_rest > 0.0 and target is not None and abs(100 * now / at_rest - target) <= _KEPT
         if kept and not document.traits.keeps_only_total_area:
             part = tr("{area}, kept").format(area=part)

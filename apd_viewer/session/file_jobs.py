@@ -151,12 +151,17 @@ class Files:
         self._write(tr("Saving {name}").format(name=path.name), write, saved)
 
     def load_selection(self, path: str | Path) -> None:
-        """Replace the paint by a selection file, in the background."""
+        """Replace the paint by a selection file, in the background.
+
+        Refused while a part is locked.
+        """
         path, mesh = Path(path), self._store.required().document.mesh
 
         def loaded(selection: Selection) -> None:
             state = self._gestures.alone()
-            if state.document.mesh is mesh:  # another mesh may have been opened meanwhile
+            if any(locked.any() for locked in state.document.flags.locked):
+                self._listener.failed(tr("A selection replaces all parts; unlock them first."))
+            elif state.document.mesh is mesh:  # another mesh may have been opened meanwhile
                 self._gestures.record(tr("Load selection"), state)
                 self._store.regrip(state.document, with_selection(state.document, selection))
                 self._listener.told(about_loaded_selection(path.name, selection))

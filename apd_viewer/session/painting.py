@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.session.model.document_parts import with_next_region
+from apd_viewer.language import tr
+from apd_viewer.session.model.document_parts import cleared, with_next_region
 from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.part_operations import reshaped
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.painted_part import Part
     from apd_viewer.session.store import Store
 
@@ -23,11 +27,13 @@ class Painting:
     ----------
     store : Store
     gestures : Gestures
+    listener : Listener
     """
 
-    def __init__(self, store: Store, gestures: Gestures) -> None:
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
         self._store = store
         self._gestures = gestures
+        self._listener = listener
 
     def paint(self, ids: np.ndarray, label: int) -> None:
         """Label the vertices ``ids`` within the current gesture; the shape stays as it is."""
@@ -61,13 +67,23 @@ class Painting:
 
     def set_part(self, part: Part, wanted: np.ndarray, gesture: str) -> None:
         """Set the members of a part, (n,) bool, as one step of undo."""
-        document = part.become(self._gestures.alone().document, wanted)
-        self._gestures.begin()
-        asks = part.is_region and document.asks_of_regions
-        (self._store.solve if asks else self._store.set_document)(document)
-        self.end_stroke(gesture)
+        self._repaint(part.become(self._gestures.alone().document, wanted), gesture)
 
     def reshape(self, part: Part, operation: PartOperation) -> None:
-        """Apply an operation to a part as a whole."""
-        wanted = reshaped(self._gestures.alone(), part, operation)
-        self.set_part(part, wanted, operation.value)
+        """Apply an operation to a part as a whole; a locked one is refused."""
+        state = self._gestures.alone()
+        if part.exists(state.document) and part.flags(state.document).locked:
+            self._listener.failed(about_lock(part.name(state.document)))
+        else:
+            self.set_part(part, reshaped(state, part, operation), operation.value)
+
+    def clear_all(self) -> None:
+        """Erase all paint but that of locked parts."""
+        self._repaint(cleared(self._gestures.alone().document), tr("Clear all"))
+
+    def _repaint(self, document: Document, gesture: str) -> None:
+        before = self._store.required().document
+        self._gestures.begin()
+        asks = document.member is not before.member and document.asks_of_regions
+        (self._store.solve if asks else self._store.set_document)(document)
+        self.end_stroke(gesture)

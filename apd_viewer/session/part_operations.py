@@ -1,4 +1,4 @@
-"""Operations on a painted part: grow, shrink, smooth, invert, mirror."""
+"""Operations on a painted part: grow, shrink, smooth, invert, mirror, clear."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ _OPERATIONS: dict[PartOperation, Reshape] = {
     PartOperation.SHRINK: lambda state, member: shrunk(state.skin.start, state.skin.neighbour, member),
     PartOperation.SMOOTH: _smoothed,
     PartOperation.INVERT: lambda _, member: ~member,
+    PartOperation.CLEAR: lambda _, member: np.zeros_like(member),
     PartOperation.MIRROR_X: _mirrored_along(0),
     PartOperation.MIRROR_Y: _mirrored_along(1),
     PartOperation.MIRROR_Z: _mirrored_along(2),

@@ -1,4 +1,4 @@
-"""Adding, removing and renaming handles and regions; each is a step of undo."""
+"""Adding, removing, renaming, locking and hiding parts; each is a step of undo."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.files.selections.selection import MOST_REGIONS
-from apd_viewer.geometry.pose.constraints import MOST_HANDLES
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import with_next_region, without_handle, without_region
 from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.names import new_name, next_name
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.status_text import about_lock
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Parts:
-    """Adds, removes and renames handles and regions.
+    """Adds, removes and renames handles and regions; locks and hides parts.
 
     Parameters
     ----------
@@ -50,6 +52,8 @@ class Parts:
     def remove_handle(self, k: int) -> None:
         """Remove handle ``k`` and free its vertices; the others are gripped anew."""
         state = self._gestures.alone()
+        if self._refused(Part(HANDLE + k)):
+            return
         self._gestures.record(tr("Remove handle"), state)
         self._store.regrip(state.document, without_handle(state.document, k))
 
@@ -79,6 +83,8 @@ class Parts:
     def remove_region(self, k: int) -> None:
         """Remove region ``k`` with its target."""
         state = self._gestures.alone()
+        if self._refused(Part(k + 1, is_region=True)):
+            return
         self._gestures.record(tr("Remove region"), state)
         asked = state.document.regions[k].area is not None
         (self._store.solve if asked else self._store.set_document)(without_region(state.document, k))
@@ -92,3 +98,27 @@ class Parts:
             self._gestures.record(tr("Rename"), state)
             region = state.document.regions[k]
             self._store.set_document(state.document.with_region(k, replace(region, name=name)))
+
+    def lock(self, part: Part, on: bool) -> None:
+        """Protect a part from being painted, or no longer."""
+        self._flag(part, tr("Lock") if on else tr("Unlock"), locked=on)
+
+    def hide(self, part: Part, on: bool) -> None:
+        """Draw a part in its colour no longer, or again."""
+        self._flag(part, tr("Hide") if on else tr("Show"), hidden=on)
+
+    def _flag(self, part: Part, gesture: str, **on: bool) -> None:
+        state = self._gestures.alone()
+        if part.exists(state.document):
+            before = part.flags(state.document)
+            if (flags := before._replace(**on)) != before:
+                self._gestures.record(gesture, state)
+                self._store.set_document(part.flagged(state.document, flags))
+
+    def _refused(self, part: Part) -> bool:
+        """True if the part is locked, and say so."""
+        document = self._store.required().document
+        locked = part.flags(document).locked
+        if locked:
+            self._listener.failed(about_lock(part.name(document)))
+        return locked

@@ -57,7 +57,7 @@ class Session:
         self._worker = Worker(listener.wake)
         self.store = store = Store(listener, self._worker)
         self.gestures = gestures = Gestures(store, listener)
-        self.painting = Painting(store, gestures)
+        self.painting = Painting(store, gestures, listener)
         self.handles = Handles(store, gestures, listener)
         self.parts = Parts(store, gestures, listener)
         self.settings = Settings(store, gestures, listener)

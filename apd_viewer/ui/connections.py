@@ -6,13 +6,18 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.ui.tools.click_tool import ClickSelector
-from apd_viewer.ui.tools.toolbox import Way
+from apd_viewer.ui.tools.toolbox import Tool, Way
 
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
+    from apd_viewer.ui.panel.part_list import PartList
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas
 
@@ -45,6 +50,18 @@ def connect_parts(panel: Panel, session: Session, parts: ActiveParts) -> None:
     panel.regions.list.renamed.connect(session.parts.rename_region)
     panel.regions.list.removed.connect(parts.remove_region)
     panel.regions.kept.connect(session.settings.set_region_area)
+    panel.paint.base.hidden_asked.connect(partial(session.parts.hide, Part(BASE)))
+    panel.paint.base.locked_asked.connect(partial(session.parts.lock, Part(BASE)))
+    panel.paint.base.clear_asked.connect(partial(session.painting.reshape, Part(BASE), PartOperation.CLEAR))
+    panel.paint.clear_all.clicked.connect(lambda: session.painting.clear_all())
+    _connect_flags(panel.handles.list, session, lambda k: Part(HANDLE + k))
+    _connect_flags(panel.regions.list, session, lambda k: Part(k + 1, is_region=True))
+
+
+def _connect_flags(rows: PartList, session: Session, part: Callable[[int], Part]) -> None:
+    rows.hidden.connect(lambda k, on: session.parts.hide(part(k), on))
+    rows.locked.connect(lambda k, on: session.parts.lock(part(k), on))
+    rows.cleared.connect(lambda k: session.painting.reshape(part(k), PartOperation.CLEAR))
 
 
 def _set_falloff(session: Session, parts: ActiveParts, percent: float) -> None:
@@ -68,7 +85,7 @@ def connect_hand(
     assert isinstance(loop, ClickSelector)
     loop.missed.connect(lambda: tell(tr("This surface is closed: it has no boundary to select.")))
     canvas.picker.asks.connect(prompt)
-    canvas.strokes.began.connect(partial(_begin_stroke, session))
+    canvas.strokes.began.connect(lambda: _begin_stroke(session, canvas, tell))
     canvas.strokes.ended.connect(session.painting.end_stroke)
     canvas.strokes.painted.connect(session.painting.paint)
     canvas.strokes.region_painted.connect(session.painting.paint_region)
@@ -79,6 +96,14 @@ def connect_hand(
     canvas.handle_chosen.connect(parts.choose_handle)
 
 
-def _begin_stroke(session: Session) -> None:
-    if session.store.state is not None:  # a box can be dragged in an empty view too
-        session.gestures.begin()
+def _begin_stroke(session: Session, canvas: Canvas, tell: Callable[[str], None]) -> None:
+    if session.store.state is None:  # a box can be dragged in an empty view too
+        return
+    document, part = session.store.state.document, canvas.strokes.part
+    session.gestures.begin()
+    if canvas.tool is not Tool.ERASE and part.exists(document):
+        flags, name = part.flags(document), part.name(document)
+        if flags.locked:
+            tell(about_lock(name))
+        elif flags.hidden:
+            tell(tr("{name} is hidden: what is painted is not shown.").format(name=name))

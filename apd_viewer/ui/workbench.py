@@ -15,6 +15,7 @@ from apd_viewer.session.session import Session
 from apd_viewer.ui.actions.actions import Actions
 from apd_viewer.ui.actions.commands import Commands
 from apd_viewer.ui.actions.edit_commands import Editing
+from apd_viewer.ui.actions.part_commands import PartCommands
 from apd_viewer.ui.compare.compare_controller import Comparing
 from apd_viewer.ui.connections import connect_hand, connect_parts, connect_settings
 from apd_viewer.ui.filing import file_dialogs
@@ -127,6 +128,7 @@ class Workbench(QObject):
             requests=self.shell.requests,
             filing=self.filing,
             editing=self.editing,
+            parts=PartCommands(self.canvas, self.session, self.parts, self.editing.give_up),
             looks=self.looks,
             findings=self.health,
             studies=self.studies,

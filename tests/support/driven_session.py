@@ -149,6 +149,7 @@ def check_equal(found: State, saved: State) -> None:
         if mine.pivot is not None:
             check_same_array(mine.pivot, other.pivot)
     assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
+    assert a.flags == b.flags
     arrays = {"mesh", "labels", "member", "grip", "handles", "regions"}
     for field in fields(a):
         if field.name not in arrays:

@@ -24,6 +24,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
+from apd_viewer.session.model.part_flags import NO_FLAGS, DocumentFlags, PartFlags
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,7 @@ class Document:
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
     staying : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
+    base : PartFlags
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -71,6 +73,7 @@ class Document:
     hold_area: bool = field(default=False, metadata=NOT_FACTORED)
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
+    base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
 
     # What follows from it
 
@@ -156,6 +159,22 @@ class Document:
         return np.array_equal(self.labels, other.labels) and np.array_equal(self.member, other.member)
 
     @property
+    def flags(self) -> DocumentFlags:
+        """Flags of the base, the handles and the regions."""
+        handles, regions = (part.flags for part in self.handles), (part.flags for part in self.regions)
+        return DocumentFlags(self.base, tuple(handles), tuple(regions))
+
+    def drawn(self, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
+        """Labels and region numbers of ``ids`` as drawn: hidden parts as unpainted."""
+        hidden = self.flags.hidden
+        labels, member = self.labels[ids], self.member[ids]
+        if hidden.labels.any():
+            labels = np.where(hidden.labels[labels], FREE, labels)
+        if hidden.regions.any():
+            member = np.where(hidden.regions[member], 0, member)
+        return labels, member
+
+    @property
     def asks_of_regions(self) -> bool:
         """True if any region has a target area."""
         return any(region.area is not None for region in self.regions)
@@ -168,23 +187,30 @@ class Document:
 
     def at_rest(self) -> Document:
         """The document with all handles reset, and every percentage at 100."""
-        regions = tuple(part if part.area is None else NamedRegion(part.name, 100.0) for part in self.regions)
+        regions = tuple(part if part.area is None else replace(part, area=100.0) for part in self.regions)
         volume = None if self.volume is None else 100.0
         handles = tuple(handle.at(IDENTITY) for handle in self.handles)
         return replace(self, grip=self.mesh.V, handles=handles, area=100.0, volume=volume, regions=regions)
 
     def painted(self, ids: np.ndarray, label: int) -> Document:
-        """The document with ``ids`` and their coincident vertices labelled."""
-        labels = self._with(self.labels, ids, label)
+        """The document with ``ids`` and their coincident vertices labelled.
+
+        Locked parts stay as they are.
+        """
+        labels = self._with(self.labels, ids, label, self.flags.locked.labels)
         return self if labels is self.labels else replace(self, labels=labels)
 
     def painted_region(self, ids: np.ndarray, number: int) -> Document:
-        """The document with ``ids`` and their coincident vertices in a region; 0 is none."""
-        member = self._with(self.member, ids, number)
+        """The document with ``ids`` and their coincident vertices in a region; 0 is none.
+
+        Locked regions stay as they are.
+        """
+        member = self._with(self.member, ids, number, self.flags.locked.regions)
         return self if member is self.member else replace(self, member=member)
 
-    def _with(self, codes: np.ndarray, ids: np.ndarray, code: int) -> np.ndarray:
+    def _with(self, codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
         ids = self.mesh.weld.everywhere(ids)
+        ids = ids[~(locked[codes[ids]] | locked[code])]
         if (codes[ids] == code).all():
             return codes
         painted = codes.copy()

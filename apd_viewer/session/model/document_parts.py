@@ -24,6 +24,12 @@ def with_next_region(document: Document) -> Document:
     return document.with_region(len(document.regions), NamedRegion(name))
 
 
+def cleared(document: Document) -> Document:
+    """The document with nothing painted, but for locked parts."""
+    every = np.arange(len(document.labels))
+    return document.painted(every, FREE).painted_region(every, 0)
+
+
 def without_handle(document: Document, k: int) -> Document:
     """The document without handle ``k``; its vertices are free."""
     left = document.handles[:k] + document.handles[k + 1 :]

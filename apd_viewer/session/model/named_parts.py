@@ -10,6 +10,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.winding import extended, rotation_vector, winds
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
+from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
 
 IDENTITY = frozen(np.eye(4))
 
@@ -29,6 +30,7 @@ class Handle:
         What it turns about, where that was when it was gripped, read-only; None is its centre.
     falloff : float
         How far along the surface it draws free vertices along, mesh units.
+    flags : PartFlags
     """
 
     name: str = field(metadata=NOT_FACTORED)
@@ -36,6 +38,7 @@ class Handle:
     pivot: np.ndarray | None = field(default=None, metadata=NOT_FACTORED)
     falloff: float = field(default=0.0, metadata=FACTORED)
     waypoints: tuple[np.ndarray, ...] = field(default=(), metadata=NOT_FACTORED)
+    flags: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
 
     def at(self, pose: np.ndarray, waypoints: tuple[np.ndarray, ...] = ()) -> Handle:
         """The handle at ``pose`` (4, 4), reached along waypoints."""
@@ -70,7 +73,9 @@ class NamedRegion:
     name : str
     area : float or None
         What its area should be, in percent of its area at rest; None only measures it.
+    flags : PartFlags
     """
 
     name: str
     area: float | None = None
+    flags: PartFlags = NO_FLAGS

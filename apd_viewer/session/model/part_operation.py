@@ -14,6 +14,7 @@ class PartOperation(Enum):
     SHRINK = tr("Shrink")
     SMOOTH = tr("Smooth boundary")
     INVERT = tr("Invert")
+    CLEAR = tr("Clear")
     MIRROR_X = tr("Mirror along x")
     MIRROR_Y = tr("Mirror along y")
     MIRROR_Z = tr("Mirror along z")

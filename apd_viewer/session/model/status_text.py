@@ -64,6 +64,11 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
     ).format(name=name)
 
 
+def about_lock(name: str) -> str:
+    """Sentence about a locked part refusing a change."""
+    return tr("{name} is locked; unlock it in the panel first.").format(name=name)
+
+
 def about_caps(openings: int) -> str:
     """Phrase about capped openings in a volume."""
     said = trn("with its opening capped flat", "with its {n:,} openings capped flat", openings)

@@ -23,6 +23,7 @@ from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View
@@ -43,22 +44,35 @@ def document_said(document: Document) -> dict[str, Any]:
     """All of a document but for its mesh and its arrays."""
     return {
         "handles": [_handle_said(handle) for handle in document.handles],
-        "regions": [{"name": part.name, "area": _number(part.area)} for part in document.regions],
+        "regions": [
+            {"name": part.name, "area": _number(part.area), **_flags_said(part.flags)}
+            for part in document.regions
+        ],
         "method": document.method,
         **{name: _number(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": _number(document.volume),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
+        **({"base": _flags_said(document.base)} if document.base != NO_FLAGS else {}),
     }
 
 
 def _handle_said(handle: Handle) -> dict[str, Any]:
     pivot = None if handle.pivot is None else handle.pivot.tolist()
-    said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot}
+    said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot, **_flags_said(handle.flags)}
     if handle.waypoints:
         said["waypoints"] = [each.tolist() for each in handle.waypoints]
     return {**said, "falloff": _number(handle.falloff)} if handle.falloff else said
+
+
+def _flags_said(flags: PartFlags) -> dict[str, bool]:
+    """The flags that are set: older programs ignore what they do not know."""
+    return {name: on for name, on in flags._asdict().items() if on}
+
+
+def _flags(said: Fields) -> PartFlags:
+    return PartFlags(**{name: said.says(name) and said.flag(name) for name in PartFlags._fields})
 
 
 def _number(value: float | None) -> float | None:
@@ -91,6 +105,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         area=said.number("area", _LEAST, _MOST),
         hold_area=said.flag("hold_area"),
         volume=_percent(said, "volume"),
+        base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))
 
@@ -115,11 +130,11 @@ def _handle(said: Fields) -> Handle:
         )
     pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
     falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
-    return Handle(said.text("name"), pose, pivot, falloff, waypoints)
+    return Handle(said.text("name"), pose, pivot, falloff, waypoints, _flags(said))
 
 
 def _region(said: Fields) -> NamedRegion:
-    return NamedRegion(said.text("name"), _percent(said, "area"))
+    return NamedRegion(said.text("name"), _percent(said, "area"), _flags(said))
 
 
 def _percent(said: Fields, key: str) -> float | None:

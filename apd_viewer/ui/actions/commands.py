@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from PySide6.QtCore import Qt
 
     from apd_viewer.ui.actions.edit_commands import Editing
+    from apd_viewer.ui.actions.part_commands import PartCommands
     from apd_viewer.ui.compare.compare_controller import Comparing
     from apd_viewer.ui.filing.file_commands import Filing
     from apd_viewer.ui.filing.file_requests import FileRequests
@@ -30,6 +31,7 @@ class Commands:
     requests: FileRequests
     filing: Filing
     editing: Editing
+    parts: PartCommands
     looks: Looks
     findings: Health
     studies: Studies

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
+    from apd_viewer.ui.actions.part_commands import PartCommands
     from apd_viewer.ui.filing.file_commands import Filing
 
 _LARGER, _SMALLER = 1.25, 0.8
@@ -75,13 +76,14 @@ class SelectActions:
     ----------
     ways : dict of Way to QAction
     through, numbers : QAction
-    sizes, files, changes, mirrors : list of QAction
+    sizes, files, changes, mirrors, clears, flags : list of QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
         self._make_ways(maker, commands)
         self._make_sizes(maker, commands)
         self._make_files(maker, commands.filing)
+        self._make_parts(maker, commands.parts)
         editing = commands.editing
         self.changes, self.mirrors = (
             [
@@ -132,6 +134,22 @@ class SelectActions:
             editing.choose_by_numbers,
         )
 
+    def _make_parts(self, maker: ActionMaker, parts: PartCommands) -> None:
+        self.clears = [
+            maker.make(f"clear:{name}", title, "erase", tip, None, command)
+            for name, title, tip, command in (
+                ("base", tr("Clear &base"), tr("Clear the base"), parts.clear_base),
+                ("handle", tr("Clear &handle"), tr("Clear the active handle"), parts.clear_handle),
+                ("region", tr("Clear &region"), tr("Clear the active region"), parts.clear_region),
+                ("all", tr("Clear &all"), tr("Clear base, handles and regions"), parts.clear_all),
+            )
+        ]
+        lock, hide = tr("Lock the active part against painting"), tr("Hide the colour of the active part")
+        self.flags = [
+            maker.make("lock_part", tr("Loc&k or unlock part"), "locked", lock, "K", parts.lock),
+            maker.make("hide_part", tr("Hi&de or show part"), "hidden", hide, "Ctrl+H", parts.hide),
+        ]
+
     def _make_files(self, maker: ActionMaker, filing: Filing) -> None:
         self.files = [
             maker.make(
@@ -166,5 +184,9 @@ class SelectActions:
         menu.addActions(self.changes)
         self.mirror = menu.addMenu(tr("&Mirror"))
         self.mirror.addActions(self.mirrors)
+        self.clear = menu.addMenu(tr("&Clear"))
+        self.clear.addActions(self.clears)
+        menu.addSeparator()
+        menu.addActions(self.flags)
         menu.addSeparator()
         menu.addActions(self.files)

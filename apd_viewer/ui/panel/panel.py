@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, QSize, Qt, QTimer
-from PySide6.QtWidgets import QGridLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
@@ -13,6 +13,7 @@ from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLOR
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.panel.area_section import AreaSection
 from apd_viewer.ui.panel.method_section import MethodSection
+from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.panel.part_row import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.size_section import SizeSection
@@ -30,15 +31,23 @@ if TYPE_CHECKING:
     from apd_viewer.session.session import Session
 
 _WIDTH = 296
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class PaintSection(Section):
-    """Vertex counts of base, handles and free."""
+    """Vertex counts of base, handles and free.
+
+    Attributes
+    ----------
+    base : PartButtons
+    clear_all : QPushButton
+    """
 
     def __init__(self) -> None:
         super().__init__(tr("Vertices"))
-        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=0)
         grid.setColumnStretch(1, 1)
+        self.base = PartButtons()
         self._counts = []
         for row, (name, tip, color) in enumerate(
             (
@@ -47,12 +56,17 @@ class PaintSection(Section):
                 (tr("Free"), tr("Vertices: free"), FREE_COLOR),
             )
         ):
-            count = QLabel("–", accessibleName=tip, toolTip=tip, alignment=Qt.AlignmentFlag.AlignRight)
+            count = QLabel("–", accessibleName=tip, toolTip=tip, alignment=_RIGHT)
             grid.addWidget(Swatch(color), row, 0)
             grid.addWidget(QLabel(name, objectName="quiet"), row, 1)
             grid.addWidget(count, row, 2)
             self._counts.append(count)
+            grid.setRowMinimumHeight(row, self.base.sizeHint().height())
+        grid.addWidget(self.base, 0, 3)
         self.column.addLayout(grid)
+        self.clear_all = QPushButton(tr("Clear all"), toolTip=tr("Clear base, handles and regions"))
+        self.column.addSpacing(4)
+        self.column.addWidget(self.clear_all)
 
     def show_settings(self, document: Document) -> None:
         """Count the labels."""
@@ -61,6 +75,13 @@ class PaintSection(Section):
             self._counts, (counts[BASE], counts[HANDLE:].sum(), counts[FREE]), strict=True
         ):
             field.setText(f"{count:,}")
+        self.base.show_flags(document.base, bool(counts[BASE]))
+        self.clear_all.setEnabled(bool(counts[FREE] < counts.sum() or document.member.any()))
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.base.set_theme(theme)
 
 
 class Panel(QScrollArea):
@@ -132,7 +153,7 @@ class Panel(QScrollArea):
             self.volume.show_settings(new)
             self.method.show_settings(new.document)
             self.show_parts(new, handle, region)
-        if old is None or old.document.labels is not new.document.labels:
+        if old is None or old.document is not new.document:
             self.paint.show_settings(new.document)
         if asked_anew or old is None or old.frame is not new.frame:
             targets = old is None or old.document.percentages != new.document.percentages

@@ -25,12 +25,17 @@ class PartList(QWidget):
     ----------
     chosen, removed : Signal(int)
     renamed : Signal(int, str)
+    hidden, locked : Signal(int, bool)
+    cleared : Signal(int)
     rows : list of PartRow
     """
 
     chosen = Signal(int)
     removed = Signal(int)
     renamed = Signal(int, str)
+    hidden = Signal(int, bool)
+    locked = Signal(int, bool)
+    cleared = Signal(int)
 
     def __init__(
         self,
@@ -64,7 +69,11 @@ class PartList(QWidget):
         row.removed.connect(lambda: self.removed.emit(k))
         row.renamed.connect(lambda name: self.renamed.emit(k, name))
         row.stepped.connect(lambda step: self._step(k + step))
+        row.buttons.hidden_asked.connect(lambda on: self.hidden.emit(k, on))
+        row.buttons.locked_asked.connect(lambda on: self.locked.emit(k, on))
+        row.buttons.clear_asked.connect(lambda: self.cleared.emit(k))
         row.remove.setIcon(icon("remove", self._theme))
+        row.buttons.set_theme(self._theme)
         self.rows.append(row)
         self._column.addWidget(row)
         self._put_in_tab_order(row)
@@ -96,6 +105,7 @@ class PartList(QWidget):
         self._theme = theme
         for row in self.rows:
             row.remove.setIcon(icon("remove", theme))
+            row.buttons.set_theme(theme)
 
 
 def _takes_keys(widget: QWidget) -> bool:

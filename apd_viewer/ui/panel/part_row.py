@@ -7,6 +7,8 @@ from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter,
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
+from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import mark
 
@@ -119,6 +121,7 @@ class PartRow(QFrame):
     stepped : Signal(int)
         The arrow keys ask for the row above, -1, or below, 1.
     reading : QLabel
+    buttons : PartButtons
     details : QWidget
     """
 
@@ -134,16 +137,20 @@ class PartRow(QFrame):
         reading, remove = _SAID[kind]
         self.reading = QLabel("", objectName="quiet", accessibleName=reading)
         self.details = details
+        self.buttons = PartButtons()
         self.remove = small_button(remove, remove)
         line = QHBoxLayout(spacing=8)
         line.addWidget(Swatch(color))
         line.addWidget(self.name, 1)
         line.addWidget(self.reading)
         line.addWidget(self.remove)
+        below = QHBoxLayout(spacing=4)
+        below.addWidget(details, 1)
+        below.addWidget(self.buttons, 0, Qt.AlignmentFlag.AlignRight)
         column = QVBoxLayout(self, spacing=2)
         column.setContentsMargins(8, 3, 4, 3)
         column.addLayout(line)
-        column.addWidget(details)
+        column.addLayout(below)
         self.name.chosen.connect(self.renamed)
         self.remove.clicked.connect(self.removed)
         self.set_active(False)
@@ -153,6 +160,12 @@ class PartRow(QFrame):
         self.setAccessibleName(tr("{name}, active").format(name=self.name.text()) if on else self.name.text())
         mark(self, "active", on)
         self.details.setVisible(on)
+        self._active = on
+
+    def show_flags(self, flags: PartFlags, painted: bool) -> None:
+        """Show the buttons where there is something to do or to see."""
+        self.buttons.show_flags(flags, painted)
+        self.buttons.setVisible(self._active or flags != NO_FLAGS)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Ask to be the active one."""

@@ -96,9 +96,10 @@ class HandleSection(Section):
         for k, row in enumerate(self.list.rows):
             count = document.counts[HANDLE + k]
             said = trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count)
-            row.reading.setText(said if count else tr("not painted"))
+            row.reading.setText(said if count else tr("empty"))
             row.reading.setToolTip(tr("Vertices of the handle"))
             row.remove.setVisible(len(document.handles) > 1)
+            row.show_flags(document.handles[k].flags, bool(count))
         self.back.setEnabled(not np.array_equal(document.handles[active].pose, np.eye(4)))
         self.falloff.show_value(100.0 * document.handles[active].falloff / max(state.inspection.size))
         self.motion.setEnabled(document.problem is None and bool(document.counts[HANDLE + active]))
@@ -160,7 +161,9 @@ class RegionSection(Section):
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
-        for region, row in zip(regions, self.list.rows, strict=True):
+        painted = np.bincount(document.member, minlength=len(regions) + 1)
+        for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
+            row.show_flags(region.flags, bool(painted[k]))
             if isinstance(row.details, Keep):
                 row.details.show_target(region.area, not only_measured)
         self.empty.setVisible(not regions)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.pose.constraints import FREE
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Coloring:
     def follow(self, document: Document) -> None:
         """Update the colours to another document of the mesh."""
         before, self._document = self._document, document
-        if before is not None and (not before.painted_like(document) or before.soft is not document.soft):
+        if before is not None and not _looks_like(before, document):
             self._restore(differing(before, document))
 
     def _restore(self, ids: np.ndarray) -> None:
@@ -108,23 +108,31 @@ def colors_of(document: Document, ids: np.ndarray | None = None, own: np.ndarray
     ``own``, (n, 3), are the colours of all vertices without paint.
     """
     some = slice(None) if ids is None else ids
-    colors = label_colors(document.labels[some], document.member[some])
+    labels, member = document.drawn(some)
+    colors = label_colors(labels, member)
     if own is not None:
-        bare = (document.labels[some] == FREE) & (document.member[some] == 0)
+        bare = (labels == FREE) & (member == 0)
         colors[bare, :3] = own[some][bare]
     soft = document.soft
     if len(soft.ids):
         where = np.full(len(document.labels), -1)
         where[soft.ids] = np.arange(len(soft.ids))
         places = where[some]
-        drawn = places >= 0
-        colors[drawn] = drawn_along(colors[drawn], soft.handle[places[drawn]], soft.strength[places[drawn]])
+        pulled = (places >= 0) & ~document.flags.hidden.labels[HANDLE + soft.handle[places]]
+        colors[pulled] = drawn_along(
+            colors[pulled], soft.handle[places[pulled]], soft.strength[places[pulled]]
+        )
     return colors
+
+
+def _looks_like(old: Document, new: Document) -> bool:
+    return old.painted_like(new) and old.soft is new.soft and old.flags == new.flags
 
 
 def differing(old: Document, new: Document) -> np.ndarray:
     """Vertices of different colour in two documents, ascending."""
-    differ = (old.labels != new.labels) | (old.member != new.member)
-    if old.soft is not new.soft:
+    (labels, member), (other, others) = old.drawn(slice(None)), new.drawn(slice(None))
+    differ = (labels != other) | (member != others)
+    if old.soft is not new.soft or old.flags != new.flags:
         differ[old.soft.ids] = differ[new.soft.ids] = True
     return np.flatnonzero(differ)

@@ -201,6 +201,8 @@ class Canvas(QObject):
     def preview(self, ids: np.ndarray | None) -> None:
         """Tint the vertices of a possible selection."""
         erases = self.ways[self.way].act is Act.REMOVE
+        if ids is not None:
+            ids = self.strokes.within_reach(ids, erases or self.tool is Tool.ERASE)
         paint = self.painter.color
         self.coloring.preview(ids, FREE_COLOR if erases else (paint.red(), paint.green(), paint.blue()))
 

@@ -59,6 +59,19 @@ class Strokes(QObject):
         else:
             self.part = Part(BASE if tool is Tool.BASE else HANDLE + handle)
 
+    def within_reach(self, ids: np.ndarray, erases: bool) -> np.ndarray:
+        """The vertices of ``ids`` that a stroke can change: locked parts keep theirs."""
+        if self._document is None:
+            return ids
+        locked = self._document.flags.locked
+        codes, closed = (
+            self.part.codes(self._document),
+            locked.regions if self.part.is_region else locked.labels,
+        )
+        if closed[self.part.code] and not erases:
+            return ids[:0]
+        return ids[~closed[codes[ids]]]
+
     def choose(self, ids: np.ndarray, act: Act) -> None:
         """Paint vertices at once, like a stroke of the current tool."""
         self._begin(act)

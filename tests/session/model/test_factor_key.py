@@ -12,6 +12,7 @@ from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
 from apd_viewer.session.model.named_parts import Handle, NamedRegion
+from apd_viewer.session.model.part_flags import PartFlags
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.requests import alike, factored_for
 
@@ -39,12 +40,14 @@ OF_DOCUMENT = {
     "hold_area": lambda said: replace(said, hold_area=True),
     "volume": lambda said: replace(said, volume=80.0),
     "staying": lambda said: replace(said, staying=(0,)),
+    "base": lambda said: replace(said, base=PartFlags(hidden=True)),
 }
 OF_HANDLE = {
     "name": lambda said: of_handle(said, name="Neck"),
     "pose": lambda said: of_handle(said, pose=frozen(BENT @ BENT)),
     "pivot": lambda said: of_handle(said, pivot=np.ones(3)),
     "falloff": lambda said: of_handle(said, falloff=2.0),
+    "flags": lambda said: of_handle(said, flags=PartFlags(locked=True)),
 }
 CHANGES = OF_DOCUMENT | OF_HANDLE
 

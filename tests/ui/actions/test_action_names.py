@@ -6,6 +6,7 @@ undo redo reset bake take:ORBIT take:BASE take:HANDLE take:REGION take:ERASE tak
 way:BRUSH way:BOX way:LASSO way:POLYGON way:FILL way:PIECE way:LOOP way:SLAB
 through larger smaller type_brush choose_by_numbers load_selection save_selection
 reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT
+clear:base clear:handle clear:region clear:all lock_part hide_part
 reshape:MIRROR_X reshape:MIRROR_Y reshape:MIRROR_Z
 add_handle next_handle add_region type_motion put_back compare_methods
 pick_pivot type_pivot centre_pivot sweep

@@ -1,0 +1,156 @@
+"""Locked parts keep their vertices whatever is painted; hidden ones hold without a colour."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driven_session import VIEW, check_equal
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from meshes import box
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.model.document_parts import cleared, with_next_region, without_handle
+from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.part_flags import PartFlags
+from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.part_operations import reshaped
+from apd_viewer.session.storage.session_file import open_session, save_session
+
+PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
+LOCKED = PartFlags(locked=True)
+N = len(box(1, 1, 3)[0])
+IDS = st.lists(st.integers(0, N - 1), max_size=12).map(lambda ids: np.array(sorted(set(ids)), dtype=int))
+
+
+def parted():
+    """A bar with two handles and two regions, all painted."""
+    state = opened(Mesh(*box(1, 1, 3)))
+    document = with_next_region(with_next_region(state.document))
+    document = document.with_handle(1, Handle("Other"))
+    for code, ids in ((BASE, [0, 1]), (HANDLE, [4, 5]), (HANDLE + 1, [8, 9])):
+        document = document.painted(np.array(ids), code)
+    for number, ids in ((1, [2, 4]), (2, [6, 8])):
+        document = document.painted_region(np.array(ids), number)
+    return state.at(document)
+
+
+ACTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("paint"), IDS, st.sampled_from([BASE, FREE, HANDLE, HANDLE + 1])),
+        st.tuples(st.just("region"), IDS, st.integers(0, 2)),
+        st.tuples(st.just("reshape"), st.sampled_from(PARTS), st.sampled_from(PartOperation)),
+        st.tuples(st.just("clear"), st.just(0), st.just(0)),
+    ),
+    max_size=6,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(part=st.sampled_from(PARTS), acts=ACTS)
+def test_a_locked_part_keeps_its_vertices_whatever_is_painted(part, acts):
+    state = parted()
+    member = part.of(state.document)
+    state = state.at(part.flagged(state.document, LOCKED))
+    for act, one, other in acts:
+        document = state.document
+        if act == "paint":
+            document = document.painted(one, other)
+        elif act == "region":
+            document = document.painted_region(one, other)
+        elif act == "reshape":
+            document = one.become(document, reshaped(state, one, other))
+        else:
+            document = cleared(document)
+        state = state.at(document)
+        np.testing.assert_array_equal(part.of(document), member)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_hidden_part_is_drawn_as_unpainted_and_stays(part):
+    before = parted().document
+    after = part.flagged(before, PartFlags(hidden=True))
+    assert after.labels is before.labels
+    assert after.member is before.member
+    bare = part.become(before, np.zeros(N, dtype=bool))
+    for found, wanted in zip(after.drawn(slice(None)), (bare.labels, bare.member), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+
+
+def test_flags_go_with_their_handle_when_another_is_removed():
+    document = Part(HANDLE + 1).flagged(parted().document, LOCKED)
+    assert Part(HANDLE).flags(without_handle(document, 0)) == LOCKED
+
+
+def test_sessions_keep_the_flags(tmp_path):
+    mesh = Mesh(*box(1, 1, 3))
+    save_mesh(mesh, mesh.V, tmp_path / "bar.obj")
+    state = opened(open_mesh(tmp_path / "bar.obj"))
+    state = state.at(replace(parted().document, mesh=state.document.mesh, grip=state.document.grip))
+    for k, part in enumerate(PARTS):
+        state = state.at(part.flagged(state.document, PartFlags(bool(k % 2), bool(k // 2 % 2))))
+    save_session(tmp_path / "a.apd", state, VIEW)
+    check_equal(open_session(tmp_path / "a.apd")[0], state)
+
+
+# The session
+
+
+def test_each_part_is_cleared_in_one_step(session):
+    session.parts.add_region()
+    session.gestures.begin()
+    session.painting.paint_region(np.arange(5), 1)
+    session.painting.end_stroke("Paint region")
+    before = session.store.state
+    for part in (Part(BASE), Part(HANDLE), Part(1, is_region=True)):
+        session.painting.reshape(part, PartOperation.CLEAR)
+        assert not part.of(session.store.state.document).any()
+        session.gestures.undo()
+        assert session.store.state is before
+    session.painting.clear_all()
+    assert (session.store.state.document.labels == FREE).all()
+    assert not session.store.state.document.member.any()
+    session.gestures.undo()
+    assert session.store.state is before
+
+
+def test_lock_and_hide_are_steps_of_undo(session):
+    before = session.store.state
+    session.parts.lock(Part(BASE), True)
+    session.parts.hide(Part(HANDLE), True)
+    document = session.store.state.document
+    assert (document.base, document.handles[0].flags) == (LOCKED, PartFlags(hidden=True))
+    session.parts.lock(Part(BASE), True)
+    assert session.store.state.document is document, "it is locked already"
+    session.gestures.undo()
+    session.gestures.undo()
+    assert session.store.state is before
+
+
+@pytest.mark.parametrize("change", ["reshape", "remove", "load"])
+def test_a_change_of_a_locked_part_as_a_whole_is_refused_in_a_sentence(session, tmp_path, change):
+    session.files.save_selection(tmp_path / "paint.json")
+    session.until(lambda: session.jobs.current is None)
+    session.parts.lock(Part(HANDLE), True)
+    before = session.store.state
+    if change == "reshape":
+        session.painting.reshape(Part(HANDLE), PartOperation.GROW)
+    elif change == "remove":
+        session.parts.remove_handle(0)
+    else:
+        session.files.load_selection(tmp_path / "paint.json")
+        session.until(lambda: session.jobs.current is None)
+    assert session.store.state is before
+    assert len(session.failed) == 1
+    assert "unlock" in session.failed[0]
+
+
+def test_a_region_that_is_not_there_yet_has_nothing_to_lock(session):
+    before = session.store.state
+    session.parts.lock(Part(1, is_region=True), True)
+    assert session.store.state is before

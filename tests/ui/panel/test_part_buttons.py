@@ -1,0 +1,99 @@
+"""The buttons of parts in the panel, their keys, and strokes over locked and hidden parts."""
+
+import numpy as np
+import pytest
+from driving import LEFT, document, idle, on_screen, stroke
+from PySide6.QtCore import Qt
+
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.presentation.palette import FREE_COLOR, HANDLE_COLORS
+from apd_viewer.ui.tools.toolbox import Tool
+
+
+@pytest.fixture
+def row(bottle):
+    """The buttons of the first handle."""
+    return bottle.panel.handles.list.rows[0].buttons
+
+
+def colors(window, label):
+    return np.array(window.canvas.surface._mesh.point_data["rgba"])[document(window).labels == label, :3]
+
+
+def test_a_hidden_handle_has_no_colour_and_holds_all_the_same(qtbot, bottle, row):
+    before = document(bottle)
+    assert (colors(bottle, HANDLE) == HANDLE_COLORS[0]).all()
+    qtbot.mouseClick(row.hide_part, LEFT)
+    assert (colors(bottle, HANDLE) == FREE_COLOR).all()
+    assert document(bottle).labels is before.labels
+    assert row.hide_part.toolTip() == "Show the colour of this part"
+    qtbot.mouseClick(row.hide_part, LEFT)
+    assert (colors(bottle, HANDLE) == HANDLE_COLORS[0]).all()
+    bottle.actions_.undo.trigger()
+    assert (colors(bottle, HANDLE) == FREE_COLOR).all()
+
+
+def test_a_stroke_goes_round_a_locked_part_and_its_preview_too(qtbot, bottle, row):
+    qtbot.mouseClick(row.lock_part, LEFT)
+    held = document(bottle).labels == HANDLE
+    edge = int(np.flatnonzero(held)[np.argmin(document(bottle).mesh.V[held, 1])])
+    bottle.tools.take(Tool.BASE)
+    everything = np.arange(len(held))
+    bottle.canvas.preview(everything)
+    assert not held[bottle.canvas.coloring.previewed].any()
+    bottle.canvas.preview(None)
+    stroke(qtbot, bottle, on_screen(bottle, edge))
+    np.testing.assert_array_equal(document(bottle).labels == HANDLE, held)
+
+
+def test_a_stroke_with_a_locked_part_changes_nothing_and_says_why(qtbot, bottle, row):
+    qtbot.mouseClick(row.lock_part, LEFT)
+    before = document(bottle)
+    bottle.tools.take(Tool.HANDLE)
+    free = int(np.argmin(abs(before.mesh.V[:, 1])))
+    stroke(qtbot, bottle, on_screen(bottle, free))
+    assert document(bottle) is before
+    assert bottle.notice.text == "Handle 1 is locked; unlock it in the panel first."
+
+
+def test_clear_of_the_base_is_a_button_and_one_step(qtbot, bottle):
+    before, base = bottle.session.store.state, bottle.panel.paint.base
+    qtbot.mouseClick(base.clear_part, LEFT)
+    assert not (document(bottle).labels == BASE).any()
+    assert not base.clear_part.isEnabled()
+    bottle.actions_.undo.trigger()
+    assert bottle.session.store.state is before
+    qtbot.mouseClick(base.lock_part, LEFT)
+    assert not base.clear_part.isEnabled()
+
+
+def test_clear_all_leaves_what_is_locked(qtbot, bottle, row):
+    qtbot.mouseClick(row.lock_part, LEFT)
+    qtbot.mouseClick(bottle.panel.paint.clear_all, LEFT)
+    assert not (document(bottle).labels == BASE).any()
+    assert (document(bottle).labels == HANDLE).any()
+
+
+def test_keys_lock_and_hide_the_part_of_the_tool(qtbot, bottle):
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow, timeout=5_000)
+    bottle.canvas.viewport.setFocus()
+    bottle.tools.take(Tool.BASE)
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_K)
+    assert document(bottle).base.locked
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_H, Qt.KeyboardModifier.ControlModifier)
+    assert document(bottle).base.hidden
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_K)
+    assert not document(bottle).base.locked
+
+
+def test_the_menu_clears_the_active_parts(qtbot, bottle):
+    base, handle, _, all_of_it = bottle.actions_.select.clears
+    handle.trigger()
+    assert not (document(bottle).labels == HANDLE).any()
+    base.trigger()
+    assert not (document(bottle).labels == BASE).any()
+    steps = len(bottle.session.gestures.history.past)
+    all_of_it.trigger()
+    assert len(bottle.session.gestures.history.past) == steps, "nothing is left to clear"
+    idle(qtbot, bottle)
