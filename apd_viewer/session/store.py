@@ -23,6 +23,7 @@ class Activity(Enum):
 
     IDLE = "idle"
     REFINING = "refining"
+    PAUSED = "paused"
     SETTLED = "settled"
     UNREACHED = "not reached"
 
@@ -97,12 +98,21 @@ class Store:
         """Replace the document and ask the solver, unless all is at rest."""
         state = self.required().at(document)
         at_rest = state.frame.U is document.mesh.V and not document.posed and not state.lacks
-        iterate = self.activity is Activity.REFINING or not at_rest
+        iterate = self.activity in (Activity.REFINING, Activity.PAUSED) or not at_rest
         self._ask_and_show(state.unsettled() if iterate else state, iterate)
 
     def walk(self, document: Document) -> None:
         """Replace the document and solve it from the grip, along the paths of its handles."""
         self.jump(self.required().at(document).unsettled())
+
+    def pause_or_resume(self) -> None:
+        """Stop the solver where it is, or let it go on; so does the next change."""
+        paused = self.activity is Activity.PAUSED
+        if self._asked is not None and (paused or self.activity is Activity.REFINING):
+            self.activity = Activity.REFINING if paused else Activity.PAUSED
+            U = self.required().frame.U
+            self._worker.ask(Request(self._asked, self._generation, U, iterate=paused))
+            self._listener.status_changed()
 
     def revert(self, document: Document) -> None:
         """Go back to a document; the solver is asked unless it was its last request."""

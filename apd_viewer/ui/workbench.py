@@ -137,6 +137,7 @@ class Workbench(QObject):
             take=self.tools.take,
             choose_way=self.tools.choose_way,
             type_motion=self._type_motion,
+            pause=self.session.store.pause_or_resume,
             set_scheme=self.shell.set_scheme,
             list_shortcuts=lambda: self.help.open_sheet(),
             begin_tour=lambda: self.help.begin_tour(),
@@ -163,6 +164,7 @@ class Workbench(QObject):
         self.panel.area.unit.chosen.connect(self._choose_unit)
         self.shell.history.chosen.connect(self.editing.travel)
         self.status.cancel_asked.connect(self.session.jobs.cancel)
+        self.status.pause_asked.connect(self.session.store.pause_or_resume)
 
     def _connect_canvas(self) -> None:
         canvas = self.canvas

@@ -186,7 +186,7 @@ class Hand:
     def _open(self) -> Iterator[float]:
         """Begin anew: what is baked again and again is nobody's work any more."""
         name = self.chance.choice(["bottle", "duck"])
-        yield from self._another_mesh(lambda: self.window.filing.open_sample(name))
+        yield from self._another_mesh(lambda: self.window.session.files.open_sample(name))
 
     def _another_mesh(self, ask) -> Iterator[float]:
         mesh, since = self.document.mesh, time.monotonic()

@@ -71,17 +71,6 @@ def test_a_locked_part_keeps_its_vertices_whatever_is_painted(part, acts):
         np.testing.assert_array_equal(part.of(document), member)
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_a_hidden_part_is_drawn_as_unpainted_and_stays(part):
-    before = parted().document
-    after = part.flagged(before, PartFlags(hidden=True))
-    assert after.labels is before.labels
-    assert after.member is before.member
-    bare = part.become(before, np.zeros(N, dtype=bool))
-    for found, wanted in zip(after.drawn(slice(None)), (bare.labels, bare.member), strict=True):
-        np.testing.assert_array_equal(found, wanted)
-
-
 def test_flags_go_with_their_handle_when_another_is_removed():
     document = Part(HANDLE + 1).flagged(parted().document, LOCKED)
     assert Part(HANDLE).flags(without_handle(document, 0)) == LOCKED

@@ -209,7 +209,7 @@ def _write_bar(folder):
 def settings(driver):
     session = driver.window.session
     _write_bar(driver.folder)
-    driver.window.filing.open_path(driver.folder / "bar.obj")
+    driver.window.session.files.open(driver.folder / "bar.obj")
     driver.idle()
     session.files.load_selection(driver.folder / "bar.sel")
     driver.idle()
@@ -302,7 +302,7 @@ def mistakes(driver):
     for name in ("gone.obj", "odd.xyz", "broken.obj"):
         (driver.folder / "odd.xyz").write_text("?")
         (driver.folder / "broken.obj").write_text("v 0 0\nf 1 2 3\n")
-        driver.window.filing.open_path(driver.folder / name)
+        driver.window.session.files.open(driver.folder / name)
         driver.idle()
         driver.scene("a file that cannot be opened")
 
@@ -342,7 +342,7 @@ def files(driver):
     window, session, folder = driver.window, driver.window.session, driver.folder
     file_dialogs.about(window)
     for closes in (True, False):
-        unsaved_question.ask_before_leaving(window, "mesh.obj", closes)
+        unsaved_question.ask_before_leaving(window.shell, "mesh.obj", closes)
     file_dialogs.ask_for_mesh(window, folder)
     file_dialogs.ask_for_session(window, folder, session.store.state.document.mesh)
     file_dialogs.ask_for_selection(window, folder)
@@ -367,7 +367,7 @@ def files(driver):
     handouts(driver)
     V, F = np.eye(4, 3) + [9e4, 0, 0], np.array([[0, 1, 2], [0, 1, 2], [0, 2, 3], [1, 1, 2]])
     save_mesh(Mesh(V, F), V, folder / "bad.obj")
-    window.filing.open_path(folder / "bad.obj")
+    window.session.files.open(folder / "bad.obj")
     driver.idle()
     driver.scene("findings")
     window.health.open()

@@ -164,16 +164,6 @@ class Document:
         handles, regions = (part.flags for part in self.handles), (part.flags for part in self.regions)
         return DocumentFlags(self.base, tuple(handles), tuple(regions))
 
-    def drawn(self, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
-        """Labels and region numbers of ``ids`` as drawn: hidden parts as unpainted."""
-        hidden = self.flags.hidden
-        labels, member = self.labels[ids], self.member[ids]
-        if hidden.labels.any():
-            labels = np.where(hidden.labels[labels], FREE, labels)
-        if hidden.regions.any():
-            member = np.where(hidden.regions[member], 0, member)
-        return labels, member
-
     @property
     def asks_of_regions(self) -> bool:
         """True if any region has a target area."""
@@ -197,7 +187,7 @@ class Document:
 
         Locked parts stay as they are.
         """
-        labels = self._with(self.labels, ids, label, self.flags.locked.labels)
+        labels = _painted(self.labels, self.mesh.weld.everywhere(ids), label, self.flags.locked.labels)
         return self if labels is self.labels else replace(self, labels=labels)
 
     def painted_region(self, ids: np.ndarray, number: int) -> Document:
@@ -205,17 +195,8 @@ class Document:
 
         Locked regions stay as they are.
         """
-        member = self._with(self.member, ids, number, self.flags.locked.regions)
+        member = _painted(self.member, self.mesh.weld.everywhere(ids), number, self.flags.locked.regions)
         return self if member is self.member else replace(self, member=member)
-
-    def _with(self, codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
-        ids = self.mesh.weld.everywhere(ids)
-        ids = ids[~(locked[codes[ids]] | locked[code])]
-        if (codes[ids] == code).all():
-            return codes
-        painted = codes.copy()
-        painted[ids] = code
-        return frozen(painted)
 
     def with_pose(self, k: int, pose: np.ndarray) -> Document:
         """The same document with handle ``k`` at ``pose`` (4, 4), reached directly."""
@@ -232,3 +213,13 @@ class Document:
     def with_region(self, k: int, region: NamedRegion) -> Document:
         """The same document with another region ``k``, or one more."""
         return replace(self, regions=(*self.regions[:k], region, *self.regions[k + 1 :]))
+
+
+def _painted(codes: np.ndarray, ids: np.ndarray, code: int, locked: np.ndarray) -> np.ndarray:
+    """Codes with ``code`` at ``ids``, but for locked ones; itself if nothing changes."""
+    ids = ids[~(locked[codes[ids]] | locked[code])]
+    if (codes[ids] == code).all():
+        return codes
+    painted = codes.copy()
+    painted[ids] = code
+    return frozen(painted)

@@ -40,6 +40,7 @@ class Commands:
     take: Callable[[Tool], object]
     choose_way: Callable[[Way], object]
     type_motion: Callable[[], object]
+    pause: Callable[[], object]
     set_scheme: Callable[[Qt.ColorScheme], object]
     list_shortcuts: Callable[[], object]
     begin_tour: Callable[[], object]

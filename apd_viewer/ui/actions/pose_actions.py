@@ -43,7 +43,7 @@ class PoseActions:
     ----------
     parts, pivots, nudges : list of QAction
     along : dict of Along to QAction
-    typed, put_back, compare, sweep : QAction
+    typed, put_back, pause, compare, sweep : QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
@@ -133,6 +133,16 @@ class PoseActions:
             None,
             commands.studies.sweep,
         )
+        self.pause = make(
+            "pause",
+            tr("Pause or c&ontinue solving"),
+            "pause",
+            tr("Stop the solver where it is, or let it go on"),
+            "Space",
+            commands.pause,
+        )
+        self.pause.setShortcutContext(Qt.ShortcutContext.WidgetShortcut)  # Space presses buttons too
+        commands.canvas.viewport.addAction(self.pause)
         self.nudges = []
         for title, tip, way, key, step in _NUDGES:
             name, command = f"nudge:({step[0]},{step[1]},{step[2]})", partial(editing.nudge, step)
@@ -160,4 +170,4 @@ class PoseActions:
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()
-        menu.addActions([self.compare, self.sweep])
+        menu.addActions([self.pause, self.compare, self.sweep])

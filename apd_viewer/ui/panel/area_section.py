@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _WORDS = {
     "idle": tr("idle"),
     "refining": tr("solving"),
+    "paused": tr("paused"),
     "settled": tr("converged"),
     "not reached": tr("not converged"),
 }

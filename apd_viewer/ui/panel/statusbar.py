@@ -15,7 +15,11 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.session.session import Session
+    from apd_viewer.session.store import Activity
     from apd_viewer.ui.tools.brush_size import BrushSize
+
+# Values of Activity, whose module loads too much for the first picture.
+_SOLVING, _PAUSED = "refining", "paused"
 
 
 class Hint(QLabel):
@@ -40,10 +44,13 @@ class StatusBar(QStatusBar):
 
     Attributes
     ----------
-    cancel_asked : Signal()
+    cancel_asked, pause_asked : Signal()
+    pause : QToolButton
+        Stops the solver, or lets it go on.
     """
 
     cancel_asked = Signal()
+    pause_asked = Signal()
 
     def __init__(self, badge: QWidget) -> None:
         super().__init__()
@@ -51,15 +58,21 @@ class StatusBar(QStatusBar):
         self._hint = Hint()
         self._cancel = QToolButton(text=tr("Cancel"))
         self._cancel.clicked.connect(self.cancel_asked)
+        self.pause = QToolButton(text=tr("Pause"))
+        self.pause.clicked.connect(self.pause_asked)
+        policy = self.pause.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)  # every drag shows it, and nothing is to jump
+        self.pause.setSizePolicy(policy)
         self._job, self._pace, self._size = QLabel(), QLabel(), QLabel()
         # It shrinks first: it may be elided, and its tooltip is complete.
         self._hint.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.addWidget(self._hint, 1)
-        for widget in (self._job, self._cancel, self._pace, self._size, badge):
+        for widget in (self._job, self._cancel, self._pace, self.pause, self._size, badge):
             self.addPermanentWidget(widget)
         # In words: a busy indicator would have the whole window composed 60 times a second.
         self._job.setText(tr("Starting…"))
         self._cancel.hide()
+        self.pause.hide()
 
     def hint(self, text: str) -> None:
         """Show the hint of the current tool."""
@@ -79,11 +92,18 @@ class StatusBar(QStatusBar):
         self._cancel.setVisible(job is not None and job.can_be_cancelled)
         self._size.setText(_vertices(state) if state else "")
         self._size.setToolTip(_extent(state, session.store.unit) if state else "")
+        self._show_pause(session.store.activity)
         iteration = state.frame.iteration if state else 0
         pace = tr("iteration {iteration:,}, {pace:.1f} ms per iteration").format(
             iteration=iteration, pace=1e3 * session.store.seconds_per_iteration
         )
         self._pace.setText(pace if iteration else "")
+
+    def _show_pause(self, activity: Activity) -> None:
+        paused = activity.value == _PAUSED
+        self.pause.setText(tr("Continue") if paused else tr("Pause"))
+        self.pause.setToolTip(tr("Let the solver go on") if paused else tr("Stop the solver where it is"))
+        self.pause.setVisible(activity.value in (_PAUSED, _SOLVING))
 
 
 def _vertices(state: State) -> str:

@@ -108,7 +108,7 @@ def colors_of(document: Document, ids: np.ndarray | None = None, own: np.ndarray
     ``own``, (n, 3), are the colours of all vertices without paint.
     """
     some = slice(None) if ids is None else ids
-    labels, member = document.drawn(some)
+    labels, member = drawn(document, some)
     colors = label_colors(labels, member)
     if own is not None:
         bare = (labels == FREE) & (member == 0)
@@ -125,13 +125,24 @@ def colors_of(document: Document, ids: np.ndarray | None = None, own: np.ndarray
     return colors
 
 
+def drawn(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
+    """Labels and region numbers of ``ids`` as drawn: hidden parts as unpainted."""
+    hidden = document.flags.hidden
+    labels, member = document.labels[ids], document.member[ids]
+    if hidden.labels.any():
+        labels = np.where(hidden.labels[labels], FREE, labels)
+    if hidden.regions.any():
+        member = np.where(hidden.regions[member], 0, member)
+    return labels, member
+
+
 def _looks_like(old: Document, new: Document) -> bool:
     return old.painted_like(new) and old.soft is new.soft and old.flags == new.flags
 
 
 def differing(old: Document, new: Document) -> np.ndarray:
     """Vertices of different colour in two documents, ascending."""
-    (labels, member), (other, others) = old.drawn(slice(None)), new.drawn(slice(None))
+    (labels, member), (other, others) = drawn(old, slice(None)), drawn(new, slice(None))
     differ = (labels != other) | (member != others)
     if old.soft is not new.soft or old.flags != new.flags:
         differ[old.soft.ids] = differ[new.soft.ids] = True

@@ -46,6 +46,7 @@ OF_HANDLE = {
     "name": lambda said: of_handle(said, name="Neck"),
     "pose": lambda said: of_handle(said, pose=frozen(BENT @ BENT)),
     "pivot": lambda said: of_handle(said, pivot=np.ones(3)),
+    "waypoints": lambda said: of_handle(said, waypoints=(frozen(BENT.copy()),)),
     "falloff": lambda said: of_handle(said, falloff=2.0),
     "flags": lambda said: of_handle(said, flags=PartFlags(locked=True)),
 }

@@ -1,0 +1,53 @@
+"""The solver is stopped and let go on by the status bar, and by Space in the view."""
+
+import pytest
+from driving import LEFT, idle
+from PySide6.QtCore import Qt
+
+from apd_viewer.session.store import Activity
+
+
+@pytest.fixture
+def solving(qtbot, bottle):
+    """The bottle on its way to a twisted shape."""
+    bottle.session.handles.move_by("TWIST", "45", 0)
+    return bottle
+
+
+def test_the_button_stops_the_solver_and_lets_it_go_on(qtbot, solving):
+    pause, store = solving.status.pause, solving.session.store
+    assert (pause.isVisible(), pause.text()) == (True, "Pause")
+    qtbot.mouseClick(pause, LEFT)
+    assert store.activity is Activity.PAUSED
+    assert pause.text() == "Continue"
+    assert solving.panel.area.activity.text() == "paused"
+    qtbot.wait(500)  # a frame may be on its way
+    state = store.state
+    qtbot.wait(100)
+    assert store.state is state
+    qtbot.mouseClick(pause, LEFT)
+    assert store.activity is Activity.REFINING
+    qtbot.waitUntil(lambda: store.state is not state, timeout=60_000)
+    solving.actions_.undo.trigger()
+    idle(qtbot, solving)
+    assert not pause.isVisible()
+
+
+def test_space_in_the_view_does_the_same(qtbot, solving):
+    solving.shell.activateWindow()
+    qtbot.waitUntil(solving.shell.isActiveWindow, timeout=5_000)
+    view = solving.canvas.viewport
+    view.setFocus()
+    qtbot.keyClick(view, Qt.Key.Key_Space)
+    assert solving.session.store.activity is Activity.PAUSED
+    qtbot.keyClick(view, Qt.Key.Key_Space)
+    assert solving.session.store.activity is Activity.REFINING
+
+
+def test_space_on_a_button_presses_the_button(qtbot, solving):
+    add = solving.panel.handles.add
+    add.setFocus()
+    before = len(solving.session.store.state.document.handles)
+    qtbot.keyClick(add, Qt.Key.Key_Space)
+    assert len(solving.session.store.state.document.handles) == before + 1
+    assert solving.session.store.activity is not Activity.PAUSED

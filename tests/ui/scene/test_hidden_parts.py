@@ -1,0 +1,36 @@
+"""A hidden part is coloured as if unpainted."""
+
+from dataclasses import replace
+
+import numpy as np
+from driven_session import document
+
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.session.model.document_parts import with_next_region
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.part_flags import PartFlags
+from apd_viewer.ui.scene.coloring import colors_of, differing
+
+HIDDEN = PartFlags(hidden=True)
+
+
+def test_hidden_parts_look_erased_and_the_difference_is_all_that_is_coloured_anew():
+    before = with_next_region(document())
+    before = before.painted_region(np.arange(6, 30), 1)
+    for part in (Part(BASE), Part(HANDLE), Part(1, is_region=True)):
+        hidden = part.flagged(before, HIDDEN)
+        assert hidden.labels is before.labels
+        assert hidden.member is before.member
+        bare = part.become(before, np.zeros(len(before.labels), dtype=bool))
+        np.testing.assert_array_equal(colors_of(hidden), colors_of(bare))
+        differ = (colors_of(hidden) != colors_of(before)).any(axis=1)
+        np.testing.assert_array_equal(differing(before, hidden), np.flatnonzero(differ))
+
+
+def test_a_hidden_handle_has_no_falloff_to_see():
+    before = document()
+    before = before.with_handle(0, replace(before.handles[0], falloff=3.0))
+    hidden = Part(HANDLE).flagged(before, HIDDEN)
+    assert len(hidden.soft.ids)
+    bare = Part(HANDLE).flagged(document(), HIDDEN)
+    np.testing.assert_array_equal(colors_of(hidden), colors_of(bare))
