@@ -14,9 +14,8 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import cleared, with_next_region, without_handle
-from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.named_parts import Handle, PartFlags
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_flags import PartFlags
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.part_operations import reshaped

@@ -23,8 +23,14 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
-from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedRegion
-from apd_viewer.session.model.part_flags import NO_FLAGS, DocumentFlags, PartFlags
+from apd_viewer.session.model.named_parts import (
+    IDENTITY,
+    NO_FLAGS,
+    DocumentFlags,
+    Handle,
+    NamedRegion,
+    PartFlags,
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,7 @@ from apd_viewer.session.model.document_parts import with_next_region
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
-    from apd_viewer.session.model.named_parts import Handle, NamedRegion
-    from apd_viewer.session.model.part_flags import PartFlags
+    from apd_viewer.session.model.named_parts import Handle, NamedRegion, PartFlags
 
 
 class Part(NamedTuple):

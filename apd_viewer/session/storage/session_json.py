@@ -22,8 +22,7 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.named_parts import Handle, NamedRegion
-from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
+from apd_viewer.session.model.named_parts import NO_FLAGS, Handle, NamedRegion, PartFlags
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View

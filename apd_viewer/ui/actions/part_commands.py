@@ -10,7 +10,7 @@ from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.part_operation import PartOperation
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.part_flags import PartFlags
+    from apd_viewer.session.model.named_parts import PartFlags
     from apd_viewer.session.session import Session
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas

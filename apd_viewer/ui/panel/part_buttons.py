@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
+from apd_viewer.session.model.named_parts import NO_FLAGS, PartFlags
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPainter,
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.part_flags import NO_FLAGS, PartFlags
+from apd_viewer.session.model.named_parts import NO_FLAGS, PartFlags
 from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.theme import mark

@@ -11,8 +11,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
-from apd_viewer.session.model.named_parts import Handle, NamedRegion
-from apd_viewer.session.model.part_flags import PartFlags
+from apd_viewer.session.model.named_parts import Handle, NamedRegion, PartFlags
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.requests import alike, factored_for
 

@@ -7,8 +7,8 @@ from driven_session import document
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.model.document_parts import with_next_region
+from apd_viewer.session.model.named_parts import PartFlags
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_flags import PartFlags
 from apd_viewer.ui.scene.coloring import colors_of, differing
 
 HIDDEN = PartFlags(hidden=True)
