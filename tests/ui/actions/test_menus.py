@@ -46,10 +46,11 @@ def test_help_and_appearance_have_the_keys_that_one_tries(qtbot, window):
 def test_checked_entries_are_marked_and_only_the_hovered_one_is_filled(qtbot, window, scheme):
     actions = window.actions_
     actions.view.schemes[scheme].trigger()
+    actions.view.edges.trigger()
     window.shell.activateWindow()
     qtbot.waitUntil(window.shell.isActiveWindow)
     view = opened(qtbot, window, "&View")
-    hovered, checked, plain = actions.view.frame, actions.view.smooth, actions.view.edges
+    hovered, checked, plain = actions.view.frame, actions.view.edges, actions.view.camera.orthographic
     assert view.activeAction() is hovered
     assert checked.isChecked()
     picture = view.grab().toImage()
