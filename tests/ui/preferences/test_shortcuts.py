@@ -339,8 +339,8 @@ def test_it_is_used_by_keys_alone(qtbot, active, sheet):
     field = active.shell.focusWidget()
     assert field is sheet.rows["look:front"].keys
     qtbot.keyClick(field, Qt.Key.Key_Return)
-    qtbot.keyClick(field, Qt.Key.Key_5)
-    assert sheet.rows["look:front"].entry.keys == "5"
+    qtbot.keyClick(field, Qt.Key.Key_6)
+    assert sheet.rows["look:front"].entry.keys == "6"
     assert active.shell.focusWidget() is field
     qtbot.keyClick(field, Qt.Key.Key_Up)
     assert active.shell.focusWidget() is sheet.search
