@@ -4,13 +4,14 @@ import pytest
 from driving import LEFT, idle
 from PySide6.QtCore import Qt
 
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.store import Activity
 
 
 @pytest.fixture
 def solving(qtbot, bottle):
     """The bottle on its way to a twisted shape."""
-    bottle.session.handles.move_by("TWIST", "45", 0)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "45", 0)
     return bottle
 
 
