@@ -181,13 +181,13 @@ def view_said(view: View) -> dict[str, Any]:
         **{name: [float(x) for x in getattr(eye, name)] for name in _POINTS},
         "angle": float(eye.angle),
     }
-    return {
+    said = {
         "camera": camera,
         "unit": view.unit or None,
         "wall": {name: text or None for name, text in view.wall._asdict().items()},
         "overlay": view.overlay if view.overlay is None else view.overlay or _NO_OVERLAY,
-        "up_axis": None if view.up_axis is None else view.up_axis.value,
     }
+    return said if view.up_axis is None else {**said, "up_axis": view.up_axis.value}
 
 
 def view_of(said: Fields) -> View:
