@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 NOTHING, LATER = "–", "…"
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
-_LITRE = 0.1  # from here on litres are usual
 
 
 def area_percent(state: State) -> str:
@@ -107,7 +106,7 @@ def volume(state: State, unit: Unit) -> Volume:
     lines = [about_caps(inspection.openings)] if capped else []  # never without a word
     litres, at_rest = unit.litres(now), unit.litres(rest)
     if litres is not None and at_rest is not None:
-        factor, symbol = (1.0, "l") if abs(at_rest) >= _LITRE else (1e3, "ml")
+        symbol, factor = unit.capacity(at_rest)
         now_, rest_ = significant(factor * litres, 4), significant(factor * at_rest, 4)
         lines.insert(0, tr("{now} of {rest}").format(now=now_, rest=rest_) + f"\u00a0{symbol}")
     return Volume(
@@ -149,12 +148,12 @@ def change_of(now: float, rest: float) -> str:
     return f"{signed(100.0 * (now / rest - 1.0), 1)} %"
 
 
-def weight(grams: float | None) -> str:
+def weight(grams: float | None, unit: Unit) -> str:
     """Mass in a suitable unit."""
     if grams is None:
         return NOTHING
-    size, symbol = (1e-3, "kg") if grams >= 1e3 else (1.0, "g") if grams >= 1.0 else (1e3, "mg")
-    return f"{significant(grams * size, 4)}\u00a0{symbol}"
+    symbol, factor = unit.mass(grams)
+    return f"{significant(grams * factor, 4)}\u00a0{symbol}"
 
 
 def drift(state: State, unit: Unit) -> str:

@@ -130,7 +130,7 @@ def _size(subject: Subject) -> Iterator[Block]:
             (tr("Smallest box volume"), *packed),
             (tr("Compactness"), *readings.compact(state)),
             (tr("Wall"), subject.wall.written(unit) or readings.NOTHING, ""),
-            (tr("Mass"), readings.weight(grams), problem),
+            (tr("Mass"), readings.weight(grams, unit), problem),
         )
     )
 

@@ -1,4 +1,4 @@
-"""Units of length, and measurements written in them."""
+"""Units of length, and of the volumes and masses that go with them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from apd_viewer.language import tr
 
 # No-break space: a number is not separated from its unit.
 _GAP = "\u00a0"
-_DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0}
+_DECIMETRES = {"mm": 0.01, "cm": 0.1, "m": 10.0, "in": 0.254, "ft": 3.048}
+# Litres and grams in a unit, smallest first; of the United States, where inches are used.
+_LITRES = {"ml": 1e-3, "l": 1.0}
+_LITRES_OF_INCHES = {"fl oz": 0.0295735295625, "gal": 3.785411784}
+_GRAMS = {"mg": 1e-3, "g": 1.0, "kg": 1e3}
+_GRAMS_OF_INCHES = {"oz": 28.349523125, "lb": 453.59237}
 _LEGIBLE = 1e6  # from here on another unit is easier to read
 _POWERS = {-1: "⁻¹", 1: "", 2: "²", 3: "³"}
 
@@ -20,6 +25,8 @@ class Unit(Enum):
     MILLIMETRE = "mm"
     CENTIMETRE = "cm"
     METRE = "m"
+    INCH = "in"
+    FOOT = "ft"
 
     @property
     def title(self) -> str:
@@ -45,8 +52,8 @@ class Unit(Enum):
     def legible(self, value: float, power: int) -> tuple[Unit, float]:
         """The unit in which an area or a volume is legible, and the factor into it."""
         unit, factor = self, 1.0
-        while abs(factor * value) >= _LEGIBLE and unit in (Unit.MILLIMETRE, Unit.CENTIMETRE):
-            larger = Unit.CENTIMETRE if unit is Unit.MILLIMETRE else Unit.METRE
+        while abs(factor * value) >= _LEGIBLE and unit in _LARGER:
+            larger = _LARGER[unit]
             factor *= (_DECIMETRES[unit.value] / _DECIMETRES[larger.value]) ** power
             unit = larger
         return unit, factor
@@ -56,5 +63,25 @@ class Unit(Enum):
         side = _DECIMETRES.get(self.value)
         return None if side is None else volume * side**3
 
+    def capacity(self, litres: float) -> tuple[str, float]:
+        """The unit of capacity for a volume, and how many of it are a litre."""
+        if self in (Unit.INCH, Unit.FOOT):
+            return _largest(_LITRES_OF_INCHES, abs(litres))
+        return _largest(_LITRES, 10.0 * abs(litres))  # from a tenth on, litres are usual
+
+    def mass(self, grams: float) -> tuple[str, float]:
+        """The unit of mass for so many grams, and how many of it are a gram."""
+        return _largest(_GRAMS_OF_INCHES if self in (Unit.INCH, Unit.FOOT) else _GRAMS, grams)
+
     def _written(self, number: str, power: int) -> str:
         return f"{number}{_GAP}{self.value}{_POWERS[power]}" if self.value else number
+
+
+_LARGER = {Unit.MILLIMETRE: Unit.CENTIMETRE, Unit.CENTIMETRE: Unit.METRE, Unit.INCH: Unit.FOOT}
+
+
+def _largest(sizes: dict[str, float], amount: float) -> tuple[str, float]:
+    """The largest unit not above an amount, else the smallest, and its reciprocal."""
+    fitting = [symbol for symbol, size in sizes.items() if amount >= size]
+    symbol = fitting[-1] if fitting else next(iter(sizes))
+    return symbol, 1.0 / sizes[symbol]

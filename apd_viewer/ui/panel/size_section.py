@@ -161,7 +161,7 @@ class SizeSection(Section):
             grams, problem = mass(self._typed, self._area, self._unit), ""
         except InputError as error:
             grams, problem = None, str(error)
-        self.mass.setText(readings.weight(grams))
+        self.mass.setText(readings.weight(grams, self._unit))
         if problem != self._problem.text():
             self._problem.setText(problem)
             self._problem.setVisible(bool(problem))

@@ -26,6 +26,8 @@ _NAMES = {
     Unit.MILLIMETRE: tr("Millimetres (mm)"),
     Unit.CENTIMETRE: tr("Centimetres (cm)"),
     Unit.METRE: tr("Metres (m)"),
+    Unit.INCH: tr("Inches (in)"),
+    Unit.FOOT: tr("Feet (ft)"),
 }
 _CHEVRON, _PADDING = 16, 6
 _TIP = tr("Unit of length of this file: measurements are shown in it, and nothing is scaled")

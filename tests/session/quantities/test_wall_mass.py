@@ -89,3 +89,38 @@ def test_a_bare_number_is_written_with_the_unit_that_it_is_in(wall, unit, said):
 )
 def test_large_areas_and_volumes_are_legible_in_a_larger_unit(unit, value, power, legible, factor):
     assert unit.legible(value, power) == (legible, pytest.approx(factor))
+
+
+@pytest.mark.parametrize(
+    ("unit", "litres", "said"),
+    [
+        (Unit.CENTIMETRE, 0.05, (50.0, "ml")),
+        (Unit.MILLIMETRE, 0.5, (0.5, "l")),
+        (Unit.METRE, -2.0, (-2.0, "l")),
+        (Unit.INCH, 0.5, (16.907, "fl oz")),
+        (Unit.FOOT, 37.85411784, (10.0, "gal")),
+    ],
+)
+def test_a_capacity_is_in_what_goes_with_the_unit_of_length(unit, litres, said):
+    symbol, factor = unit.capacity(litres)
+    assert (litres * factor, symbol) == (pytest.approx(said[0], rel=1e-4), said[1])
+
+
+@pytest.mark.parametrize(
+    ("unit", "grams", "said"),
+    [
+        (Unit.CENTIMETRE, 0.25, (250.0, "mg")),
+        (Unit.CENTIMETRE, 20.0, (20.0, "g")),
+        (Unit.METRE, 2500.0, (2.5, "kg")),
+        (Unit.INCH, 28.349523125, (1.0, "oz")),
+        (Unit.FOOT, 907.18474, (2.0, "lb")),
+    ],
+)
+def test_a_mass_is_in_what_goes_with_the_unit_of_length(unit, grams, said):
+    symbol, factor = unit.mass(grams)
+    assert (grams * factor, symbol) == (pytest.approx(said[0]), said[1])
+
+
+def test_a_wall_in_inches_weighs_what_it_does_in_centimetres():
+    inches = mass(Wall("1/100 in", "1.38"), 100.0, Unit.INCH)
+    assert inches == pytest.approx(mass(Wall("0.254mm", "1.38"), 100.0 * 2.54**2, CM), rel=1e-12)
