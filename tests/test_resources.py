@@ -112,7 +112,7 @@ def test_icons_are_one_family(name):
     assert root.get("stroke") == "currentColor"
     assert root.get("stroke-width") == "1.5"
     colours = {element.get(key, "none") for element in root.iter() for key in ("fill", "stroke")}
-    assert colours <= {"none", "currentColor"}
+    assert colours <= {"none", "currentColor", "baseColor", "handleColor", "regionColor"}
 
 
 def test_the_application_icon_carries_the_colours_of_base_and_handle():

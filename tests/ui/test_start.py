@@ -131,7 +131,8 @@ def test_the_sketch_and_the_opened_mesh_look_alike(qtbot, early):
     early.requests.open_sample("bottle")
     sketch = view.screenshot().astype(int)
     idle(qtbot, Workbench(early))
-    assert np.abs(view.screenshot().astype(int) - sketch).max() <= 3
+    differs = np.abs(view.screenshot().astype(int) - sketch).max(axis=2) > 3
+    assert differs.mean() <= 0.02, "only sharp edges are shaded later"
 
 
 def test_the_sketch_leaves_room_for_the_gizmo(qtbot, early):

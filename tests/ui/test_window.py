@@ -29,6 +29,8 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import area
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE, transform
 from apd_viewer.session.store import Activity
+from apd_viewer.ui.filing import unsaved_question
+from apd_viewer.ui.filing.unsaved_question import Answer
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.tools.toolbox import Tool
 from apd_viewer.ui.widgets.fields import Entry, Number
@@ -523,7 +525,8 @@ def test_a_small_window_keeps_its_canvas_and_all_its_tools(qtbot, bottle):
         assert bottle.actions_.bar.widgetForAction(action).isVisible()
 
 
-def test_twenty_windows_leave_nothing_behind(qtbot, settings):
+def test_twenty_windows_leave_nothing_behind(qtbot, settings, monkeypatch):
+    monkeypatch.setattr(unsaved_question, "ask_before_leaving", lambda *_: Answer.DISCARD)
     alive = []
     for k in range(20):
         window = Workbench(Shell(settings))

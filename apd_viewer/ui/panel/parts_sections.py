@@ -12,6 +12,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
+from apd_viewer.session.model import memo
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.part_list import PartList
 from apd_viewer.ui.panel.part_row import PartRow
@@ -161,7 +162,7 @@ class RegionSection(Section):
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
-        painted = np.bincount(document.member, minlength=len(regions) + 1)
+        painted = memo.counts(document.member)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
             row.show_flags(region.flags, bool(painted[k]))
             if isinstance(row.details, Keep):
@@ -199,7 +200,7 @@ class Keep(QWidget):
         tip = tr("Target of the area of the region, in percent of its rest area")
         self.box = Check(tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free"))
         self.field: Number = percent_field(tr("Area target of the region"), tip)
-        line = QHBoxLayout(self, spacing=8)
+        line = QHBoxLayout(self, spacing=6)
         line.setContentsMargins(22, 0, 0, 2)
         line.addWidget(self.box)
         line.addWidget(self.field)

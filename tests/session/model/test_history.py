@@ -56,7 +56,8 @@ def test_a_new_gesture_forgets_what_could_be_redone():
 def test_the_oldest_entries_go_when_the_budget_is_spent():
     states = _states(6)
     mesh, U = states[0].document.mesh, states[0].frame.U
-    history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + 4 * U.nbytes)
+    shared = sum(array.nbytes for array in states[0].skin.sharp.arrays)
+    history = History(most_bytes=mesh.V.nbytes + mesh.F.nbytes + shared + 4 * U.nbytes)
     for k, state in enumerate(states):
         history.record(str(k), state)
     kept = _undone(history)

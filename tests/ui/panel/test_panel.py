@@ -9,6 +9,7 @@ from PySide6.QtCore import QPointF, Qt
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import verdict
+from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
 
@@ -129,7 +130,7 @@ def test_another_mesh_begins_with_the_defaults(qtbot, bottle):
     assert document(bottle).method == panel.method.method.currentData() == "exact"
     assert document(bottle).stiffness == panel.method.stiffness.value == 0.0
     assert not document(bottle).hold_area
-    assert (motion.motion, motion.amount.text()) == ("TWIST", "")
+    assert (motion.motion, motion.amount.text()) == (TypedMotion.TWIST, "")
     assert motion._problem.isHidden()
     bottle.actions_.undo.trigger()
     assert document(bottle).method == panel.method.method.currentData() == "local"

@@ -301,7 +301,7 @@ def test_keys_that_the_window_needs_are_refused(qtbot, active, sheet):
 
 def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     assert not sheet.back.isEnabled()
-    press(qtbot, sheet, "frame", Qt.Key.Key_K)
+    press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "export", Qt.Key.Key_K, CTRL)
     press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
     rows = sheet.rows
@@ -314,7 +314,7 @@ def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     qtbot.mouseClick(rows["export"].back, LEFT)
     assert active.actions_.file.export.shortcut() == QKeySequence("Ctrl+E")
     assert not rows["export"].back.isVisible()
-    assert again().actions_.view.frame.shortcut() == QKeySequence("K")
+    assert again().actions_.view.frame.shortcut() == QKeySequence("6")
     qtbot.mouseClick(sheet.back, LEFT)
     assert all(not entry.is_changed for entry in active.actions_.entries)
     assert not sheet.back.isEnabled()
@@ -323,14 +323,14 @@ def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
 
 
 def test_a_standard_that_another_action_has_by_now_is_a_conflict_too(qtbot, active, sheet):
-    press(qtbot, sheet, "frame", Qt.Key.Key_K)
+    press(qtbot, sheet, "frame", Qt.Key.Key_6)
     press(qtbot, sheet, "edges", Qt.Key.Key_F)
     qtbot.mouseClick(sheet.rows["frame"].back, LEFT)
     assert "“Edges”" in sheet.line.text()
-    assert sheet.rows["frame"].entry.keys == "K"
+    assert sheet.rows["frame"].entry.keys == "6"
     qtbot.mouseClick(sheet.swap, LEFT)
     assert sheet.rows["frame"].entry.keys == "F"
-    assert sheet.rows["edges"].entry.keys == "K"
+    assert sheet.rows["edges"].entry.keys == "6"
 
 
 def test_it_is_used_by_keys_alone(qtbot, active, sheet):
