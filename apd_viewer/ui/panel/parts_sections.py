@@ -12,7 +12,6 @@ from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
-from apd_viewer.session.model import memo
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.part_list import PartList
 from apd_viewer.ui.panel.part_row import PartRow
@@ -137,6 +136,7 @@ class RegionSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
+        self._member, self._painted = np.empty(0, np.uint8), np.zeros(256, dtype=np.int64)
         self.empty = quiet(tr("About regions"))
         self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
         self.list = PartList(REGION_COLORS, self._row)
@@ -162,9 +162,11 @@ class RegionSection(Section):
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
-        painted = memo.counts(document.member)
+        if self._member is not document.member:
+            self._member = document.member
+            self._painted = np.bincount(document.member, minlength=256)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
-            row.show_flags(region.flags, bool(painted[k]))
+            row.show_flags(region.flags, bool(self._painted[k]))
             if isinstance(row.details, Keep):
                 row.details.show_target(region.area, not only_measured)
         self.empty.setVisible(not regions)

@@ -128,7 +128,7 @@ def test_the_choice_is_made_with_the_mouse_or_the_keys(qtbot, bottle):
         qtbot.waitUntil(lambda seen=seen: bool(seen), timeout=3_000)
         assert seen == [True]
         assert (button.text(), button.accessibleName()) == ("mm", "Unit of length: mm")
-        assert [action.isChecked() for action in menu.actions()] == [False, True, False, False]
+        assert [action.isChecked() for action in menu.actions()] == [False, True, False, False, False, False]
 
 
 def test_a_file_keeps_its_unit_from_one_window_to_the_next(qtbot, window, files, settings):
