@@ -11,7 +11,7 @@ from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.ui.preferences.preferences import Preferences
 
 OLD = Path(__file__).with_name("version-1.ini")
-PARTS = Path("/home/ada/parts")
+PARTS = Path("/parts")
 
 
 @pytest.fixture
