@@ -44,7 +44,7 @@ problem = once(what_is_missing)
 
 @once
 def counts(labels: np.ndarray) -> np.ndarray:
-    """Number of the vertices with each label, (256,) int array."""
+    """Number of the vertices with each label or in each region, (256,) int array."""
     return frozen(np.bincount(labels, minlength=256))
 
 

@@ -15,6 +15,7 @@ from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.pose.frame import MET, Frame
 from apd_viewer.language import tr
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.targets import kept_percentages
@@ -47,6 +48,11 @@ class State:
         mesh = document.mesh
         own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
         return *own, *self.skin.arrays
+
+    @property
+    def region_counts(self) -> np.ndarray:
+        """Number of the vertices in each region by its number, (256,) int array; 0 is none."""
+        return memo.counts(self.document.member)
 
     @property
     def is_at_rest(self) -> bool:

@@ -136,7 +136,6 @@ class RegionSection(Section):
 
     def __init__(self) -> None:
         super().__init__(tr("Regions"))
-        self._member, self._painted = np.empty(0, np.uint8), np.zeros(256, dtype=np.int64)
         self.empty = quiet(tr("About regions"))
         self.empty.setText(tr("A region is a painted part whose area you can measure and keep."))
         self.list = PartList(REGION_COLORS, self._row)
@@ -162,11 +161,8 @@ class RegionSection(Section):
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
         self.list.show_parts([region.name for region in regions], active)
-        if self._member is not document.member:
-            self._member = document.member
-            self._painted = np.bincount(document.member, minlength=256)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
-            row.show_flags(region.flags, bool(self._painted[k]))
+            row.show_flags(region.flags, bool(state.region_counts[k]))
             if isinstance(row.details, Keep):
                 row.details.show_target(region.area, not only_measured)
         self.empty.setVisible(not regions)
