@@ -27,7 +27,7 @@ def read_3mf(content: bytes) -> Parsed:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
-    except (zipfile.BadZipFile, NotImplementedError, OSError) as error:
+    except (zipfile.BadZipFile, NotImplementedError, OSError) as error:  # or its compression is unknown
         raise ValueError(tr("it is not an archive, or it is damaged")) from error
     if size > _MOST:
         raise ValueError(tr("it would unpack to {size:.0f} GiB").format(size=size / 2**30))

@@ -85,7 +85,7 @@ def _wait_for_scratch_file(folder: Path) -> None:
         pass
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="kills forks of a process")
+@pytest.mark.skipif(sys.platform != "linux", reason="forks with threads running, safe on Linux alone")
 def test_a_killed_writer_leaves_the_old_file_or_the_new_one(tmp_path):
     found = killed_writers(KILLS, tmp_path, "a mesh.ply")
     # Otherwise nothing was being written when it was killed.

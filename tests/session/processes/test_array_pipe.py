@@ -142,7 +142,7 @@ def test_a_block_that_cannot_be_had_leaves_nothing(monkeypatch):
         raise OSError(28, "No space left on device")
 
     if not hasattr(shared_memory.os, "posix_fallocate"):
-        pytest.skip("there is no posix_fallocate here, whose failure this is about")
+        pytest.skip("this system has no posix_fallocate, whose failure is tested")
     made = []
     real = shared_memory.SharedMemory
     monkeypatch.setattr(

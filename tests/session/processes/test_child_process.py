@@ -72,7 +72,7 @@ def test_an_exception_reaches_the_log_with_the_exit_code(child, caplog, capfd):
     assert "RuntimeError: out of luck" in capfd.readouterr().err, "and a terminal, where there is one"
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to crash by")
 def test_a_crash_reaches_the_log_with_where_it_was(child, caplog):
     child.start()
     child.send(b"crash")
@@ -99,7 +99,9 @@ def test_one_that_cannot_be_started_is_logged(child, caplog, monkeypatch):
     assert "echo process cannot be started" in caplog.text
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the others end with their input")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="prctl is of Linux; elsewhere a child ends with its input"
+)
 def test_one_whose_owner_has_gone_before_it_began_ends_at_once():
     script, nobody = START.format(module="no_such_module"), "0"
     done = subprocess.run([sys.executable, "-c", script, nobody, *sys.path], check=False, timeout=60)
