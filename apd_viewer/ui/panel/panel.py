@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtCore import QEvent, QSize, Qt, QTimer
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -120,7 +120,6 @@ class Panel(QScrollArea):
         for section in self.sections:
             column.addWidget(section)
         column.addStretch(1)
-        self._asked_width = 0
         self.setWidget(body)
         self.unit = Unit.NONE
 
@@ -145,16 +144,6 @@ class Panel(QScrollArea):
         super().changeEvent(event)
         if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
             QTimer.singleShot(0, self, self.updateGeometry)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Ask for another width once the widest line is another one."""
-        handled: bool = super().eventFilter(watched, event)
-        if watched is self.widget() and event.type() is QEvent.Type.LayoutRequest:
-            width = self.minimumSizeHint().width()
-            if width != self._asked_width:
-                self._asked_width = width
-                self.updateGeometry()
-        return handled
 
     def show_state(self, old: State | None, new: State, handle: int, region: int) -> None:
         """Show the differences between two states, and the active parts."""
