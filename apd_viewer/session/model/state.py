@@ -51,7 +51,7 @@ class State:
 
     @property
     def region_counts(self) -> np.ndarray:
-        """Number of the vertices in each region by its number, (256,) int array; 0 is none."""
+        """Number of the vertices with each region number, (256,) int array."""
         return memo.counts(self.document.member)
 
     @property

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
     from apd_viewer.session.session import Session
 
-_WIDTH = 296
+_WIDTH = 324  # a region with a target fits: rows that come later must not move the view
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 

@@ -198,7 +198,7 @@ class Keep(QWidget):
         tip = tr("Target of the area of the region, in percent of its rest area")
         self.box = Check(tr("Keep at"), toolTip=tr("Keep the area of the region exactly, or leave it free"))
         self.field: Number = percent_field(tr("Area target of the region"), tip)
-        line = QHBoxLayout(self, spacing=6)
+        line = QHBoxLayout(self, spacing=8)
         line.setContentsMargins(22, 0, 0, 2)
         line.addWidget(self.box)
         line.addWidget(self.field)
