@@ -10,7 +10,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Baked
-from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, on_the_way
 from apd_viewer.session.model.targets import targets_of
@@ -40,8 +41,10 @@ for step in way:
     for _ in range({iterations}):
         solver.step()
 solver.aim(targets(poses))
-while not solver.settled:
+for _ in range({most}):
     result = solver.step()
+    if solver.settled:
+        break
 """
 
 
@@ -130,7 +133,7 @@ def _regions(document: Document) -> Iterator[str]:
 def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
     """Positions that base and handles were gripped at."""
     V, grip = document.mesh.V, document.grip
-    held = document.labels != 1
+    held = document.labels != FREE
     if np.array_equal(V[held], grip[held]):
         yield "base_at, gripped = mesh.V[base], [mesh.V[ids] for ids in handles]"
         return
@@ -157,7 +160,7 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
     yield "# A turn of more than 180 degrees goes in steps."
     way = (_poses(step, handles) for step in on_the_way(document))
     yield from _assigned("way", f"[{', '.join(way)}]")
-    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP).strip("\n")
+    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP, most=MOST_ITERATIONS).strip("\n")
 
 
 def _settings(document: Document) -> str:
