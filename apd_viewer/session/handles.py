@@ -12,7 +12,7 @@ from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
-from apd_viewer.session.typed_motion import amount_of, poses_along, still_to_go, title_of
+from apd_viewer.session.posing.motion_plan import MotionPlan, planned
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -60,22 +60,22 @@ class Handles:
         """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
         self._go(self._gestures.alone().document.moved(which, pose), which, gesture, repeats)
 
+    def plan(
+        self, motion: TypedMotion, text: str, which: int, line: np.ndarray | None = None, to: bool = False
+    ) -> MotionPlan:
+        """Motion of a handle by a typed amount, or to that total, without making it.
+
+        ``line`` (2, 3) is the axis of a bend about a line. Raises InputError if the text is none.
+        """
+        return planned(self._store.required(), which, motion, text, self._store.unit, line, to)
+
     def move_by(
         self, motion: TypedMotion, text: str, which: int, line: np.ndarray | None = None, to: bool = False
     ) -> None:
-        """Move a handle by a typed amount, or to that total; raises InputError.
-
-        ``line`` (2, 3) is the axis of a bend about a line.
-        """
-        state = self._gestures.alone()
-        document = state.document
-        amount = amount_of(motion, text, state, self._store.unit)
-        if to:
-            amount = still_to_go(document, which, motion, amount, line)
-        for pose in poses_along(state.document, which, motion, amount, line):
-            document = document.moved(which, pose)
-        name = document.handles[which].name
-        self._go(document, which, title_of(motion, amount, name, self._store.unit))
+        """Move a handle by a typed amount, or to that total; raises InputError."""
+        self._gestures.cancel()
+        plan = self.plan(motion, text, which, line, to)
+        self._go(plan.end(), which, plan.title(self._store.unit))
 
     def reset(self, which: int) -> None:
         """Reset one handle to its grip; the mesh follows."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.typed_motion import names_of
 from apd_viewer.session.vertex_expression import chosen, place
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
+from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.typed_motion import names_of
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -29,7 +29,7 @@ def chosen(text: str, state: State, unit: Unit) -> np.ndarray:
 
     Either ids and ranges of ids, parted by commas or spaces, or conditions on the coordinates x, y, z of the
     shape on screen, joined by "and" and "or"; lengths may be expressions with the names of
-    :func:`apd_viewer.session.typed_motion.names_of`.
+    :func:`apd_viewer.session.posing.typed_motion.names_of`.
 
     Raises
     ------

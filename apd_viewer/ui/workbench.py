@@ -29,6 +29,7 @@ from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
 from apd_viewer.ui.overlays.selection_mode_bar import WayBar
 from apd_viewer.ui.panel.measurements_controller import Measuring
 from apd_viewer.ui.plots.plots import Plots
+from apd_viewer.ui.posing.motion_preview import MotionPreview
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.session_signals import SessionSignals
 from apd_viewer.ui.sharing.report_controller import Reporting
@@ -97,6 +98,7 @@ class Workbench(QObject):
         self.docks["plots"].setWidget(self.plots)
         self.filing = Filing(shell, memory, session, self._view, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
+        self.preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.notice.stand_above(self.editing.typed.cards)
         self.studies = Studies(shell, memory, self._studied, notice.fail)
@@ -151,6 +153,7 @@ class Workbench(QObject):
         signals = self.signals
         signals.woken.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         signals.changed.connect(self._show)
+        signals.changed.connect(self.preview.follow)
         for change in (signals.changed, signals.status_changed):
             change.connect(self.filing.show_title)
         signals.status_changed.connect(self._show_status)

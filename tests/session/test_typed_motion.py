@@ -8,8 +8,8 @@ from meshes import rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.posing.typed_motion import amount_of, names_of, pose_after
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.typed_motion import amount_of, names_of, pose_after
 
 pytestmark = pytest.mark.usefixtures("process")
 AXES = {"X": [1, 0, 0], "Y": [0, 1, 0], "Z": [0, 0, 1]}

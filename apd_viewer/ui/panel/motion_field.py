@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QTimer, Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr, trc
@@ -18,6 +18,7 @@ _TIPS = {
     "LINE": tr("Click two points of the mesh: the bend is about the line through them"),
     "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
 }
+_PAUSE = 600  # ms; before, a half-typed amount is no error
 _RELATION = tr("“by” moves on from where the handle is, “to” goes to a total since it was gripped")
 
 
@@ -28,11 +29,17 @@ class MotionField(QWidget):
     ----------
     typed : Signal(TypedMotion, str, bool)
         The motion, what was typed, and whether it is the total to go to.
+    edited : Signal(TypedMotion, str, bool)
+        The same while it is typed, to be previewed.
+    left : Signal()
+        Nothing is being typed any more.
     line_asked : Signal()
         The line to bend about is to be picked on the mesh.
     """
 
     typed = Signal(TypedMotion, str, bool)
+    edited = Signal(TypedMotion, str, bool)
+    left = Signal()
     line_asked = Signal()
 
     def __init__(self) -> None:
@@ -47,11 +54,16 @@ class MotionField(QWidget):
         self.pick.clicked.connect(self.line_asked)
         self.amount = Entry(accessibleName=tr("Amount"), placeholderText="60deg")
         self.amount.returnPressed.connect(self._type)
+        self.amount.textEdited.connect(self.edit)
+        self.amount.entered.connect(self.edit)
+        self.amount.left.connect(self._leave)
         self.choice.currentIndexChanged.connect(self._choose)
         self._problem = quiet(tr("Error in the amount"))
         self._problem.setObjectName("unreached")
         self._problem.setWordWrap(True)
         self._problem.hide()
+        self._later = QTimer(self, singleShot=True, interval=_PAUSE)
+        self._later.timeout.connect(self._show_problem)
         line = QHBoxLayout(spacing=8)
         line.addWidget(self.relation)
         line.addWidget(self.amount, 1)
@@ -80,6 +92,15 @@ class MotionField(QWidget):
         self.amount.clear()
         self._problem.hide()
 
+    def explain(self, sentence: str) -> None:
+        """Show an error in what is being typed once the typing pauses; empty is none."""
+        self._problem.setText(sentence)
+        if sentence:
+            self._later.start()
+        else:
+            self._later.stop()
+            self._problem.hide()
+
     def done(self) -> None:
         """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
         self._problem.hide()
@@ -93,6 +114,17 @@ class MotionField(QWidget):
 
     def _type(self) -> None:
         self.typed.emit(self.motion, self.amount.text(), self.relation.currentData())
+
+    def edit(self) -> None:
+        """Have what is typed previewed."""
+        self.edited.emit(self.motion, self.amount.text(), self.relation.currentData())
+
+    def _leave(self) -> None:
+        self._later.stop()
+        self.left.emit()
+
+    def _show_problem(self) -> None:
+        self._problem.show()
 
     def _choose(self) -> None:
         kind = "LINE" if self.about_line else self.motion.kind

@@ -1,4 +1,4 @@
-"""Rest shape drawn like glass around the deformed shape."""
+"""Glass: the rest shape around the deformed one, and parts where they would go."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pyvista as pv
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.ui.scene.rest_actor import RestActor
-from apd_viewer.ui.scene.shading import GLASS
+from apd_viewer.ui.scene.shading import GLASS, TINTED_GLASS
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -42,6 +43,65 @@ class Ghost(RestActor):
 
     def _match_background(self, dark: bool) -> None:
         self._actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniformf("onDark", float(dark))
+
+
+class PatchGhost:
+    """Patches of a surface, each in its colour, where they would go.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    shown : (n, 3) float array
+        Their vertices; empty while there is nothing to show.
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._viewport = viewport
+        self.shown = np.empty((0, 3))
+        self._mapper = vtkPolyDataMapper()
+        # A round handle that turns about itself would flicker through its ghost.
+        self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
+        self._actor = vtkActor()
+        self._actor.SetMapper(self._mapper)
+        self._actor.ForceTranslucentOn()
+        self._actor.GetShaderProperty().AddFragmentShaderReplacement(
+            "//VTK::Light::Impl", True, TINTED_GLASS, False
+        )
+        self._actor.SetVisibility(False)
+        viewport.renderer.AddActor(self._actor)
+        viewport.more_boxes.append(self._box)
+
+    def show(self, V: np.ndarray, F: np.ndarray, colors: np.ndarray) -> None:
+        """Show triangles ``F`` (m, 3) of ``V`` (n, 3), with ``colors`` (n, 3) uint8."""
+        self.shown = V
+        middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
+        glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
+        glass.point_data["Normals"] = _normals(V, F)
+        glass.GetPointData().SetActiveNormals("Normals")
+        glass.point_data["colors"] = colors
+        glass.GetPointData().SetActiveScalars("colors")
+        self._mapper.SetInputData(glass)
+        self._actor.SetPosition(*middle)
+        self._actor.SetVisibility(True)
+        self._viewport.update()
+
+    def hide(self) -> None:
+        """Show nothing."""
+        if len(self.shown):
+            self.shown = np.empty((0, 3))
+            self._actor.SetVisibility(False)
+            self._mapper.SetInputData(None)
+            self._viewport.update()
+
+    def _box(self) -> tuple[float, ...]:
+        """Extent as VTK gives it: low and high along each axis; empty without a patch."""
+        if not len(self.shown):
+            return ()
+        return tuple(np.column_stack([self.shown.min(axis=0), self.shown.max(axis=0)]).ravel())
 
 
 def _normals(V: np.ndarray, F: np.ndarray) -> np.ndarray:

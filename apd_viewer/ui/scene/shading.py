@@ -71,6 +71,13 @@ GLASS = """
   gl_FragData[0] = vec4(mix(vec3(0.16, 0.22, 0.33), vec3(0.80, 0.87, 1.0), onDark), 0.07 + 0.63 * rim);
 """
 
+# The same in the colour of the vertices, denser.
+TINTED_GLASS = """
+  float facing = abs(dot(normalize(normalVCVSOutput), normalize(-vertexVC.xyz)));
+  float rim = 1.0 - facing;
+  gl_FragData[0] = vec4(diffuseColor * (0.75 + 0.35 * facing), 0.45 + 0.35 * rim * rim);
+"""
+
 # What is seen of the inside where the surface is cut.
 _INSIDE = """
   if (!gl_FrontFacing) { diffuseColor *= 0.62; }

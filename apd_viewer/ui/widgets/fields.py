@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QFocusEvent,
     QHideEvent,
@@ -211,7 +211,16 @@ class Number(QDoubleSpinBox):
 
 
 class Entry(QLineEdit):
-    """Line of text; Esc restores it and returns the keys."""
+    """Line of text; Esc restores it and returns the keys.
+
+    Attributes
+    ----------
+    entered, left : Signal()
+        The keys are its own, or no longer.
+    """
+
+    entered = Signal()
+    left = Signal()
 
     def __init__(self, **properties: Any) -> None:
         super().__init__(objectName="typed", **properties)
@@ -221,6 +230,12 @@ class Entry(QLineEdit):
         """Remember the text."""
         super().focusInEvent(event)
         self._before = self.text()
+        self.entered.emit()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Leave it at that."""
+        super().focusOutEvent(event)
+        self.left.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Restore the text on Esc."""

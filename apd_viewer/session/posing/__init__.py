@@ -1,0 +1,1 @@
+"""Posing: typed motions, mirrored motions and named poses."""

@@ -1,0 +1,129 @@
+"""Ghost of handles where a motion would bring them, with its path and axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+
+from apd_viewer.geometry.pose.constraints import HANDLE, transform
+from apd_viewer.presentation.palette import handle_color
+from apd_viewer.ui.posing.motion_trace import MotionTrace, traced
+from apd_viewer.ui.scene.ghost import PatchGhost
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.tools.polylines import polygon, stroke, translucent
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_DOT = 4.5  # pixels
+_SECTOR = 64  # opacity, of 255
+_DASHES = [6.0, 4.0]  # in widths of the line
+
+
+class MotionGhost(MouseTool):
+    """Shows handles at the end of a motion; the mouse does not feel it.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    patches : PatchGhost
+    traces : list of (color, MotionTrace)
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        super().__init__()
+        self._viewport = viewport
+        self.patches = PatchGhost(viewport)
+        self.traces: list[tuple[tuple[int, int, int], MotionTrace]] = []
+        viewport.tools.insert(0, self)  # the arc is drawn over the gizmo
+
+    def show(self, start: Document, way: Sequence[Document]) -> None:
+        """Show all handles that a motion moves, from its start to the end of the way."""
+        end = way[-1].handles
+        moved = [k for k, handle in enumerate(start.handles) if not np.array_equal(handle.pose, end[k].pose)]
+        self.traces = []
+        patches = []
+        for k in moved:
+            ids, F = _patch(start, k)
+            poses = [document.handles[k].pose for document in way]
+            self.traces.append((handle_color(k), traced(start.grip[ids], poses)))
+            patches.append((transform(poses[-1], start.grip[ids]), F, handle_color(k)))
+        self._show_patches(patches)
+        self._viewport.overlay.update()
+
+    def hide(self) -> None:
+        """Show nothing."""
+        if self.traces:
+            self.traces = []
+            self.patches.hide()
+            self._viewport.overlay.update()
+
+    def _show_patches(self, patches: list[tuple[np.ndarray, np.ndarray, tuple[int, int, int]]]) -> None:
+        if not patches:
+            self.patches.hide()
+            return
+        sizes = [len(V) for V, _, _ in patches]
+        starts = np.cumsum([0, *sizes[:-1]])
+        self.patches.show(
+            np.vstack([V for V, _, _ in patches]),
+            np.vstack([F + start for (_, F, _), start in zip(patches, starts, strict=True)]),
+            np.repeat(np.array([color for *_, color in patches], dtype=np.uint8), sizes, axis=0),
+        )
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the axis, the path with a dot at its end, and the sector between them."""
+        ink, halo = ("#ffffff", "#14161a") if self._viewport.dark else ("#14161a", "#ffffff")
+        for color, trace in self.traces:
+            corners = np.vstack([trace.path, trace.axis])
+            if not len(trace.path) or not self._in_front(corners):
+                continue
+            if len(trace.axis):
+                _draw_sector(painter, self._project(np.vstack([trace.axis.mean(axis=0), trace.path])), color)
+                _draw_axis(painter, self._project(trace.axis), QColor(ink), halo)
+            _draw_path(painter, self._project(trace.path), QColor(ink), halo)
+
+    def _project(self, points: np.ndarray) -> np.ndarray:
+        return self._viewport.look.eye.project(points)
+
+    def _in_front(self, points: np.ndarray) -> bool:
+        eye = self._viewport.look.eye
+        return bool((eye.depth(points) > 1e-6 * eye.distance).all())
+
+
+def _patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n,) of handle ``k``, and triangles (m, 3) of them by their place in these."""
+    mine = document.labels == HANDLE + k
+    ids, place = np.flatnonzero(mine), np.cumsum(mine) - 1
+    F = document.mesh.F
+    return ids, place[F[mine[F].all(axis=1)]]
+
+
+def _draw_sector(painter: QPainter, at: np.ndarray, color: tuple[int, int, int]) -> None:
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(*color, _SECTOR))
+    painter.drawPolygon(polygon(at))
+
+
+def _draw_axis(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> None:
+    painter.setPen(QPen(translucent(halo), 3.0))
+    painter.drawLine(QPointF(*at[0]), QPointF(*at[1]))
+    pen = QPen(color, 1.4)
+    pen.setDashPattern(_DASHES)
+    painter.setPen(pen)
+    painter.drawLine(QPointF(*at[0]), QPointF(*at[1]))
+
+
+def _draw_path(painter: QPainter, at: np.ndarray, color: QColor, halo: str) -> None:
+    stroke(painter, at, color, 2.2, halo)
+    painter.setPen(QPen(translucent(halo), 1.5))
+    painter.setBrush(color)
+    painter.drawEllipse(QPointF(*at[-1]), _DOT, _DOT)
+    painter.setBrush(Qt.BrushStyle.NoBrush)

@@ -1,0 +1,57 @@
+"""Preview of the motion typed in the panel, until it is made or given up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.ui.posing.motion_ghost import MotionGhost
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.motions import TypedMotion
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.motion_field import MotionField
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+    from apd_viewer.ui.tools.canvas import Canvas
+
+
+class MotionPreview:
+    """Shows where the active handle would go while an amount is typed.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    field : MotionField
+    session : Session
+    parts : ActiveParts
+
+    Attributes
+    ----------
+    ghost : MotionGhost
+    """
+
+    def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:
+        self._canvas, self._field = canvas, field
+        self._session, self._parts = session, parts
+        self.ghost = MotionGhost(canvas.viewport)
+        field.edited.connect(self._preview)
+        field.left.connect(self.ghost.hide)
+
+    def follow(self, old: State | None, new: State) -> None:
+        """Begin from another document, if an amount is being typed."""
+        if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
+            self._field.edit()
+
+    def _preview(self, motion: TypedMotion, text: str, to: bool) -> None:
+        if self._session.store.state is None:
+            return
+        try:
+            plan = self._session.handles.plan(motion, text, self._parts.handle, self._canvas.line, to)
+            way = plan.on_the_way()
+        except InputError as error:
+            self.ghost.hide()
+            self._field.explain(str(error) if text.strip() else "")
+        else:
+            self._field.explain("")
+            self.ghost.show(plan.start, way)

@@ -1,0 +1,131 @@
+"""The ghost of a typed motion: where Enter would put the handle, and gone without a trace."""
+
+import numpy as np
+import pytest
+from meshes import rotation
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.geometry.pose.constraints import HANDLE, transform
+from apd_viewer.geometry.pose.transforms import shifted, turned_about
+from apd_viewer.ui.posing.motion_trace import traced
+
+
+def choose(window, motion):
+    field = window.panel.handles.motion
+    field.choice.setCurrentIndex(field.choice.findData(motion))
+
+
+def retype(window, text):
+    """Type into the field for amounts as it stands, in place of its text."""
+    amount = window.panel.handles.motion.amount
+    amount.selectAll()
+    QTest.keyClick(amount, Qt.Key.Key_Delete)
+    QTest.keyClicks(amount, text)
+
+
+@pytest.fixture
+def typing(qtbot, bottle):
+    """The bottle with the keys in the field for amounts."""
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    bottle.actions_.pose.typed.trigger()
+    return bottle
+
+
+def gripped(window):
+    document = window.session.store.state.document
+    return document.grip[document.labels == HANDLE]
+
+
+def test_the_ghost_is_where_enter_puts_the_handle(typing):
+    field, ghost, gestures = typing.panel.handles.motion, typing.preview.ghost, typing.session.gestures
+    for motion, text in [("TWIST", "60deg"), ("TWIST", "400deg"), ("MOVE_X", "0.15L"), ("SCALE", "1.3")]:
+        choose(typing, motion)
+        typing.actions_.pose.typed.trigger()
+        before = typing.session.store.state
+        retype(typing, text)
+        assert typing.session.store.state is before, "nothing else changes"
+        shown = ghost.patches.shown
+        QTest.keyClick(field.amount, Qt.Key.Key_Return)
+        pose = typing.session.store.state.document.handles[0].pose
+        np.testing.assert_allclose(shown, transform(pose, gripped(typing)), rtol=0, atol=1e-9)
+        assert not len(ghost.patches.shown)
+        assert not ghost.traces
+        gestures.undo()
+
+
+def test_to_a_total_the_ghost_goes_the_rest_of_the_way(typing):
+    typing.session.handles.move_by(typing.panel.handles.motion.motion, "60deg", 0)
+    field = typing.panel.handles.motion
+    field.relation.setCurrentIndex(field.relation.findData(True))
+    typing.actions_.pose.typed.trigger()
+    retype(typing, "0")
+    np.testing.assert_allclose(typing.preview.ghost.patches.shown, gripped(typing), rtol=0, atol=1e-9)
+
+
+def test_without_enter_the_ghost_goes(qtbot, typing):
+    before, ghost = typing.session.store.state, typing.preview.ghost
+    retype(typing, "60deg")
+    assert len(ghost.patches.shown)
+    typing.panel.handles.motion.choice.setFocus()
+    assert not len(ghost.patches.shown), "the field was left"
+    typing.actions_.pose.typed.trigger()
+    assert len(ghost.patches.shown), "Enter would do it now"
+    QTest.keyClick(typing.panel.handles.motion.amount, Qt.Key.Key_Escape)
+    assert not len(ghost.patches.shown)
+    assert typing.session.store.state is before
+
+
+def test_an_invalid_amount_has_a_sentence_and_no_ghost(qtbot, typing):
+    field, ghost = typing.panel.handles.motion, typing.preview.ghost
+    retype(typing, "60deg")
+    QTest.keyClicks(field.amount, " parsec")
+    assert not len(ghost.patches.shown)
+    assert field._problem.isHidden(), "it may be half-typed"
+    qtbot.waitUntil(field._problem.isVisible)
+    assert "parsec" in field._problem.text()
+    retype(typing, "60deg")
+    assert len(ghost.patches.shown)
+    assert field._problem.isHidden()
+    retype(typing, "")
+    assert not len(ghost.patches.shown)
+    assert field._problem.isHidden()
+
+
+def test_the_ghost_begins_from_what_undo_brings_back(typing):
+    ghost = typing.preview.ghost
+    typing.session.handles.move_by(typing.panel.handles.motion.motion, "30deg", 0)
+    retype(typing, "0.1deg")
+    turned = ghost.patches.shown
+    typing.session.gestures.undo()
+    assert np.abs(ghost.patches.shown - turned).max() > 0.1
+    np.testing.assert_allclose(ghost.patches.shown, gripped(typing), rtol=0, atol=0.1)
+
+
+def test_the_trace_of_a_rotation_is_an_arc_about_its_axis():
+    rng = np.random.default_rng(3)
+    grip = rng.normal(size=(20, 3))
+    start = shifted([3.0, -1.0, 2.0])
+    for centre in ([5.0, 4.0, 0.0], transform(start, grip.mean(axis=0)[None])[0]):
+        direction = np.array([1.0, 2.0, -2.0]) / 3.0
+        poses = [turned_about(centre, direction, a) @ start for a in np.linspace(0.0, 1.0, 15)]
+        trace = traced(grip, poses)
+        along = np.diff(trace.axis, axis=0)[0]
+        np.testing.assert_allclose(np.cross(along, direction), 0.0, atol=1e-8 * np.linalg.norm(along))
+        np.testing.assert_allclose(np.cross(trace.axis[0] - centre, direction), 0.0, atol=1e-8)
+        arms = trace.path - trace.axis.mean(axis=0)
+        np.testing.assert_allclose(arms @ direction, 0.0, atol=1e-8)
+        np.testing.assert_allclose(arms, arms[0] @ rotation_steps(direction, 15), atol=1e-8)
+
+
+def rotation_steps(direction, count):
+    return np.array([rotation(direction, a).T for a in np.linspace(0.0, 1.0, count)])
+
+
+def test_the_trace_of_a_translation_is_the_way_of_the_centre():
+    grip = np.eye(3)
+    trace = traced(grip, [shifted([0, 0, 0]), shifted([1.0, 2.0, 3.0])])
+    assert not len(trace.axis)
+    np.testing.assert_allclose(np.diff(trace.path, axis=0), [[1.0, 2.0, 3.0]])
+    assert not len(traced(grip, [np.eye(4)]).path)
