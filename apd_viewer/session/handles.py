@@ -13,6 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.posing.motion_plan import MotionPlan, planned
+from apd_viewer.session.posing.motion_titles import title_between
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -45,16 +46,16 @@ class Handles:
         if self._gestures.before is not None:  # another mesh may have ended the drag
             self._store.solve(state.document.moved(which, pose))
 
-    def release(self, name: str) -> None:
-        """End a drag; the shape of a winding path is solved anew along it.
+    def release(self, which: int = 0) -> None:
+        """End the drag of a handle; the shape of a winding path is solved anew along it.
 
         The hand came there at its own pace, and a shape with many minima would tell.
         """
-        dragged = self._gestures.before is not None
-        self._gestures.end(name)
-        document = self._store.required().document
-        if dragged and document.winds:
-            self._walk(document)
+        before, document = self._gestures.before, self._store.required().document
+        if before is not None:  # another mesh may have ended the drag
+            self._gestures.end(title_between(before.document, document, which, self._store.unit))
+            if document.winds:
+                self._walk(document)
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
         """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
@@ -75,7 +76,8 @@ class Handles:
         """Move a handle by a typed amount, or to that total; raises InputError."""
         self._gestures.cancel()
         plan = self.plan(motion, text, which, line, to)
-        self._go(plan.end(), which, plan.title(self._store.unit))
+        end = plan.end()
+        self._go(end, which, plan.title(end, self._store.unit))
 
     def reset(self, which: int) -> None:
         """Reset one handle to its grip; the mesh follows."""

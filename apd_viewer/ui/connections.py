@@ -91,7 +91,7 @@ def connect_hand(
     canvas.strokes.region_painted.connect(session.painting.paint_region)
     canvas.drag_began.connect(session.gestures.begin)
     canvas.handle_moved.connect(lambda pose: session.handles.drag(pose, parts.handle))
-    canvas.drag_ended.connect(partial(session.handles.release, tr("Move handle")))
+    canvas.drag_ended.connect(lambda: session.handles.release(parts.handle))
     canvas.gesture_cancelled.connect(session.gestures.cancel)
     canvas.handle_chosen.connect(parts.choose_handle)
 

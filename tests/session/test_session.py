@@ -37,7 +37,7 @@ def test_undo_and_redo_bring_back_the_very_objects(session):
 def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
     return {
         "Paint": lambda: session.stroke(np.arange(3, 9), FREE),
-        "Move handle": lambda: session.drag(*(pose(k / 50) for k in range(30))),
+        "Rotate about y −1.146° (Handle 1)": lambda: session.drag(*(pose(k / 50) for k in range(30))),
         "Reset all handles": session.rest_shape.restore,
         "Change method": lambda: session.settings.set_method("arap"),
         "Change tolerance": lambda: session.settings.set_tolerance(0.01),
@@ -46,7 +46,15 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
 
 
 @pytest.mark.parametrize(
-    "name", ["Paint", "Move handle", "Reset all handles", "Change method", "Change tolerance", "Open mesh"]
+    "name",
+    [
+        "Paint",
+        "Rotate about y −1.146° (Handle 1)",
+        "Reset all handles",
+        "Change method",
+        "Change tolerance",
+        "Open mesh",
+    ],
 )
 def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
     session.drag(BENT)
@@ -66,7 +74,7 @@ def test_a_gesture_is_one_entry_and_undone_exactly(session, tmp_path, name):
 def test_a_new_gesture_forgets_what_could_be_redone(session):
     session.drag(BENT)
     session.gestures.undo()
-    assert session.gestures.history.next_redo == "Move handle"
+    assert session.gestures.history.next_redo == "Rotate about y +34.38° (Handle 1)"
     session.settings.set_tolerance(0.02)
     assert session.gestures.history.next_redo is None
 

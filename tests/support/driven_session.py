@@ -92,7 +92,7 @@ class Driven(Session):
         self.gestures.begin()
         for pose in poses:
             self.handles.drag(pose)
-        self.handles.release("Move handle")
+        self.handles.release()
 
     @property
     def U(self) -> np.ndarray:

@@ -60,13 +60,24 @@ def rotation_vector(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.nda
     Of a path from rest along waypoints (4, 4) to ``pose`` (4, 4). Its angle is that of ``pose`` plus or
     minus full turns: as many as come nearest to the sum of the rotations from waypoint to waypoint.
     """
-    rotations = [_rotation(each) for each in (np.eye(4), *waypoints, pose)]
-    made = np.sum([_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0)
-    turn, total = decomposed(_linear(rotations[-1]), np.zeros(3)), float(np.linalg.norm(made))
+    made = summed_rotations(waypoints, pose)
+    turn, total = decomposed(_linear(_rotation(pose)), np.zeros(3)), float(np.linalg.norm(made))
     axis = made / total if turn.angle < _STRAIGHT and total > 0.0 else turn.axis
     turns = round((math.copysign(total, float(made @ axis)) - turn.angle) / (2.0 * math.pi))
     vector: np.ndarray = axis * (turn.angle + 2.0 * math.pi * turns)
     return vector
+
+
+def summed_rotations(waypoints: Sequence[np.ndarray], pose: np.ndarray) -> np.ndarray:
+    """Sum of the rotation vectors from waypoint to waypoint, (3,), radians.
+
+    About one axis it is the total rotation.
+    """
+    rotations = [_rotation(each) for each in (np.eye(4), *waypoints, pose)]
+    made: np.ndarray = np.sum(
+        [_vector(after @ before.T) for before, after in itertools.pairwise(rotations)], axis=0
+    )
+    return made
 
 
 def signed_angle(vector: np.ndarray) -> float:

@@ -6,13 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.posing.typed_motion import (
-    amount_of,
-    pose_after,
-    poses_along,
-    still_to_go,
-    title_of,
-)
+from apd_viewer.session.posing.motion_titles import names_of_moved, title_of
+from apd_viewer.session.posing.typed_motion import amount_of, pose_after, poses_along, still_to_go
 
 if TYPE_CHECKING:
     import numpy as np
@@ -74,9 +69,9 @@ class MotionPlan:
             document = document.moved(self.which, pose)
         return document
 
-    def title(self, unit: Unit) -> str:
-        """Name in the undo history."""
-        return title_of(self.motion, self.amount, self.start.handles[self.which].name, unit)
+    def title(self, end: Document, unit: Unit) -> str:
+        """Name in the undo history, with the end of the motion."""
+        return title_of(self.motion, self.amount, names_of_moved(self.start, end), unit)
 
 
 def planned(

@@ -44,19 +44,6 @@ def amount_of(motion: TypedMotion, text: str, state: State, unit: Unit) -> float
     return number(text, names) if motion is TypedMotion.SCALE else angle(text, names)
 
 
-def title_of(motion: TypedMotion, amount: float, handle: str, unit: Unit) -> str:
-    """Name in the undo history, such as “Twist +60° (Handle 1)”."""
-    if motion is TypedMotion.SCALE:
-        said = f"×{amount:.4g}"
-    elif motion.kind == "MOVE":
-        said = unit.length(f"{amount:+.4g}")
-    else:
-        said = f"{math.degrees(amount):+.4g}°"
-    return tr("{motion} {amount} ({handle})").format(
-        motion=motion.title, amount=said.replace("-", "−"), handle=handle
-    )
-
-
 def poses_along(
     document: Document, k: int, motion: TypedMotion, amount: float, line: np.ndarray | None = None
 ) -> Iterator[np.ndarray]:

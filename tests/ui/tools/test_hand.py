@@ -156,7 +156,8 @@ def test_the_painted_patch_is_dragged_in_the_plane_of_the_picture(qtbot, bottle,
         - view.look.eye.project(document.centre(0)[None])[0]
     )
     np.testing.assert_allclose(went, [40, -25], atol=1e-6)
-    assert bottle.session.gestures.history.next_undo == "Move handle"
+    title = bottle.session.gestures.history.next_undo
+    assert re.fullmatch(r"Move [\d.]+ \(Handle 1\)", title), title
 
 
 def test_a_press_beside_the_patch_moves_the_camera(bottle, mouse):

@@ -1,0 +1,94 @@
+"""Names of motions with their amounts, for the undo history."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.geometry.pose.transforms import decomposed
+from apd_viewer.geometry.pose.winding import summed_rotations
+from apd_viewer.language import tr
+from apd_viewer.session.model.motions import TypedMotion
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.named_parts import Handle
+    from apd_viewer.session.quantities.units import Unit
+
+# Relative: what a drag computes in floating point is equal within this.
+_SAME = 1e-9
+
+
+def title_of(motion: TypedMotion, amount: float, handles: str, unit: Unit) -> str:
+    """Title such as “Twist +60° (Handle 1)”; radians, a length or a factor."""
+    return _titled(motion.title, _said(motion, amount, unit), handles)
+
+
+def title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
+    """Title of the motion of handle ``k`` from one document to another.
+
+    About or along an axis of the mesh it is that of the typed motion. A motion of several kinds has
+    no amount.
+    """
+    old, new, names = before.handles[k], after.handles[k], names_of_moved(before, after)
+    by = new.pose @ np.linalg.inv(old.pose)
+    factor = float(np.cbrt(np.linalg.det(by[:3, :3])))
+    if np.abs(by[:3, :3] - factor * np.eye(3)).max() <= _SAME * abs(factor):
+        if abs(factor - 1.0) > _SAME:
+            return title_of(TypedMotion.SCALE, factor, names, unit)
+        return _title_of_way(by[:3, 3], names, unit)
+    if np.abs(by[:3, :3] @ by[:3, :3].T - np.eye(3)).max() <= _SAME:
+        turn = decomposed(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
+        if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
+            return _title_of_turn(turn.axis, turn.angle, (old, new), names, unit)
+    return f"{tr('Move handle')} ({names})"
+
+
+def names_of_moved(before: Document, after: Document) -> str:
+    """Names of the handles with other poses."""
+    pairs = zip(before.handles, after.handles, strict=True)
+    return ", ".join(new.name for old, new in pairs if old.pose is not new.pose)
+
+
+def _title_of_way(way: np.ndarray, names: str, unit: Unit) -> str:
+    along = _axis(way)
+    if along is None:
+        length = float(np.linalg.norm(way))
+        return _titled(tr("Move"), unit.length(f"{length:.4g}"), names)
+    return title_of(TypedMotion[f"MOVE_{'XYZ'[along]}"], float(way[along]), names, unit)
+
+
+def _title_of_turn(
+    axis: np.ndarray, angle: float, handles: tuple[Handle, Handle], names: str, unit: Unit
+) -> str:
+    """Title of a rotation; the handles, before and after, tell its full turns."""
+    old, new = (summed_rotations(handle.waypoints, handle.pose) for handle in handles)
+    angle += 2.0 * math.pi * round((float((new - old) @ axis) - angle) / (2.0 * math.pi))
+    along = _axis(axis)
+    if along is None:
+        return _titled(tr("Rotate"), _said(TypedMotion.TWIST, angle, unit), names)
+    return title_of(TypedMotion[f"TURN_{'XYZ'[along]}"], math.copysign(1.0, axis[along]) * angle, names, unit)
+
+
+def _axis(way: np.ndarray) -> int | None:
+    """Number of the axis of the mesh along a vector (3,); None along none."""
+    largest = int(np.argmax(np.abs(way)))
+    aside = np.abs(np.delete(way, largest)).max()
+    return largest if aside <= _SAME * abs(way[largest]) else None
+
+
+def _said(motion: TypedMotion, amount: float, unit: Unit) -> str:
+    if motion is TypedMotion.SCALE:
+        return f"×{amount:.4g}"
+    if motion.kind == "MOVE":
+        return unit.length(f"{amount:+.4g}")
+    return f"{math.degrees(amount):+.4g}°"
+
+
+def _titled(motion: str, said: str, handles: str) -> str:
+    return tr("{motion} {amount} ({handle})").format(
+        motion=motion, amount=said.replace("-", "−"), handle=handles
+    )
