@@ -44,7 +44,7 @@ def title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
         turn = decomposed(by, np.zeros(3) if (pivot := before.pivot(k)) is None else pivot)
         if abs(float(turn.displacement @ turn.axis)) <= _SAME * diagonal(before.mesh.V):
             return _title_of_turn(turn.axis, turn.angle, (old, new), names, unit)
-    return f"{tr('Move handle')} ({names})"
+    return tr("Move handle ({handle})").format(handle=names)
 
 
 def names_of_moved(before: Document, after: Document) -> str:

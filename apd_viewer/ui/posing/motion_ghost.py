@@ -99,7 +99,7 @@ class MotionGhost(MouseTool):
 
 
 def _patch(document: Document, k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n,) of handle ``k``, and triangles (m, 3) of them by their place in these."""
+    """Vertices (n,) of handle ``k``, and its triangles (m, 3) by place in these."""
     mine = document.labels == HANDLE + k
     ids, place = np.flatnonzero(mine), np.cumsum(mine) - 1
     F = document.mesh.F

@@ -36,7 +36,7 @@ class MotionTrace(NamedTuple):
 
 
 def traced(grip: np.ndarray, poses: Sequence[np.ndarray]) -> MotionTrace:
-    """Trace of a handle's centre, or of a point beside it if it turns about the centre.
+    """Trace of a handle's centre, or of a point beside an axis through it.
 
     Parameters
     ----------
