@@ -17,7 +17,19 @@ from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
-    from apd_viewer.api import Deformation, Frame, Mesh, Region, Result, deform, open_mesh, save_mesh
+    from apd_viewer.api import (
+        Deformation,
+        Frame,
+        Mesh,
+        Region,
+        Result,
+        SurfacePoint,
+        deform,
+        geodesic_path,
+        open_mesh,
+        plane_section,
+        save_mesh,
+    )
 
 __version__ = "0.1.0"
 __all__ = [
@@ -27,8 +39,11 @@ __all__ = [
     "Mesh",
     "Region",
     "Result",
+    "SurfacePoint",
     "deform",
+    "geodesic_path",
     "open_mesh",
+    "plane_section",
     "save_mesh",
     "view",
 ]

@@ -3,6 +3,9 @@
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.measuring.geodesics import geodesic_path
+from apd_viewer.geometry.measuring.sections import plane_section
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, deform
@@ -16,7 +19,10 @@ __all__ = [
     "Mesh",
     "Region",
     "Result",
+    "SurfacePoint",
     "deform",
+    "geodesic_path",
     "open_mesh",
+    "plane_section",
     "save_mesh",
 ]

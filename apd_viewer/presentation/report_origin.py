@@ -28,6 +28,7 @@ _LIBRARIES = (
     "trimesh",
     "fast-simplification",
     "ipctk",
+    "potpourri3d",
     "pyvista",
     "vtk",
     "PySide6_Essentials",

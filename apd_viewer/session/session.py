@@ -14,6 +14,8 @@ from apd_viewer.session.gestures import Gestures
 from apd_viewer.session.handles import Handles
 from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener, with_followers
+from apd_viewer.session.measurement_readings import MeasurementReadings
+from apd_viewer.session.measurements import Measurements
 from apd_viewer.session.painting import Painting
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.processes.worker import Worker
@@ -42,6 +44,8 @@ class Session:
     handles : Handles
     parts : Parts
     settings : Settings
+    measurements : Measurements
+    measuring : MeasurementReadings
     typed : TypedValues
     rest_shape : RestShape
     jobs : Jobs
@@ -61,6 +65,8 @@ class Session:
         self.handles = Handles(store, gestures, listener)
         self.parts = Parts(store, gestures, listener)
         self.settings = Settings(store, gestures, listener)
+        self.measurements = Measurements(store, gestures, listener)
+        self.measuring = MeasurementReadings(store, gestures, listener)
         self.jobs = Jobs(listener.wake, listener.failed, listener.told, listener.status_changed)
         self.typed = TypedValues(store)
         self.rest_shape = RestShape(store, gestures, self.jobs, listener)
@@ -68,13 +74,14 @@ class Session:
         self.files = Files(store, gestures, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)
         self.shape_checks = ShapeChecks(store, gestures, listener)
-        followers += [self.shape_checks.follow, self.autosave.follow]
+        followers += [self.measuring.follow, self.shape_checks.follow, self.autosave.follow]
 
     def receive(self) -> None:
         """Receive results of the worker and of background jobs; call it when woken."""
         self.jobs.receive()
         self.store.receive()
         self.autosave.receive()
+        self.measuring.receive()
         self.shape_checks.receive()
 
     def wait_idle(self, timeout: float) -> bool:
@@ -92,4 +99,5 @@ class Session:
         self.jobs.close()
         self.autosave.close()
         self.shape_checks.close()
+        self.measuring.close()
         self._worker.close()

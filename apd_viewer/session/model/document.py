@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 
 from apd_viewer.files.selections.selection import numbered
+from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -61,6 +62,7 @@ class Document:
     staying : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     base : PartFlags
+    measurements : tuple of Measurement
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -80,6 +82,7 @@ class Document:
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
+    measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
 
     # What follows from it
 

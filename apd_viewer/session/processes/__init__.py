@@ -8,6 +8,8 @@
                                                                         <- solution --- (cholespy)
     thread "examiner"        -- F, U ------------> shape-check process (ipctk)
                              <- Examination ------
+    thread "geodesic"        -- F, U, ends ------> geodesic process (potpourri3d)
+                             <- path -------------
 
 Every process is a :class:`ChildProcess`: messages by two pipes, large arrays beside them in shared memory.
 It ends with its owner and ignores Ctrl+C; the log gets the last lines of its standard error if it fails.

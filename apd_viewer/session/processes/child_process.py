@@ -68,7 +68,7 @@ class ChildProcess:
     """
 
     def __init__(self, title: str, script: str) -> None:
-        self._title = title
+        self.title = title
         self._script = script
         self._process: Process | None = None
         self._killed = self._failed = False
@@ -87,11 +87,11 @@ class ChildProcess:
         try:
             self._process = process = self._spawned()
         except OSError as error:
-            _log.error("The %s process cannot be started: %s", self._title, error)
+            _log.error("The %s process cannot be started: %s", self.title, error)
             raise
         if process.stderr is not None:
             self._error_reader = threading.Thread(
-                target=self._read_errors, args=(process.stderr,), name=f"{self._title} errors", daemon=True
+                target=self._read_errors, args=(process.stderr,), name=f"{self.title} errors", daemon=True
             )
             self._error_reader.start()
 
@@ -136,9 +136,7 @@ class ChildProcess:
             self._error_reader.join(_GRACE)
         if self._failed:
             words = "\n".join(self._last_words)
-            _log.error(
-                "The %s process ended with exit code %s. Its last words:\n%s", self._title, code, words
-            )
+            _log.error("The %s process ended with exit code %s. Its last words:\n%s", self.title, code, words)
 
     def restart(self) -> None:
         """End the process, if there is one, and start another; raises OSError."""

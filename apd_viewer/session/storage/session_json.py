@@ -29,6 +29,7 @@ from apd_viewer.session.model.view import Point, Standpoint, View
 from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.session.storage.measurements_json import measurements_of, measurements_said
 
 _MOST = 1e9  # of a weight or a percentage
 _LEAST = 1e-12  # of what is more than zero
@@ -54,6 +55,7 @@ def document_said(document: Document) -> dict[str, Any]:
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
         **({"base": _flags_said(document.base)} if document.base != NO_FLAGS else {}),
+        **measurements_said(document.measurements),
     }
 
 
@@ -105,6 +107,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         hold_area=said.flag("hold_area"),
         volume=_percent(said, "volume"),
         base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
+        measurements=measurements_of(said, len(mesh.F)),
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))
 

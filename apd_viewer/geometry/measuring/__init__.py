@@ -1,0 +1,1 @@
+"""Distances, angles, geodesics and sections of a surface."""

@@ -1,0 +1,163 @@
+"""Shortest paths over a surface.
+
+The shortest path along edges, and across them to the opposite corners, is straightened by flips of edges
+until it is a geodesic of the polyhedron: exact up to rounding, with no error from the size of the triangles.
+It is the shortest one of those that pass the obstacles of the surface on the same sides as that first path.
+
+Sharp & Crane, You can find geodesic paths in triangle meshes by just flipping edges, 2020.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.measuring.manifold_pieces import manifold_pieces, oriented
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.geometry.mesh.adjacency import opposite_corners
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+# Nearer to a corner than this a point is the corner: slivers around it would spoil the angles there.
+_CORNER = 1e-6
+_ROOM = 1e-9  # of the length of the first path, for rounding
+
+
+def geodesic_path(
+    V: np.ndarray, F: np.ndarray, start: SurfacePoint | int, end: SurfacePoint | int
+) -> np.ndarray:
+    """Shortest path over a surface between two of its points.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Positions.
+    F : (m, 3) int array
+        Triangles. The path may cross an edge of exactly two of them.
+    start, end : SurfacePoint or int
+        Points of triangles, or the numbers of vertices.
+
+    Returns
+    -------
+    (k, 3) float array
+        Corners of the path, ``start`` and ``end`` included; its length is that of the polyline.
+
+    Raises
+    ------
+    InputError
+        If no path joins the points, the surface has one side only, or no triangle has the vertex.
+    """
+    places = [p if isinstance(p, SurfacePoint) else SurfacePoint.at_vertex(F, p) for p in (start, end)]
+    ends = positions(places, V, F)
+    faces = [place.face for place in places]
+    if faces[0] == faces[1] or np.array_equal(*ends):
+        return ends
+    V, F, corners = _with_points(V, np.asarray(F, dtype=np.int64), places, ends)
+    ids = [int(F[face, corner]) for face, corner in corners]
+    first = _first_path(V, F, *ids)
+    kept = _within_reach(V, F, ends, _length(V[first]))
+    new = np.cumsum(kept) - 1
+    G, old = manifold_pieces(F[kept], len(V))
+    ids = [int(G[new[face], corner]) for face, corner in corners]
+    return _straightened(V[old], G, old, first, ids)
+
+
+def path_length(path: np.ndarray) -> float:
+    """Length of a polyline (k, 3)."""
+    return _length(path)
+
+
+def _length(path: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def _with_points(
+    V: np.ndarray, F: np.ndarray, places: Sequence[SurfacePoint], ends: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int]]]:
+    """The mesh with the points as vertices, and a face and corner for each of them."""
+    corners = []
+    for place, end in zip(places, ends, strict=True):
+        weights = np.array(place.weights)
+        if weights.max() > 1.0 - _CORNER:
+            corners.append((place.face, int(weights.argmax())))
+            continue
+        a, b, c = F[place.face]
+        new = len(V)
+        V, F = np.vstack([V, end]), np.vstack([F, [[b, c, new], [c, a, new]]])
+        F[place.face] = a, b, new
+        corners.append((place.face, 2))
+    return V, F, corners
+
+
+def _first_path(V: np.ndarray, F: np.ndarray, start: int, end: int) -> np.ndarray:
+    """Vertices of the shortest path along edges and across them."""
+    i, j = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    opposite = opposite_corners(F, len(V)).ravel()
+    pairs = np.flatnonzero(opposite > np.arange(len(opposite)))
+    p, q = (np.roll(F, -2, axis=1).ravel()[h] for h in (pairs, opposite[pairs]))
+    across = _across(V[i[pairs]], V[j[pairs]], V[p], V[q])
+    ends = np.sort(np.column_stack([np.append(i, p), np.append(j, q)]), axis=1)
+    lengths = np.append(np.linalg.norm(V[i] - V[j], axis=1), across)
+    usable = np.isfinite(lengths) & (ends[:, 0] != ends[:, 1])
+    # The same pair comes from both triangles of an edge, and would be added up.
+    key = ends[:, 0] * len(V) + ends[:, 1]
+    order = np.lexsort((lengths, key))
+    order = order[usable[order]]
+    order = order[np.diff(key[order], prepend=-1) != 0]
+    graph = csr_array((lengths[order], (ends[order, 0], ends[order, 1])), shape=(len(V), len(V)))
+    away, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    if not np.isfinite(away[end]):
+        raise InputError(tr("The points are on separate parts of the surface; pick both on the same part."))
+    path = [end]
+    while path[-1] != start:
+        path.append(int(before[path[-1]]))
+    return np.array(path[::-1])
+
+
+def _across(A: np.ndarray, B: np.ndarray, P: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Distances of corners P and Q unfolded about the edges AB; infinite off them."""
+    edge = B - A
+    long = np.linalg.norm(edge, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along_p, along_q = (np.einsum("ij,ij->i", X - A, edge) / long for X in (P, Q))
+        high_p, high_q = (
+            np.linalg.norm(X - A - (along / long)[:, None] * edge, axis=1)
+            for X, along in ((P, along_p), (Q, along_q))
+        )
+        meets = along_p + (along_q - along_p) * high_p / (high_p + high_q)
+        crosses = (meets >= 0.0) & (meets <= long)
+    return np.where(crosses, np.hypot(along_q - along_p, high_p + high_q), np.inf)
+
+
+def _within_reach(V: np.ndarray, F: np.ndarray, ends: np.ndarray, most: float) -> np.ndarray:
+    """Triangles (m,) bool that a path of length ``most`` between the ends can meet."""
+    detour = sum(np.linalg.norm(V - end, axis=1) for end in ends)
+    T = V[F]
+    longest = np.linalg.norm(T - np.roll(T, -1, axis=1), axis=2).max(axis=1)
+    near: np.ndarray = detour[F].min(axis=1) - 2.0 * longest <= most * (1.0 + _ROOM)
+    return near
+
+
+def _straightened(
+    V: np.ndarray, F: np.ndarray, old: np.ndarray, first: np.ndarray, ids: Sequence[int]
+) -> np.ndarray:
+    """The geodesic on the side of obstacles of the path through vertices ``first``."""
+    import potpourri3d  # Here: few runs of the program need it.
+
+    # Of a vertex where pieces touch no more is known than its place: the path may take any way past it.
+    copies = np.bincount(old, minlength=int(old.max()) + 1)
+    inner = [v for v in first[1:-1] if copies[v] == 1]
+    at = {int(v): k for k, v in enumerate(old)}
+    through = [ids[0], *(at[int(v)] for v in inner), ids[1]]
+    try:
+        solver = potpourri3d.EdgeFlipGeodesicSolver(V, oriented(F, len(V)))
+        path: np.ndarray = solver.find_geodesic_path_poly(through)
+    except RuntimeError:
+        raise InputError(tr("No path over the surface joins the points; pick others.")) from None
+    return path

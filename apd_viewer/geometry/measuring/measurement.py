@@ -1,0 +1,146 @@
+"""Measurements of a shape: distances, angles, geodesics and sections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.measuring.carried_path import CarriedPath
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.sections import plane_section
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+
+_ARC = 0.4  # radius of an angle's arc, of its shorter side
+_ARC_STEPS = 24
+
+
+class Plane(NamedTuple):
+    """The points x with ``normal @ x == offset``.
+
+    Attributes
+    ----------
+    normal : tuple of 3 floats
+        A unit vector.
+    offset : float
+        Mesh units.
+    """
+
+    normal: tuple[float, float, float]
+    offset: float
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A measurement to be made on any shape of a mesh.
+
+    Attributes
+    ----------
+    name : str
+    kind : Kind
+    points : tuple of SurfacePoint
+        They move with the surface. An angle is measured at the second one.
+    plane : Plane or None
+        Of a section: it stays in its place.
+    """
+
+    name: str
+    kind: Kind
+    points: tuple[SurfacePoint, ...] = ()
+    plane: Plane | None = None
+
+
+class Measured(NamedTuple):
+    """A measurement made.
+
+    Attributes
+    ----------
+    values : tuple of float or None
+        One for each of :attr:`Kind.powers`; NaN where there is none, None where it is not known yet.
+    segments : (s, 2, 3) float array
+        Lines to draw.
+    normals : (s, 3) float array or None
+        Of the surface along them; None for lines through space.
+    at : (3,) float array or None
+        Place of a label.
+    """
+
+    values: tuple[float | None, ...]
+    segments: np.ndarray
+    normals: np.ndarray | None = None
+    at: np.ndarray | None = None
+
+
+def measure(
+    measurement: Measurement,
+    U: np.ndarray,
+    F: np.ndarray,
+    path: CarriedPath | None = None,
+    is_current: bool = True,
+) -> Measured:
+    """Measure the shape ``U`` (n, 3) of the triangles ``F`` (m, 3).
+
+    Parameters
+    ----------
+    path : CarriedPath or None
+        The geodesic, if it is known, of this shape or of an earlier one.
+    is_current : bool
+        Whether it is of this shape. Another one is carried along, and its length is not known.
+    """
+    if measurement.kind is Kind.SECTION and measurement.plane is not None:
+        return _section(measurement.plane, U, F)
+    points = positions(measurement.points, U, F)
+    if measurement.kind is Kind.ANGLE:
+        return _angle(points)
+    if measurement.kind is Kind.GEODESIC:
+        return _geodesic(U, path, is_current)
+    line = points[None]
+    return Measured((_length(line),), line, at=points.mean(axis=0))
+
+
+def _length(segments: np.ndarray) -> float:
+    return float(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum())
+
+
+def _angle(points: np.ndarray) -> Measured:
+    """The angle at the second of three points (3, 3), with its sides and arc."""
+    sides = points[[0, 2]] - points[1]
+    lengths = np.linalg.norm(sides, axis=1)
+    legs = points[[[0, 1], [1, 2]]]
+    if not lengths.all():
+        return Measured((float("nan"),), legs, at=points[1])
+    a, b = sides / lengths[:, None]
+    aside = b - (a @ b) * a
+    angle = float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+    if not (away := float(np.linalg.norm(aside))):
+        return Measured((angle,), legs, at=points[1])
+    turns = np.linspace(0.0, angle, _ARC_STEPS + 1)[:, None]
+    arc = points[1] + _ARC * lengths.min() * (np.cos(turns) * a + np.sin(turns) * aside / away)
+    return Measured((angle,), np.vstack([legs, _joined(arc)]), at=arc[_ARC_STEPS // 2])
+
+
+def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Measured:
+    if path is None or not len(path.corners):
+        return Measured((None if path is None or not is_current else float("nan"),), np.empty((0, 2, 3)))
+    points = path.at(U)
+    segments = _joined(points)
+    A, B, C = U[path.corners[1:]].transpose(1, 0, 2)
+    value = _length(segments) if is_current else None
+    return Measured((value,), segments, np.cross(B - A, C - A), points[len(points) // 2])
+
+
+def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> Measured:
+    normal = np.array(plane.normal)
+    cut = plane_section(U, F, plane.offset * normal, normal)
+    if not len(cut.segments):
+        return Measured((float("nan"), float("nan")), cut.segments)
+    A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
+    # To the right of the most: beside the shape, and not in the way of it.
+    at = cut.segments[int(np.argmax(cut.segments[:, 0] @ (np.ones(3) - normal)))][0]
+    return Measured((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at)
+
+
+def _joined(points: np.ndarray) -> np.ndarray:
+    """Segments (k - 1, 2, 3) of a polyline (k, 3)."""
+    return np.stack([points[:-1], points[1:]], axis=1)

@@ -1,0 +1,45 @@
+"""Points of a surface, carried along by its deformation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+
+class SurfacePoint(NamedTuple):
+    """A point of a triangle mesh: the same material point in every shape of it.
+
+    Attributes
+    ----------
+    face : int
+        Row of the triangle.
+    weights : tuple of 3 floats
+        Barycentric coordinates in it, at least 0, with sum 1.
+    """
+
+    face: int
+    weights: tuple[float, float, float]
+
+    @classmethod
+    def at_vertex(cls, F: np.ndarray, vertex: int) -> SurfacePoint:
+        """A vertex of the triangles ``F`` (m, 3); raises InputError if none has it."""
+        there = np.argwhere(np.asarray(F) == vertex)
+        if not len(there):
+            raise InputError(tr("No triangle has the vertex {id}; choose another.").format(id=vertex))
+        face, corner = there[0].tolist()
+        weights = [0.0, 0.0, 0.0]
+        weights[corner] = 1.0
+        return cls(face, (weights[0], weights[1], weights[2]))
+
+
+def positions(points: Sequence[SurfacePoint], U: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Positions (k, 3) of points of the surface ``F`` (m, 3) at ``U`` (n, 3)."""
+    if not points:
+        return np.empty((0, 3))
+    faces = np.array([point.face for point in points])
+    return np.einsum("kc,kci->ki", np.array([point.weights for point in points]), U[F[faces]])

@@ -1,0 +1,132 @@
+"""Measurements made on the rest shape and on the shape on screen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from apd_viewer.geometry.measuring.carried_path import CarriedPath
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Measured, Measurement, measure
+from apd_viewer.session.processes.geodesic_finder import Course, GeodesicFinder
+from apd_viewer.session.store import Activity
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.store import Store
+
+    Ends = tuple[SurfacePoint, ...]
+
+
+class MeasurementReading(NamedTuple):
+    """A measurement, made at rest and now."""
+
+    measurement: Measurement
+    rest: Measured
+    now: Measured
+
+
+class MeasurementReadings:
+    """Measures the shape on screen; geodesics once it rests, in a process.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    listener : Listener
+        Its ``examined`` is called when a geodesic becomes known.
+    """
+
+    def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._listener = listener
+        self._finder = GeodesicFinder(listener.wake)
+        self._asked: Course | None = None
+        self._mesh_V: np.ndarray | None = None
+        self._rest: dict[Measurement, Measured] = {}
+        self._rest_paths: dict[Ends, CarriedPath] = {}
+        self._paths: dict[Ends, tuple[np.ndarray, CarriedPath]] = {}
+
+    def readings(self, state: State) -> list[MeasurementReading]:
+        """All measurements of a state; values not known yet are None."""
+        self._begin(state)
+        return [
+            MeasurementReading(each, self._at_rest(each, state), self._now(each, state))
+            for each in state.document.measurements
+        ]
+
+    def follow(self) -> None:
+        """Look for the next unknown geodesic while the shape rests; stop while it moves."""
+        state = self._store.state
+        if state is None:
+            return
+        self._begin(state)
+        rests = self._gestures.before is None and self._store.activity is not Activity.REFINING
+        wanted = self._unknown(state) if rests else None
+        if wanted is None:
+            self._asked = None
+            self._finder.forget()
+        elif self._asked is None or wanted.U is not self._asked.U or wanted.ends != self._asked.ends:
+            self._asked = wanted
+            self._finder.ask(wanted)
+
+    def receive(self) -> None:
+        """Receive a geodesic."""
+        answer = self._finder.take()
+        if answer is None:
+            return
+        course, path = answer
+        if course.U is self._mesh_V:
+            self._rest_paths[course.ends] = path
+            self._rest.clear()
+        else:
+            self._paths[course.ends] = course.U, path
+        self._asked = None
+        self.follow()
+        self._listener.examined()
+
+    def close(self) -> None:
+        """Stop looking."""
+        self._finder.close()
+
+    def _begin(self, state: State) -> None:
+        """Forget what was known of another mesh or rest shape."""
+        if self._mesh_V is not state.document.mesh.V:
+            self._mesh_V = state.document.mesh.V
+            self._rest, self._rest_paths, self._paths = {}, {}, {}
+
+    def _unknown(self, state: State) -> Course | None:
+        F, shapes = state.document.mesh.joined_F, (state.document.mesh.V, state.frame.U)
+        for each in state.document.measurements:
+            for U in shapes if each.kind is Kind.GEODESIC else ():
+                path, is_current = self._path(each.points, U)
+                if path is None or not is_current:
+                    return Course(U, F, each.points)
+        return None
+
+    def _path(self, ends: Ends, U: np.ndarray) -> tuple[CarriedPath | None, bool]:
+        """The newest path known between points, and whether it is of the shape ``U``."""
+        rest = self._rest_paths.get(ends)
+        if U is self._mesh_V:
+            return rest, rest is not None
+        known, path = self._paths.get(ends, (None, rest))
+        return path, known is U
+
+    def _at_rest(self, measurement: Measurement, state: State) -> Measured:
+        if measurement not in self._rest:
+            self._rest[measurement] = self._made(measurement, state, state.document.mesh.V)
+        return self._rest[measurement]
+
+    def _now(self, measurement: Measurement, state: State) -> Measured:
+        if state.frame.U is state.document.mesh.V:
+            return self._at_rest(measurement, state)
+        return self._made(measurement, state, state.frame.U)
+
+    def _made(self, measurement: Measurement, state: State, U: np.ndarray) -> Measured:
+        path, is_current = self._path(measurement.points, U)
+        return measure(measurement, U, state.document.mesh.joined_F, path, is_current)

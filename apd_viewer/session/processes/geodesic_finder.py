@@ -1,0 +1,54 @@
+"""Geodesics of the newest shape in a process, ended as soon as they are forgotten."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.measuring.carried_path import CarriedPath
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint
+from apd_viewer.session.processes.child_process import START, ChildProcess
+from apd_viewer.session.processes.newest_answer import NewestAnswer
+
+_START = START.format(module="processes.geodesic_main")
+_CALM = 0.1  # s; a shape that has just settled is often moved again at once
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Two points of a shape ``U`` (n, 3) with welded triangles ``F`` (m, 3)."""
+
+    U: np.ndarray
+    F: np.ndarray
+    ends: tuple[SurfacePoint, ...]
+
+
+class GeodesicFinder(NewestAnswer[Course, CarriedPath]):
+    """Finds one geodesic at a time; the newest wins.
+
+    Where there is none, or the process died, the path is empty.
+
+    Parameters
+    ----------
+    wake : callable
+        Called on a thread when there is a path to take.
+    """
+
+    def __init__(self, wake: Callable[[], object]) -> None:
+        process = ChildProcess("geodesic", _START)
+        super().__init__(wake, process, _path, CarriedPath.none(), lambda _: _CALM)
+
+
+def _path(process: ChildProcess, course: Course) -> CarriedPath | None:
+    ends = np.array([[end.face, *end.weights] for end in course.ends])
+    shape = np.ascontiguousarray(course.F, np.int32), np.ascontiguousarray(course.U)
+    if not process.send(*shape, ends):
+        return None
+    corners, weights = process.receive(), process.receive()
+    if corners is None or weights is None:
+        return None
+    return CarriedPath(
+        np.frombuffer(corners, dtype=np.int64).reshape(-1, 3), np.frombuffer(weights).reshape(-1, 3)
+    )

@@ -1,0 +1,108 @@
+"""Answers of a process to the newest question, ended as soon as it is forgotten."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.processes.child_process import ChildProcess
+
+Question = TypeVar("Question")
+Answer = TypeVar("Answer")
+
+
+class NewestAnswer(Generic[Question, Answer]):
+    """Has a process answer one question at a time; the newest wins.
+
+    Parameters
+    ----------
+    wake : callable
+        Called on a thread when there is an answer to take.
+    process : ChildProcess
+    exchange : callable
+        ``exchange(process, question)``: the answer, or None if the process has died.
+    unknown : object
+        The answer where the process died, or cannot be started.
+    pause : callable
+        ``pause(first)``: seconds to wait before a question, the first one or another, as a newer may follow.
+    """
+
+    def __init__(
+        self,
+        wake: Callable[[], object],
+        process: ChildProcess,
+        exchange: Callable[[ChildProcess, Question], Answer | None],
+        unknown: Answer,
+        pause: Callable[[bool], float],
+    ) -> None:
+        self._wake, self._exchange, self._unknown, self._pause = wake, exchange, unknown, pause
+        self._questions: Mailbox[Question] = Mailbox()
+        self._answers: Mailbox[tuple[Question, Answer]] = Mailbox()
+        self._wanted: Question | None = None
+        self._process = process
+        self._busy = False
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=process.title, daemon=True)
+        self._thread.start()
+
+    def ask(self, question: Question) -> None:
+        """Answer ``question`` soon instead of any other. Never blocks."""
+        self.forget()
+        self._wanted = question
+        self._questions.put(question)
+
+    def forget(self) -> None:
+        """Answer nothing; end the work in progress."""
+        self._wanted = None
+        self._questions.take()
+        with self._lock:
+            if self._busy:
+                self._process.kill()
+
+    def take(self) -> tuple[Question, Answer] | None:
+        """Take the answer to the question asked last; None if there is none yet."""
+        answer = self._answers.take()
+        return answer if answer is not None and answer[0] is self._wanted else None
+
+    def close(self) -> None:
+        """End the process and the thread."""
+        self.forget()
+        self._closed.set()
+        self._questions.close()
+        self._thread.join()
+
+    # The thread
+
+    def _run(self) -> None:
+        first = True
+        while self._questions.comes_within(threading.TIMEOUT_MAX):
+            self._closed.wait(self._pause(first))
+            first = False
+            question = self._questions.wait()
+            if question is None:
+                break
+            answer = self._answered(question)
+            if question is self._wanted:
+                self._answers.put((question, answer))
+                self._wake()
+        self._process.end()
+
+    def _answered(self, question: Question) -> Answer:
+        try:
+            with self._lock:
+                if question is not self._wanted:
+                    return self._unknown
+                if self._process.pid is None:
+                    self._process.start()
+                self._busy = True
+            answer = self._exchange(self._process, question)
+        except OSError:  # there can be no process
+            answer = None
+        with self._lock:
+            self._busy = False
+        if answer is None:
+            self._process.end()
+        return self._unknown if answer is None else answer

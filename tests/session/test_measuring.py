@@ -1,0 +1,136 @@
+"""Measurements of a session: undo, files, and geodesics that are known only when the shape rests."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+from driven_session import BENT, VIEW
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.session.storage.session_file import open_session, save_session
+
+MIDDLE = (0.25, 0.5, 0.25)
+POINTS = SurfacePoint(3, MIDDLE), SurfacePoint(40, MIDDLE), SurfacePoint(61, MIDDLE)
+HALF = Plane((0.0, 0.0, 1.0), 2.5)
+
+
+def measure_all(session):
+    session.measurements.add(Kind.DISTANCE, POINTS[:2])
+    session.measurements.add(Kind.ANGLE, POINTS)
+    session.measurements.add(Kind.GEODESIC, POINTS[:2])
+    session.measurements.add(Kind.SECTION, plane=HALF)
+
+
+def readings(session):
+    return session.measuring.readings(session.store.state)
+
+
+def test_they_are_named_renamed_removed_and_undone(session):
+    before = session.store.state
+    measure_all(session)
+    session.measurements.add(Kind.DISTANCE, POINTS[1:])
+    session.measurements.rename(0, "Section 1")
+
+    def names():
+        return [each.name for each in session.store.state.document.measurements]
+
+    assert names() == ["Section 1 2", "Angle 1", "Geodesic 1", "Section 1", "Distance 2"]
+    session.measurements.rename(0, "Neck")
+    session.measurements.remove(3)
+    assert names() == ["Neck", "Angle 1", "Geodesic 1", "Distance 2"]
+    session.measurements.clear()
+    assert names() == []
+    assert session.gestures.history.next_undo == "Remove all measurements"
+    done = len(session.gestures.history.done)
+    session.measurements.clear()
+    assert len(session.gestures.history.done) == done
+    session.gestures.undo()
+    assert names() == ["Neck", "Angle 1", "Geodesic 1", "Distance 2"]
+    while session.store.state is not before:
+        session.gestures.undo()
+    assert names() == []
+
+
+def test_there_is_a_limit(session):
+    for _ in range(100):
+        session.measurements.add(Kind.SECTION, plane=HALF)
+    session.measurements.add(Kind.SECTION, plane=HALF)
+    assert len(session.store.state.document.measurements) == 100
+    assert "100" in session.failed[-1]
+
+
+def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
+    measure_all(session)
+    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    mesh = session.store.state.document.mesh
+    rest = geodesic_path(mesh.V, mesh.joined_F, *POINTS[:2])
+    assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
+    assert readings(session)[3].rest.values == pytest.approx((8.0, 4.0))
+    session.gestures.begin()
+    session.handles.drag(BENT)
+    session.until(lambda: session.U is not mesh.V)
+    distance, _, geodesic, _ = readings(session)
+    p, q = positions(POINTS[:2], session.U, mesh.F)
+    assert distance.now.values == pytest.approx((np.linalg.norm(p - q),))
+    assert geodesic.now.values == (None,)  # the old length would be wrong
+    assert len(geodesic.now.segments)  # its path is carried along
+    session.handles.release("Move handle")
+    session.settle()
+    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    now = path_length(geodesic_path(session.U, mesh.joined_F, *POINTS[:2]))
+    assert readings(session)[2].now.values == pytest.approx((now,))
+    assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
+
+
+def test_measuring_asks_nothing_of_the_solver(session):
+    session.drag(BENT)
+    session.settle()
+    U, activity = session.U, session.store.activity
+    session.measurements.add(Kind.DISTANCE, POINTS[:2])
+    assert session.U is U
+    assert session.store.activity is activity
+
+
+def test_they_are_kept_in_a_session_file(session, tmp_path):
+    measure_all(session)
+    save_session(tmp_path / "bar.apd", session.store.state, VIEW, embed=True)
+    found = open_session(tmp_path / "bar.apd")[0].document.measurements
+    assert found == session.store.state.document.measurements
+
+
+def test_without_any_a_file_says_nothing_about_them(session, tmp_path):
+    save_session(tmp_path / "bar.apd", session.store.state, VIEW, embed=True)
+    with zipfile.ZipFile(tmp_path / "bar.apd") as archive:
+        assert "measurements" not in json.loads(archive.read("session.json"))["document"]
+    assert open_session(tmp_path / "bar.apd")[0].document.measurements == ()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"kind": "volume"},
+        {"points": []},
+        {"points": [{"face": 10**6, "weights": MIDDLE}] * 2},
+        {"points": [{"face": 0, "weights": [2.0, -1.0, 0.0]}] * 2},
+        {"kind": "section", "plane": {"normal": [0, 0, 0], "offset": 1}},
+    ],
+)
+def test_damaged_ones_are_a_sentence(session, tmp_path, damage):
+    session.measurements.add(Kind.DISTANCE, POINTS[:2])
+    path = tmp_path / "bar.apd"
+    save_session(path, session.store.state, VIEW, embed=True)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    said = json.loads(members["session.json"])
+    said["document"]["measurements"][0].update(damage)
+    members["session.json"] = json.dumps(said).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    with pytest.raises(InputError, match=r"is not a valid session"):
+        open_session(path)
