@@ -45,6 +45,9 @@ class Frame:
         terms of the material; without the coupling of "sr-arap". None where that is not known.
     total : int
         Iterations since the deformation was made.
+    gap : float or None
+        Measure of convergence in multiples of its tolerance; None while it is not known. Above 1 the shape
+        has not converged; below, a lower minimum may still be looked for.
     """
 
     U: np.ndarray
@@ -61,3 +64,4 @@ class Frame:
     unreached: str | None = None
     energy: float | None = None
     total: int = 0
+    gap: float | None = None

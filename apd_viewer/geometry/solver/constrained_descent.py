@@ -40,6 +40,7 @@ _REDUCTION = 0.99
 # Convergence is judged over so many steps, by the part of the energy that they take away together.
 _WINDOW = 10
 TOLERANCE = 1e-7
+_NO_ENERGY = 1e-300  # of a rigid motion, to divide by
 
 
 class ConstrainedDescent:
@@ -109,6 +110,14 @@ class ConstrainedDescent:
     def converged(self) -> bool | None:
         """True if further steps would gain next to nothing; None of plain iterations."""
         return None if self._plain else self._at_minimum or self.stalls(self._tolerance)
+
+    @property
+    def gap(self) -> float | None:
+        """Gain of the last steps in multiples of its tolerance; None before them."""
+        E = self._energies
+        if len(E) <= _WINDOW:
+            return None
+        return float(E[0] - E[-1]) / max(self._tolerance * float(E[-1]), _NO_ENERGY)
 
     def stalls(self, tolerance: float) -> bool:
         """True if the last steps reduced the energy by at most this part."""

@@ -310,6 +310,7 @@ class Deformation:
             unreached=self._unreached() if solver.stuck else None,
             energy=energy,
             total=self._total,
+            gap=self._step_gap if solver.converged is None else solver.gap,
         )
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
@@ -343,15 +344,19 @@ class Deformation:
     def _still(self) -> bool:
         if not self._steps:
             return False
-        last = self._steps[-1]
+        last, gap = self._steps[-1], self._step_gap
         if self._solver.converged is not None:
             return self._solver.converged or (last <= _ROUNDING and not self._solver.hides)
-        if last <= _ROUNDING:
-            return True
-        if last > _STILL or len(self._steps) <= _MEMORY or last >= self._steps[0]:
-            return False
-        rate = (last / self._steps[0]) ** (1.0 / _MEMORY)
-        return last <= _CREEP or last * rate / (1.0 - rate) <= _REMAINING
+        return last <= _ROUNDING or (gap is not None and gap <= 1.0)
+
+    @property
+    def _step_gap(self) -> float | None:
+        """Last step and those to come, in multiples of what counts as settled."""
+        if len(self._steps) <= _MEMORY or self._steps[-1] >= self._steps[0]:
+            return None
+        last, first = self._steps[-1], self._steps[0]
+        rate = (last / first) ** (1.0 / _MEMORY)
+        return max(last / _STILL, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING))
 
     def _drift(self) -> float:
         away = self._solver.held[: len(self._asked)] - self._asked

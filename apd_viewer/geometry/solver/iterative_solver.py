@@ -58,6 +58,10 @@ class IterativeSolver(Protocol):
     def converged(self) -> bool | None:
         """True if further steps gain next to nothing; None if only lengths tell."""
 
+    @property
+    def gap(self) -> float | None:
+        """Measure of convergence in multiples of its tolerance; None while not known."""
+
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
 

@@ -40,7 +40,7 @@ class LiHui:
     KAPPA = 1.0
     ITERATIONS_A_ROUND = 20
     # The goal is never given up, and there is no energy that converges.
-    stuck, converged = False, None
+    stuck, converged, gap = False, None, None
     hides = False
 
     def __init__(self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:

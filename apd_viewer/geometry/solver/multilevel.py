@@ -140,6 +140,11 @@ class Multilevel:
         """True if further steps would gain next to nothing."""
         return self.coarse.converged and not self._previews and self.fine.converged
 
+    @property
+    def gap(self) -> float | None:
+        """Gain of the fine steps in multiples of its tolerance; None before them."""
+        return self.fine.gap if self.coarse.converged and not self._previews else None
+
     def stalls(self, tolerance: float) -> bool:
         """True if the last fine steps reduced the energy by at most this part."""
         return self.coarse.converged and self.fine.stalls(tolerance)

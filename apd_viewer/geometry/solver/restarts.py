@@ -97,6 +97,11 @@ class Restarts:
         """True if no further restart promises a lower minimum."""
         return self._done
 
+    @property
+    def gap(self) -> float | None:
+        """Gain in multiples of its tolerance; 0 on trial, as the best shape has converged."""
+        return 0.0 if self._on_trial else self._inner.gap
+
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._end_trial()

@@ -61,6 +61,10 @@ def test_a_try_is_shown_once_it_is_better_and_never_before(method):
         if hidden[k] or k == len(frames) - 1:
             assert REST.energy(frame.U) <= rested * (1 + 1e-12)
     assert frames[-1].converged
+    gaps = [frame.gap for frame in frames]
+    assert gaps[0] is None  # it follows the coarse surface
+    assert gaps[first] == 0.0
+    assert 1.0 < min(gap for gap in gaps[:first] if gap is not None) < 10.0
     assert not hidden[-1]
 
 

@@ -1,0 +1,104 @@
+"""Time left until the solver converges, from how its measure of convergence falls.
+
+The measure falls geometrically, but for bumps where the surface buckles: a straight line through its
+logarithm over time, fitted to the recent half of a descent, tells when it is at its tolerance. Where the line
+does not fall clearly the time is not known.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from apd_viewer.language import tr
+
+_FEWEST = 8
+_MOST = 256  # samples; beyond, every other one is left out
+# The line must fall by so much, and by so many standard deviations of the samples beside it.
+_LEAST_FALL, _CLEARLY = math.log(3.0), 4.5
+_FARTHEST = 10.0  # times as long as the fit: what lies beyond is not known
+_INERTIA = 0.1  # of the time left; within it a new estimate replaces the one shown
+# Up to so many seconds, in steps of so many.
+_STEPS = ((60.0, 5.0), (120.0, 15.0), (3600.0, 60.0))
+
+
+class Forecast:
+    """Estimate of the moment of convergence, smoothed.
+
+    Moments are seconds by one clock. Every motion has a forecast of its own.
+
+    Parameters
+    ----------
+    moment : float
+        When the solver began.
+    """
+
+    def __init__(self, moment: float) -> None:
+        self.began = self._fitted = moment
+        self._samples: list[tuple[float, float]] = []
+        self._end: float | None = None
+
+    def add(self, moment: float, gap: float | None) -> None:
+        """Learn how far the solver is from convergence.
+
+        Parameters
+        ----------
+        moment : float
+        gap : float or None
+            Measure of convergence in multiples of its tolerance; None while it is not known.
+        """
+        if gap is None or gap <= 0.0:
+            self._samples, self._end = [], None
+            return
+        self._samples.append((moment, math.log(gap)))
+        if len(self._samples) > _MOST:
+            del self._samples[1:-1:2]
+        end = _crossing(np.array(self._samples))
+        if end is not None:
+            self._steer(moment, max(end, moment))
+        elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
+            self._end = None  # nothing has confirmed it for long
+
+    def _steer(self, moment: float, end: float) -> None:
+        """Move the expected end towards a new estimate."""
+        if self._end is None or self._end <= moment:
+            self._end = end
+        else:
+            share = (moment - self._fitted) / max(1.0, _INERTIA * (self._end - moment))
+            self._end += min(1.0, share) * (end - self._end)
+        self._fitted = moment
+
+    def left(self, moment: float) -> float | None:
+        """Seconds left at ``moment``; None if they are not known."""
+        return None if self._end is None or self._end <= moment else self._end - moment
+
+    def share(self, moment: float) -> float:
+        """Part of the whole time passed at ``moment``; 0 if it is not known."""
+        left, passed = self.left(moment), moment - self.began
+        return 0.0 if left is None else passed / (passed + left)
+
+
+def _crossing(samples: np.ndarray) -> float | None:
+    """Moment at which the line through the recent half of ``samples`` (k, 2) is at 0."""
+    recent = samples[samples[:, 0] >= 0.5 * (samples[0, 0] + samples[-1, 0])]
+    if len(samples) < _FEWEST or np.ptp(recent[:, 0]) <= 0.0:
+        return None
+    (t, y), (T, Y) = recent.mean(axis=0), recent.T
+    slope = float((T - t) @ (Y - y) / ((T - t) @ (T - t)))
+    beside = float(np.std(Y - y - slope * (T - t)))
+    if -slope * np.ptp(T) < max(_LEAST_FALL, _CLEARLY * beside):
+        return None
+    crossing = float(t - y / slope)
+    return crossing if crossing - T[-1] <= _FARTHEST * np.ptp(T) else None
+
+
+def in_words(seconds: float) -> str:
+    """A time that is left, rounded."""
+    step = next((step for most, step in _STEPS if seconds <= most), None)
+    if step is None:
+        return tr("more than an hour left")
+    rounded = round(max(step, step * round(seconds / step)))
+    if rounded < 120:
+        return tr("about {n} s left").format(n=rounded)
+    return tr("about {n} min left").format(n=round(rounded / 60))

@@ -1,0 +1,76 @@
+"""The time left until convergence, against series of which it is known."""
+
+import numpy as np
+import pytest
+
+from apd_viewer.presentation.time_left import Forecast, in_words
+
+
+def told(gaps, step=0.2):
+    """What a forecast says after each of the gaps, one every ``step`` seconds, and the moments."""
+    forecast, said = Forecast(0.0), []
+    moments = step * (1.0 + np.arange(len(gaps)))
+    for moment, gap in zip(moments, gaps, strict=True):
+        forecast.add(moment, gap)
+        said.append(forecast.left(moment))
+    return said, moments
+
+
+@pytest.mark.parametrize("end", [30.0, 300.0])
+def test_a_geometric_series_is_foretold_after_a_few_iterations(end):
+    gaps = 1e6 ** (1.0 - 0.2 * np.arange(1, round(end / 0.2)) / end)
+    said, moments = told(gaps)
+    true = end - moments
+    known = np.array([left is not None for left in said])
+    assert known[np.argmax(known) :].all()
+    assert moments[np.argmax(known)] < 0.2 * end
+    assert np.abs(np.array(said)[known].astype(float) / true[known] - 1.0).max() < 0.2
+
+
+def test_noise_and_bumps_make_no_number_jump():
+    rng, t = np.random.default_rng(0), 0.2 * np.arange(1, 300)
+    gaps = np.exp(13.8 * (1.0 - t / 60.0) + 0.5 * rng.standard_normal(len(t)) + 1.5 * np.sin(t / 3.0))
+    said = told(gaps)[0]
+    said = np.array([np.nan if left is None else left for left in said])
+    assert np.isfinite(said).mean() > 0.5
+    assert np.nanmax(np.abs(np.diff(said))) < 5.0
+
+
+@pytest.mark.parametrize("gaps", [np.full(200, 50.0), np.linspace(1.0, 100.0, 200), [None] * 200])
+def test_nothing_is_said_of_what_does_not_converge(gaps):
+    assert not any(told(gaps)[0])
+
+
+def test_what_stalls_is_no_longer_foretold():
+    gaps = np.r_[1e6 * 0.9 ** np.arange(60), np.full(300, 1e6 * 0.9**60)]
+    said = told(gaps)[0]
+    assert said[59] is not None
+    assert not any(said[-200:])
+
+
+def test_the_time_goes_on_while_nothing_is_heard():
+    forecast = Forecast(0.0)
+    for k in range(1, 50):
+        forecast.add(0.2 * k, 1e6 * 0.9**k)
+    left = forecast.left(9.8)
+    assert left > 2.0
+    assert forecast.left(10.8) == pytest.approx(left - 1.0)
+    assert forecast.left(9.8 + left) is None
+    assert 0.0 < forecast.share(9.8) < forecast.share(10.8) < 1.0
+    forecast.add(10.0, None)
+    assert forecast.left(10.0) is None
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [
+        (0.3, "about 5 s left"),
+        (41.0, "about 40 s left"),
+        (100.0, "about 105 s left"),
+        (119.0, "about 2 min left"),
+        (400.0, "about 7 min left"),
+        (9000.0, "more than an hour left"),
+    ],
+)
+def test_times_are_round(seconds, words):
+    assert in_words(seconds) == words

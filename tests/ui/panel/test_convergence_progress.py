@@ -1,0 +1,77 @@
+"""Progress and the time left in the status bar, with a clock of the test."""
+
+from dataclasses import replace
+
+import pytest
+from driving import idle
+from meshes import box
+from PySide6.QtWidgets import QMainWindow
+
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.model.state import opened
+from apd_viewer.ui.panel.convergence_progress import ConvergenceProgress
+
+
+class Solving:
+    """Frames whose gap falls by a tenth every 0.2 s, and the progress that follows them."""
+
+    def __init__(self):
+        self.now, self.rest = 100.0, opened(Mesh(*box(2, 2, 6))).frame
+        self.progress = ConvergenceProgress(lambda: self.now)
+        self.frame = replace(self.rest, iteration=900)
+        self.progress.follow(self.frame, solving=True)
+
+    def go_on(self, frames, first=1, gap=1e6):
+        for k in range(first, first + frames):
+            self.now += 0.2
+            self.frame = replace(self.rest, iteration=k, gap=gap * 0.9**k)
+            self.progress.follow(self.frame, solving=True)
+
+
+@pytest.fixture
+def solving(qtbot):
+    solving, window = Solving(), QMainWindow()
+    window.setCentralWidget(solving.progress)
+    window.show()
+    yield solving
+    window.close()
+    window.deleteLater()
+
+
+def test_it_comes_after_a_while_and_goes_at_the_end(solving):
+    progress = solving.progress
+    solving.go_on(8)
+    assert not progress.isVisible()
+    solving.go_on(30, first=9)
+    assert progress.isVisible()
+    assert "about" in progress.words.text()
+    done = progress.bar.value()
+    solving.go_on(30, first=39)
+    assert progress.bar.value() > done > 0
+    solving.now += 30.0
+    progress.follow(replace(solving.frame, iteration=100, gap=0.0), solving=True)
+    assert progress.words.text() == "looking for a lower energy…"
+    progress.follow(solving.frame, solving=False)
+    assert not progress.isVisible()
+
+
+def test_another_motion_begins_anew(solving):
+    solving.go_on(60)
+    assert solving.progress.isVisible()
+    solving.go_on(5)
+    assert not solving.progress.isVisible()
+    assert solving.progress.bar.value() == 0
+
+
+def test_there_is_no_number_while_it_is_not_known(solving):
+    solving.go_on(20, gap=1e6)
+    solving.now += 50.0
+    solving.progress.follow(replace(solving.frame, iteration=21, gap=None), solving=True)
+    assert solving.progress.words.text().endswith("…")
+
+
+def test_the_window_shows_none_of_a_quick_motion(qtbot, bottle):
+    bottle.session.handles.move_by(TypedMotion.TWIST, "1", 0)
+    idle(qtbot, bottle)
+    assert not bottle.status.progress.isVisible()
