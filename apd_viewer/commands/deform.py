@@ -20,6 +20,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.goals import Region
@@ -88,6 +89,11 @@ def deform_parser() -> Parser:
     _add_targets(parser)
     _add_stiffness(parser)
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument(
+        "--compare",
+        metavar="OTHER",
+        help=tr("target shape: put the distance from the surface of another mesh into report and scalars"),
+    )
     add_scalar_options(parser)
     parser.add_argument("--picture", metavar="P.png", type=Path, help=tr("draw the mesh before and after"))
     parser.set_defaults(run=_deform)
@@ -174,6 +180,7 @@ def _deform(options: argparse.Namespace) -> None:
     selection = read_selection_file(options.selection, mesh)
     regions = [_region(words, len(mesh.V)) for words in options.region]
     held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
+    target = TargetShape(open_mesh(options.compare)) if options.compare else None
     result = deform(
         mesh.V,
         mesh.F,
@@ -196,8 +203,9 @@ def _deform(options: argparse.Namespace) -> None:
     with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has
         if picture:
             beside.enter_context(replacing(options.picture)).write_bytes(picture)
-        write_scalar_files(beside, options, mesh, result.U, selection.labels, _member(regions, len(mesh.V)))
-        written = write_result(beside, mesh, result, options.report, output)
+        painted = selection.labels, _member(regions, len(mesh.V))
+        write_scalar_files(beside, options, mesh, result.U, *painted, target)
+        written = write_result(beside, mesh, result, options.report, output, target)
     print(summary(mesh, result, output, written))
     if options.picture and not picture:
         print(no_pictures())

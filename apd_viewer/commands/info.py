@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.commands.parser import Parser
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.report import room_of
+from apd_viewer.files.report import apart_of, room_of
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import examined
-from apd_viewer.geometry.analysis.surface_distance import surface_distance
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
 if TYPE_CHECKING:
     import argparse
-
-    from apd_viewer.geometry.mesh.mesh import Mesh
-
 
 _MOST_VERTICES = 100  # of a finding in a report
 
@@ -40,7 +37,9 @@ def _info(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     found, examination = inspect(mesh), examined(mesh.V, mesh.joined_F)
     all_found = [*found.findings, *of_crossings(mesh, examination.crossing)]
-    apart = _apart(mesh, open_mesh(options.compare)) if options.compare else {}
+    apart = {}
+    if options.compare:
+        apart = apart_of(TargetShape(open_mesh(options.compare)), mesh, mesh.V)
     if options.json:
         findings = [
             {
@@ -79,19 +78,14 @@ def _info(options: argparse.Namespace) -> None:
         print(sentence)
 
 
-def _apart(mesh: Mesh, other: Mesh) -> dict[str, float]:
-    """Distances of a mesh from another, and back, for the report."""
-    there = surface_distance(mesh.V, mesh.F, other.V, other.F)
-    back = surface_distance(other.V, other.F, mesh.V, mesh.F)
-    return {
-        "largest_distance": there.largest,
-        "rms_distance": there.rms,
-        "largest_distance_back": back.largest,
-        "rms_distance_back": back.rms,
-    }
-
-
 def _said(apart: dict[str, float]) -> str:
-    line = tr("apart   {there:.6g} at most, {rms:.6g} RMS; from the other mesh {back:.6g}, {back_rms:.6g}")
-    there, rms, back, back_rms = apart.values()
-    return line.format(there=there, rms=rms, back=back, back_rms=back_rms)
+    line = tr(
+        "apart   {largest_distance:.6g} at most, {rms_distance:.6g} RMS, {mean_distance:.6g} in the mean; "
+        "from the other mesh {largest_distance_back:.6g}, {rms_distance_back:.6g}, {mean_distance_back:.6g}"
+    )
+    by_vertex = tr(
+        "        same vertices {largest_distance_by_vertex:.6g} at most, {rms_distance_by_vertex:.6g} RMS, "
+        "{mean_distance_by_vertex:.6g} in the mean"
+    )
+    lines = [line, by_vertex] if "rms_distance_by_vertex" in apart else [line]
+    return "\n".join(each.format(**apart) for each in lines)

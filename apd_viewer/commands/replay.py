@@ -12,6 +12,7 @@ from apd_viewer.commands.result_output import progress_line, summary, write_resu
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.language import tr
+from apd_viewer.session.model.status_text import about_missing_target
 from apd_viewer.session.studies.replay import replay
 
 if TYPE_CHECKING:
@@ -41,6 +42,9 @@ def _replay(options: argparse.Namespace) -> None:
     document, result = replay(options.session, options.from_rest, progress)
     mesh = document.mesh
     with ExitStack() as beside:
-        write_scalar_files(beside, options, mesh, result.U, document.labels, document.member)
-        written = write_result(beside, mesh, result, options.report, output)
+        painted = document.labels, document.member
+        write_scalar_files(beside, options, mesh, result.U, *painted, document.target)
+        written = write_result(beside, mesh, result, options.report, output, document.target)
     print(summary(mesh, result, output, written))
+    if missing := about_missing_target(document):
+        print(missing)

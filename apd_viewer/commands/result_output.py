@@ -19,16 +19,24 @@ from apd_viewer.session.model.status_text import about_caps, of_crossings
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 
 _ROUNDED = 1e-6  # relative change of the area by the file's rounding worth a warning
 
 
-def write_result(beside: ExitStack, mesh: Mesh, result: Result, report: Path | None, output: Path) -> Written:
+def write_result(
+    beside: ExitStack,
+    mesh: Mesh,
+    result: Result,
+    report: Path | None,
+    output: Path,
+    target: TargetShape | None = None,
+) -> Written:
     """Write the mesh, and the report beside it if one is asked for."""
     if report:
-        write_report(beside.enter_context(replacing(report)), mesh, result)
+        write_report(beside.enter_context(replacing(report)), mesh, result, target)
     return save_mesh(mesh, result.U, output)
 
 

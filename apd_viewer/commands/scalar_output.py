@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -52,12 +53,13 @@ def write_scalar_files(
     U: np.ndarray,
     labels: np.ndarray,
     member: np.ndarray,
+    target: TargetShape | None = None,
 ) -> None:
     """Write the files asked for; they replace old ones when ``beside`` is closed."""
     asked = (options.scalars, Rows.VERTICES), (options.triangle_scalars, Rows.TRIANGLES)
     if not any(path for path, _ in asked):
         return
-    scalars = scalars_of(mesh, U, labels, member)
+    scalars = scalars_of(mesh, U, labels, member, target)
     for path, rows in asked:
         if path:
             write_scalars(beside.enter_context(replacing(path)), mesh, U, scalars, rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -24,6 +24,22 @@ _ARRAYS = ("V", "F")
 _REST = "rest.npy"  # rest positions, if different from the file's
 # State of mesh files when last verified; reading a large one takes a second.
 _found: WeakKeyDictionary[Mesh, tuple[int, int, int]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class MissingMesh:
+    """A mesh of a session that was not found again.
+
+    Attributes
+    ----------
+    told : dict
+        What :func:`whereabouts` wrote about it.
+    why : str
+        Sentence for people.
+    """
+
+    told: dict[str, Any]
+    why: str
 
 
 def whereabouts(mesh: Mesh, session: Path) -> dict[str, Any]:
@@ -59,10 +75,17 @@ def is_there(mesh: Mesh) -> bool:
     return True
 
 
-def copy_of(mesh: Mesh) -> dict[str, bytes]:
-    """Archive members for the mesh: its file, or its arrays."""
+def copy_of(mesh: Mesh, prefix: str = "") -> dict[str, bytes]:
+    """Archive members for the mesh: its file, or its arrays.
+
+    Their names begin with ``prefix``, to tell the meshes of an archive apart.
+    """
+    return {f"{prefix}{name}": content for name, content in _members(mesh).items()}
+
+
+def _members(mesh: Mesh) -> dict[str, bytes]:
     if isinstance(mesh.origin, Baked):
-        return {**copy_of(mesh.origin.mesh), _REST: npy(mesh.V)}
+        return {**_members(mesh.origin.mesh), _REST: npy(mesh.V)}
     if mesh.origin is not None:
         name = f"mesh{mesh.origin.suffix}"
         # Some formats cannot be written, and a glTF may need files beside it.
@@ -73,7 +96,7 @@ def copy_of(mesh: Mesh) -> dict[str, bytes]:
     return {"V.npy": npy(mesh.V), "F.npy": npy(mesh.F)}
 
 
-def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
+def find_mesh(told: Fields, session: Path, archive: Archive, prefix: str = "") -> Mesh:
     """Mesh by its description: from its file or the archive's copy.
 
     Parameters
@@ -83,6 +106,8 @@ def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
     session : Path
     archive : Archive
         Read from there.
+    prefix : str
+        Of the members that hold the copy.
 
     Raises
     ------
@@ -104,13 +129,13 @@ def find_mesh(told: Fields, session: Path, archive: Archive) -> Mesh:
                 return mesh
             problems.append(_not_the_one(mesh, told, session))
     if told.says("embedded"):
-        return _embedded(told, session.parent / name, archive)
+        return _embedded(told, session.parent / name, archive, prefix)
     if problems:
         raise InputError(problems[0])
     looked = tr(" and ").join(str(path) for path in places)
     raise InputError(
         tr(
-            "{name}, the mesh of {session}, is missing (looked for at {looked}); put it in the "
+            "{name}, a mesh of {session}, is missing (looked for at {looked}); put it in the "
             "folder of the session."
         ).format(name=name, session=session.name, looked=looked)
     )
@@ -147,24 +172,24 @@ def _not_the_one(mesh: Mesh, told: Fields, session: Path) -> str:
     ).format(path=mesh.path, session=session.name, change=change)
 
 
-def _embedded(told: Fields, path: Path, archive: Archive) -> Mesh:
+def _embedded(told: Fields, path: Path, archive: Archive, prefix: str) -> Mesh:
     """The mesh in the archive, as if it came from ``path``; there is no such file."""
-    members = told.texts("embedded", len(_ARRAYS) + 1)
+    members = [name.removeprefix(prefix) for name in told.texts("embedded", len(_ARRAYS) + 1)]
     rest = members[-1:] == [_REST]
     members = members[:-1] if rest else members
     try:
         if members == [f"{name}.npy" for name in _ARRAYS]:
             V, F = (
-                archive.array(name, kind, (told.count(of), 3))
+                archive.array(prefix + name, kind, (told.count(of), 3))
                 for name, kind, of in (("V", "<f8", "vertices"), ("F", "<i8", "faces"))
             )
             mesh = Mesh(V, F, path if told.says("path") else None)
         elif len(members) == 1 and members[0] in [f"mesh{suffix}" for suffix in FORMATS]:
-            mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(members[0])), path=path)
+            mesh = replace(read_mesh(_NOWHERE / members[0], archive.content(prefix + members[0])), path=path)
         else:
             raise ValueError(tr("its “embedded” is damaged"))
         if rest:
-            V = archive.array("rest", "<f8", mesh.V.shape)
+            V = archive.array(f"{prefix}rest", "<f8", mesh.V.shape)
             check_mesh(V, mesh.F)
             mesh = mesh.baked(frozen(V))
     except InputError:

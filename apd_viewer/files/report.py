@@ -12,20 +12,45 @@ from apd_viewer.geometry.analysis.shape_check import Examination, examined
 if TYPE_CHECKING:
     from pathlib import Path
 
+    import numpy as np
+
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.geometry.solver.deform import Result
 
 
-def write_report(path: Path, mesh: Mesh, result: Result) -> None:
-    """Write the readings of ``result``; raises InputError on failure."""
+def write_report(path: Path, mesh: Mesh, result: Result, target: TargetShape | None = None) -> None:
+    """Write the readings of ``result``; raises InputError on failure.
+
+    ``target`` is the target shape to compare with, if there is one.
+    """
     readings = asdict(result)
     del readings["U"]
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
         room = room_of(examined(U, mesh.joined_F))
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
+    if target is not None:
+        report |= {"target_shape": target.mesh.name, **apart_of(target, mesh, result.U)}
     with replacing(path) as scratch:
         scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+
+
+def apart_of(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]:
+    """Distances of the shape ``U`` (n, 3) of a mesh from a target shape, and back.
+
+    Those of vertices from the same vertices only where the triangles are the same.
+    """
+    found = target.compared(mesh, U)
+    assert found is not None
+    summaries = {"": found.closest, "_back": target.back(mesh, U)}
+    if found.vertex is not None:
+        summaries["_by_vertex"] = found.vertex
+    return {
+        f"{name}_distance{suffix}": reading
+        for suffix, summary in summaries.items()
+        for name, reading in summary._asdict().items()
+    }
 
 
 def room_of(found: Examination) -> dict[str, Any]:

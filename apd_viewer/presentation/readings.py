@@ -19,12 +19,14 @@ from apd_viewer.session.model.targets import kept_percentages
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection
     from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.surface_distance import SurfaceDistance
     from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
 NOTHING, LATER = "–", "…"
+DISTANCES = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 
@@ -71,6 +73,13 @@ def verdict(state: State) -> str:
         if asked == 100.0
         else tr("{change} %, exactly on target").format(change=change)
     )
+
+
+def distances(found: SurfaceDistance | None, unit: Unit, size: float) -> tuple[str, ...]:
+    """Largest, RMS and mean distance of a mesh of this size; dashes if unknown."""
+    if found is None:
+        return (NOTHING,) * len(DISTANCES)
+    return tuple(unit.length(length(getattr(found, name), size)) for _, name in DISTANCES)
 
 
 def local_change(state: State) -> str:

@@ -46,11 +46,14 @@ class Evidence:
         None where the mesh came from no file.
     session : bytes
         A session with all of it, as a file; empty where it is too long.
+    apart : dict of str to float, or None
+        Distances from the target shape: see :func:`apd_viewer.files.report.apart_of`.
     """
 
     change: LocalChange
     file: Fingerprint | None
     session: bytes
+    apart: dict[str, float] | None
 
 
 def mesh_blocks(state: State, unit: Unit, file: Fingerprint | None) -> Iterator[Block]:

@@ -11,7 +11,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import Block, Note, Page, PageSection, PictureRow, Table
 from apd_viewer.language import tr, trn
 from apd_viewer.presentation import readings
-from apd_viewer.presentation.number_format import short
+from apd_viewer.presentation.number_format import length, short
 from apd_viewer.presentation.report_origin import (
     Evidence,
     mesh_blocks,
@@ -63,6 +63,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         PageSection(tr("Area"), (Table(tuple(_area(state, unit))),)),
         PageSection(tr("Volume"), (Table(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
+        *_target_shape(state, unit, evidence.apart),
         PageSection(tr("Settings and targets"), tuple(settings_blocks(state))),
         PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
         PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
@@ -133,6 +134,25 @@ def _size(subject: Subject) -> Iterator[Block]:
             (tr("Mass"), readings.weight(grams, unit), problem),
         )
     )
+
+
+def _target_shape(state: State, unit: Unit, apart: dict[str, float] | None) -> Iterator[PageSection]:
+    """Section on the target shape, if there is one."""
+    target, size = state.document.target, max(state.inspection.size)
+    if target is None or apart is None:
+        return
+    rows = [(tr("File"), target.mesh.name, "")]
+    for suffix, title in (
+        ("", tr("{what}, closest point")),
+        ("_by_vertex", tr("{what}, same vertex")),
+        ("_back", tr("{what}, closest point of this shape")),
+    ):
+        if f"rms_distance{suffix}" in apart:
+            rows += [
+                (title.format(what=what), unit.length(length(apart[f"{name}_distance{suffix}"], size)), "")
+                for what, name in readings.DISTANCES
+            ]
+    yield PageSection(tr("Target shape"), (Table(tuple(rows)),))
 
 
 def _local_change(change: LocalChange, histogram: Drawing | None) -> Iterator[Block]:

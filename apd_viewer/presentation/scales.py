@@ -18,6 +18,8 @@ from apd_viewer.session.quantities.units import Unit
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.deviation import Deviation
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _NOTHING = 5e-5  # of the scale, displayed as zero
 _ROUNDING = 1e-9  # of the usual scale, too small for a scale
@@ -65,6 +67,8 @@ class Measure(Enum):
     BENDING = "bending"
     DISPLACEMENT = "displacement"
     DISTANCE = "distance"
+    TARGET_DISTANCE = "target_distance"
+    TARGET_DISPLACEMENT = "target_displacement"
 
     @property
     def words(self) -> Words:
@@ -84,7 +88,17 @@ class Measure(Enum):
     @property
     def waits(self) -> bool:
         """True if measured only when the shape stops moving."""
-        return self is Measure.DISTANCE
+        return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE)
+
+
+def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
+    """Measures available for a mesh, with or without a target shape."""
+    missing: tuple[Measure, ...] = ()
+    if target is None:
+        missing = Measure.TARGET_DISTANCE, Measure.TARGET_DISPLACEMENT
+    elif not target.corresponds(mesh):
+        missing = (Measure.TARGET_DISPLACEMENT,)
+    return tuple(measure for measure in Measure if measure not in missing)
 
 
 def _words() -> dict[Measure, Words]:
@@ -123,6 +137,20 @@ def _words() -> dict[Measure, Words]:
             "Alt+5",
             ScaleKind.LENGTH,
             lambda deviation, U, enough: deviation.distance(U, enough),
+        ),
+        Measure.TARGET_DISTANCE: Words(
+            tr("Target: closest point"),
+            tr("Colour by the distance from the closest point of the target shape, when converged"),
+            "Alt+6",
+            ScaleKind.LENGTH,
+            lambda deviation, U, enough: deviation.target_distance(U, enough),
+        ),
+        Measure.TARGET_DISPLACEMENT: Words(
+            tr("Target: same vertex"),
+            tr("Colour by the distance of each vertex from the same vertex of the target shape"),
+            "Alt+7",
+            ScaleKind.LENGTH,
+            lambda deviation, U, _: deviation.target_displacement(U),
         ),
     }
 

@@ -20,6 +20,7 @@ from apd_viewer.session.model.status_text import (
     about_export,
     about_findings,
     about_loaded_selection,
+    about_missing_target,
     about_selection,
     about_session,
 )
@@ -96,8 +97,9 @@ class Files:
         self._store.jump(state)
         if view is not None:
             self._listener.viewed(view)
-        if findings := about_findings(state.inspection.findings):
-            self._listener.told(findings)
+        about = about_findings(state.inspection.findings), about_missing_target(state.document)
+        if any(about):
+            self._listener.told(" ".join(sentence for sentence in about if sentence))
 
     def export(self, path: str | Path, then: Callable[[], object] = lambda: None) -> None:
         """Write the shape on screen, in the background.
@@ -121,7 +123,7 @@ class Files:
             from apd_viewer.geometry.analysis.scalars import scalars_of
 
             document, U = state.document, state.frame.U
-            scalars = scalars_of(document.mesh, U, document.labels, document.member)
+            scalars = scalars_of(document.mesh, U, document.labels, document.member, document.target)
             write_scalars(path, document.mesh, U, scalars, rows)
             return tr("Exported scalars to {name}.").format(name=path.name)
 

@@ -24,6 +24,7 @@ from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.store import Activity, Store
+from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.typed_values import TypedValues
 
 
@@ -48,6 +49,7 @@ class Session:
     measuring : MeasurementReadings
     typed : TypedValues
     rest_shape : RestShape
+    target_shapes : TargetShapes
     jobs : Jobs
     saved_work : SavedWork
     files : Files
@@ -70,6 +72,7 @@ class Session:
         self.jobs = Jobs(listener.wake, listener.failed, listener.told, listener.status_changed)
         self.typed = TypedValues(store)
         self.rest_shape = RestShape(store, gestures, self.jobs, listener)
+        self.target_shapes = TargetShapes(store, gestures, self.jobs, listener)
         self.saved_work = SavedWork(store, gestures)
         self.files = Files(store, gestures, self.saved_work, self.jobs, listener)
         self.autosave = Autosave(store, gestures, self.saved_work, self.files, listener)

@@ -28,6 +28,7 @@ from apd_viewer.ui.overlays.next_step import NextStep
 from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
 from apd_viewer.ui.overlays.selection_mode_bar import WayBar
 from apd_viewer.ui.panel.measurements_controller import Measuring
+from apd_viewer.ui.panel.target_controller import Targeting
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_preview import MotionPreview
 from apd_viewer.ui.preferences.unit_button import Units
@@ -94,6 +95,7 @@ class Workbench(QObject):
         )
         self.units = Units(memory)
         self.measuring = Measuring(self.panel, self.health, memory, self.looks.heat, session)
+        self.targeting = Targeting(shell, self.panel.target, memory, self.looks.heat, session)
         self.plots = Plots(memory, notice, session)
         self.docks["plots"].setWidget(self.plots)
         self.filing = Filing(shell, memory, session, self._view, recovery)
@@ -136,6 +138,7 @@ class Workbench(QObject):
             studies=self.studies,
             comparing=self.comparing,
             reporting=self.reporting,
+            targeting=self.targeting,
             take=self.tools.take,
             choose_way=self.tools.choose_way,
             type_motion=self._type_motion,
@@ -156,6 +159,7 @@ class Workbench(QObject):
         signals.changed.connect(self.preview.follow)
         for change in (signals.changed, signals.status_changed):
             change.connect(self.filing.show_title)
+            change.connect(self.targeting.follow)
         signals.status_changed.connect(self._show_status)
         signals.told.connect(self.notice.tell)
         signals.failed.connect(self.notice.fail)
@@ -233,9 +237,10 @@ class Workbench(QObject):
         document = new.document
         self.parts.follow(None if old is None else old.document, document)
         self.canvas.show_state(old, new, self.parts.handle, self.parts.region)
+        self.looks.follow(new)
+        self.actions_.file.follow(document)
         if old is None or old.document.mesh is not document.mesh:
             self.health.show(new.inspection.findings)
-            self.looks.follow(new)
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._show_opened(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
@@ -319,6 +324,7 @@ class Workbench(QObject):
         self.recovery.close_all()
         self.plots.end()
         self.looks.close()
+        self.targeting.close()
         self.studies.close_all()
         self.comparing.close()
         self.session.close()

@@ -648,7 +648,7 @@ def _unpainted(case, path):
 WRONG_SESSIONS = {
     "gone": (_gone, "There is no file .*a.apd; check the name"),
     "empty": (_empty, "a.apd is not a valid session .its archive is damaged.; save it again"),
-    "without its mesh": (_without_mesh, "in.obj, the mesh of a.apd, is missing"),
+    "without its mesh": (_without_mesh, "in.obj, a mesh of a.apd, is missing"),
     "with another mesh": (_other_mesh, "in.obj is not the mesh that a.apd was saved with .it has been"),
     "not painted": (_unpainted, "a.apd: There is no base: paint the part"),
 }
@@ -951,5 +951,20 @@ def test_info_measures_the_distance_from_another_mesh(bar, command):
     said = json.loads(command("info", bar.mesh, "--compare", away, "--json")[1])
     assert said["largest_distance"] == pytest.approx(0.25)
     assert said["largest_distance_back"] == pytest.approx(0.25)
-    assert 0.0 < said["rms_distance"] < 0.25
+    assert 0.0 < said["mean_distance"] < said["rms_distance"] < 0.25
+    assert said["largest_distance_by_vertex"] == pytest.approx(0.25)
+    assert said["rms_distance_by_vertex"] == pytest.approx(0.25)
     assert "apart   0.25 at most" in command("info", bar.mesh, "--compare", away)[1]
+
+
+def test_a_result_is_compared_with_a_target_shape(bar, command):
+    other, report, scalars = (bar.folder / name for name in ("away.obj", "r.json", "s.csv"))
+    save_mesh(open_mesh(bar.mesh), bar.V + [0.0, 0.0, 0.25], other)
+    status, *_ = command(*bar.words("compare", other), "--report", report, "--scalars", scalars)
+    assert status == 0
+    said, (names, rows) = json.loads(report.read_text()), columns_of(scalars)
+    away = np.linalg.norm(open_mesh(bar.out).V - bar.V - [0.0, 0.0, 0.25], axis=1)
+    assert said["target_shape"] == "away.obj"
+    assert said["largest_distance_by_vertex"] == pytest.approx(away.max(), rel=1e-6)
+    np.testing.assert_allclose(rows[:, names.index("target_displacement")], away, rtol=0, atol=1e-6)
+    assert rows[:, names.index("target_distance")].max() == pytest.approx(said["largest_distance"], rel=1e-9)

@@ -150,7 +150,8 @@ def check_equal(found: State, saved: State) -> None:
             check_same_array(mine.pivot, other.pivot)
     assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
     assert a.flags == b.flags
-    arrays = {"mesh", "labels", "member", "grip", "handles", "regions"}
+    assert (a.target and a.target.mesh.digest) == (b.target and b.target.mesh.digest)
+    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target"}
     for field in fields(a):
         if field.name not in arrays:
             assert getattr(a, field.name) == getattr(b, field.name), field.name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -41,6 +41,11 @@ class Fields:
             return cls(json.loads(content.decode(), parse_constant=_refused), name)
         except (ValueError, RecursionError):
             raise _damaged(name) from None
+
+    @property
+    def whole(self) -> dict[str, Any]:
+        """The object as it was read, to be written again."""
+        return self._said
 
     def says(self, key: str) -> bool:
         """True if the field ``key`` is present and not empty."""

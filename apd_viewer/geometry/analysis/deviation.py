@@ -1,4 +1,4 @@
-"""Deviation of a shape from its rest shape, a value per vertex.
+"""Deviation of a shape from its rest shape or a target shape, a value per vertex.
 
 Ratios are natural logarithms: twice and half are equally far from zero, and zero is no change. A vertex
 without a triangle, or whose triangles had no area at rest, has no value: it is not a number.
@@ -18,14 +18,13 @@ from apd_viewer.geometry.analysis.deviation_kernels import (
     mean_curvature,
 )
 from apd_viewer.geometry.analysis.extremes import write_shades
-from apd_viewer.geometry.analysis.surface_distance import distances
+from apd_viewer.geometry.analysis.surface_distance import distances_unless
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.measures import SLIVER, Patch
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
-
-# Vertices between two checks for cancellation.
-_PORTION = 8192
 
 
 class Deviation:
@@ -39,9 +38,14 @@ class Deviation:
         Triangles, with the vertices at a seam named by one of them.
     source : (n,) int array
         For each vertex the one that its place is named by; empty if there is no seam.
+    target : TargetShape, optional
+        What the last two measures compare with.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, source: np.ndarray) -> None:
+    def __init__(
+        self, V: np.ndarray, F: np.ndarray, source: np.ndarray, target: TargetShape | None = None
+    ) -> None:
+        self.target = target
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))
@@ -87,13 +91,26 @@ class Deviation:
 
         It takes some tenths of a second for 100,000 vertices; None if ``enough()`` has ended it.
         """
-        boxes, found, which = self._boxes, np.empty(len(U)), np.empty(len(U), dtype=np.int32)
-        for first in range(0, len(U), _PORTION):
-            if enough():
-                return None
-            part = slice(first, first + _PORTION)
-            with cores_for(len(U)):  # block by block: the window may need the cores in between
-                distances(U[part], self._V[part], self._V, *boxes, found[part], which[part])
+        found = distances_unless(enough, U, self._V, self._V, self._boxes)
+        if found is not None:
+            found[self._bare] = np.nan
+        return found
+
+    def target_distance(self, U: np.ndarray, enough: Callable[[], bool] = lambda: False) -> np.ndarray | None:
+        """Distance of each vertex from the target surface, (n,), mesh units.
+
+        It takes as long as :meth:`distance`; None if ``enough()`` has ended it.
+        """
+        assert self.target is not None
+        found = self.target.distances(U, enough)
+        if found is not None:
+            found[self._bare] = np.nan
+        return found
+
+    def target_displacement(self, U: np.ndarray) -> np.ndarray:
+        """Distance of each vertex from the same vertex of the target, (n,), mesh units."""
+        assert self.target is not None
+        found = self.target.vertex_distances(U)
         found[self._bare] = np.nan
         return found
 
@@ -118,10 +135,12 @@ class Deviation:
 def warm_up() -> None:
     """Compile all of it, or load it from the cache."""
     V = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    change = Deviation(V, np.array([[0, 1, 2]], dtype=np.int32), np.empty(0, dtype=np.int32))
+    F = np.array([[0, 1, 2]], dtype=np.int32)
+    change = Deviation(V, F, np.empty(0, dtype=np.int32), TargetShape(Mesh(V, F)))
     V.flags.writeable = False
     shades = np.zeros((3, 4), dtype=np.uint8)[:, 3]
-    for measured in (change.area, change.strain, change.displacement, change.bending, change.distance):
+    slow = change.distance, change.target_distance
+    for measured in (change.area, change.strain, change.displacement, change.bending, *slow):
         values = measured(V)
         assert values is not None
         write_shades(values, True, 1.0, shades)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.analysis.deviation import Deviation
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
@@ -23,7 +24,8 @@ class Scalars(NamedTuple):
     vertices : dict of str to (n,) array
         ``apd_label`` and ``apd_region``; ``area_change`` of the triangles around a vertex and
         ``edge_strain``, relative to rest; ``bending``, the change of the mean curvature; ``displacement`` and
-        ``distance_to_rest``, mesh units.
+        ``distance_to_rest``, mesh units; with a target shape ``target_distance`` from its closest point, and
+        ``target_displacement`` from its vertex with the same ID if the triangles are the same.
     triangles : dict of str to (m,) array
         ``apd_label`` and ``apd_region``, where all corners agree; ``area_rest``, ``area`` and its relative
         ``area_change``; ``largest_stretch`` and ``smallest_stretch``, the singular values of the
@@ -34,7 +36,9 @@ class Scalars(NamedTuple):
     triangles: dict[str, np.ndarray]
 
 
-def scalars_of(mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray) -> Scalars:
+def scalars_of(
+    mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray, target: TargetShape | None = None
+) -> Scalars:
     """Scalars of the shape ``U`` (n, 3).
 
     Parameters
@@ -43,9 +47,11 @@ def scalars_of(mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray
     U : (n, 3) float array
     labels, member : (n,) int arrays
         Base, free or handle, and number of the region, of each vertex.
+    target : TargetShape, optional
+        Another mesh to compare with.
     """
     joined = mesh.weld.first[mesh.weld.inverse]
-    deviation = Deviation(mesh.V, mesh.joined_F, joined)
+    deviation = Deviation(mesh.V, mesh.joined_F, joined, target)
     vertices = {
         LABEL: labels,
         REGION: member,
@@ -55,6 +61,10 @@ def scalars_of(mesh: Mesh, U: np.ndarray, labels: np.ndarray, member: np.ndarray
         "displacement": deviation.displacement(U),
         "distance_to_rest": deviation.distance(U),
     }
+    if target is not None:
+        vertices["target_distance"] = deviation.target_distance(U)
+        if target.corresponds(mesh):
+            vertices["target_displacement"] = deviation.target_displacement(U)
     rest, area = face_areas(mesh.V, mesh.F), face_areas(U, mesh.F)
     largest, smallest = _stretches(mesh.V[mesh.F], U[mesh.F])
     triangles = {

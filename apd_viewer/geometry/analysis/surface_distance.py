@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,11 +10,11 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import cores_for, parallel
 from apd_viewer.geometry.mesh.operators import vertex_areas
-from apd_viewer.geometry.picking.bounding_hierarchy import FAN, bounding_hierarchy
+from apd_viewer.geometry.picking.bounding_hierarchy import FAN, Boxes, bounding_hierarchy
 
 _BITS = 3  # of FAN
-# Points per task of a core.
-_PORTION = 128
+# Points per task of a core, and between two checks for cancellation.
+_PORTION, _CHECKED = 128, 8192
 
 
 class SurfaceDistance(NamedTuple):
@@ -22,12 +23,13 @@ class SurfaceDistance(NamedTuple):
     Attributes
     ----------
     largest : float
-    rms : float
-        Root mean square, each vertex weighted by its area.
+    rms, mean : float
+        Root mean square and mean, each vertex weighted by its area.
     """
 
     largest: float
     rms: float
+    mean: float
 
 
 def surface_distance(U: np.ndarray, F: np.ndarray, V: np.ndarray, G: np.ndarray) -> SurfaceDistance:
@@ -35,10 +37,21 @@ def surface_distance(U: np.ndarray, F: np.ndarray, V: np.ndarray, G: np.ndarray)
 
     Largest over both directions it is the Hausdorff distance, up to the size of the triangles.
     """
-    area = vertex_areas(U, F)
     on = np.unique(F)
-    away = nearest(U[on], V, G)[0]
-    return SurfaceDistance(float(away.max()), float(np.sqrt(np.average(away**2, weights=area[on]))))
+    away = np.zeros(len(U))
+    away[on] = nearest(U[on], V, G)[0]
+    return summary(away, U, F)
+
+
+def summary(away: np.ndarray, U: np.ndarray, F: np.ndarray) -> SurfaceDistance:
+    """Summary of the distances (n,) of the vertices of a surface ``U``, ``F``.
+
+    Vertices without a triangle do not count.
+    """
+    on = np.unique(F)
+    away, area = away[on], vertex_areas(U, F)[on]
+    mean, square = (float(np.average(x, weights=area)) for x in (away, away**2))
+    return SurfaceDistance(float(away.max()), square**0.5, mean)
 
 
 def nearest(points: np.ndarray, V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -48,6 +61,27 @@ def nearest(points: np.ndarray, V: np.ndarray, F: np.ndarray) -> tuple[np.ndarra
     with cores_for(max(len(V), len(points))):
         distances(points, np.full(points.shape, np.inf), V, *boxes, away, which)
     return away, boxes.F[which].astype(np.int64)
+
+
+def distances_unless(
+    enough: Callable[[], bool], points: np.ndarray, on: np.ndarray, V: np.ndarray, boxes: Boxes
+) -> np.ndarray | None:
+    """Distances (k,) of points from a surface; None if ``enough()`` has ended it.
+
+    Parameters
+    ----------
+    enough : callable
+    points, on, V, boxes
+        See :func:`distances`.
+    """
+    found, which = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+    for first in range(0, len(points), _CHECKED):
+        if enough():
+            return None
+        part = slice(first, first + _CHECKED)
+        with cores_for(len(points)):  # block by block: the window may need the cores in between
+            distances(points[part], on[part], V, *boxes, found[part], which[part])
+    return found
 
 
 @parallel()
@@ -67,7 +101,7 @@ def distances(
     ----------
     points : (k, 3) float array
     on : (k, 3) float array
-        A point of the surface for each of them: the nearer, the faster.
+        A point of the surface for each of them: the nearer, the faster. Infinite where none is known.
     V : (n, 3) float array
     F, corners, level
         The surface: :func:`apd_viewer.geometry.picking.bounding_hierarchy.bounding_hierarchy` of ``V``.

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.measuring.measurement import Measurement
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -63,6 +65,10 @@ class Document:
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     base : PartFlags
     measurements : tuple of Measurement
+    target : TargetShape or None
+        What the shape is compared with; nothing is deformed to it.
+    missing_target : MissingMesh or None
+        The target shape of a session that was not found again.
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -83,6 +89,8 @@ class Document:
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
+    target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
+    missing_target: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it
 

@@ -47,7 +47,8 @@ class State:
         document = self.document
         mesh = document.mesh
         own = mesh.V, mesh.F, document.labels, document.grip, document.member, self.frame.U
-        return *own, *self.skin.arrays
+        target = () if document.target is None else (document.target.mesh.V, document.target.mesh.F)
+        return *own, *target, *self.skin.arrays
 
     @property
     def region_counts(self) -> np.ndarray:

@@ -14,7 +14,9 @@ from apd_viewer.session.quantities.units import Unit
 if TYPE_CHECKING:
     from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.document import Document
 
 
 def about_findings(findings: Sequence[Finding]) -> str | None:
@@ -62,6 +64,22 @@ def about_loaded_selection(name: str, selection: Selection) -> str:
     return tr(
         "Selection loaded from {name}; it was made for another shape with the same number of vertices."
     ).format(name=name)
+
+
+def about_missing_target(document: Document) -> str | None:
+    """Sentence about a target shape that was not found again; None if there is none."""
+    missing = document.missing_target
+    return None if missing is None else tr("The target shape is not shown: {why}").format(why=missing.why)
+
+
+def about_target(target: TargetShape, mesh: Mesh) -> str:
+    """Sentence about a loaded target shape, and about its size if that is another."""
+    name, factor = target.mesh.name, target.misfit(mesh)
+    if factor is None:
+        return tr("Comparing with {name}.").format(name=name)
+    return tr(
+        "{name} is {factor} times as large as {mesh}; check its unit of length and scale its file."
+    ).format(name=name, factor=f"{factor:.3g}", mesh=mesh.name)
 
 
 def about_lock(name: str) -> str:

@@ -89,7 +89,7 @@ class Child:
         self._requests[number], self._trays[number] = request, tray
         # With every order: the process may skip earlier ones. It has the decimations it computed itself.
         known = () if request.document.mesh is self._finder_of else thinnings
-        order = Order(number, self._from_its_start(request), tray.name if tray else None, known)
+        order = Order(number, _to_solve(self._from_its_start(request)), tray.name if tray else None, known)
         message = self._packer.packed(order)
         if self.alive:  # if it has just ended, the listening thread reports so
             self._process.send(message)
@@ -178,3 +178,11 @@ class Child:
 
 def _nothing() -> None:
     """Ignore a displayed reply."""
+
+
+def _to_solve(request: Request) -> Request:
+    """The request without the target shape: nothing is solved for it."""
+    document = request.document
+    if document.target is None:
+        return request
+    return replace(request, document=replace(document, target=None))

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_location import copy_of, find_mesh, is_there, whereabouts
+from apd_viewer.files.mesh_location import find_mesh
 from apd_viewer.files.storage.archive import Archive, npy, write_archive
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.files.storage.reading import content_of
@@ -35,6 +35,7 @@ from apd_viewer.session.storage.session_json import (
     view_of,
     view_said,
 )
+from apd_viewer.session.storage.session_meshes import mesh_said, target_said, with_target
 
 FORMAT, VERSION = "apd-session", 1
 _TEXT = "session.json"
@@ -55,7 +56,8 @@ def save_session(
     state : State
     view : View
     embed : bool
-        Whether to put a copy of the mesh into it. There is one in any case where no file holds the mesh.
+        Whether to put copies of the mesh and of the target shape into it. There is one in any case where no
+        file holds them.
     at_once : bool
         Whether it is wanted in a moment, and may be larger; see
         :func:`apd_viewer.files.storage.archive.write_archive`.
@@ -78,7 +80,8 @@ def save_session(
             )
         )
     document, mesh = state.document, state.document.mesh
-    copy = copy_of(mesh) if embed or not is_there(mesh) else {}
+    told, copy = mesh_said(mesh, path, embed)
+    target, copy_of_target = target_said(document, path, embed)
     arrays = {"labels": document.labels, "member": document.member}
     positions = {"grip": document.grip, "shape": state.frame.U}
     # Rest positions are left out: once opened they are the mesh's own.
@@ -87,7 +90,8 @@ def save_session(
         "format": FORMAT,
         "version": VERSION,
         "program": _program(),
-        "mesh": {**whereabouts(mesh, path), "embedded": list(copy) or None},
+        "mesh": told,
+        **({"target": target} if target else {}),
         "arrays": list(arrays),
         "document": document_said(document),
         "frame": frame_said(state.frame),
@@ -95,7 +99,7 @@ def save_session(
     }
     text = json.dumps(said, indent=1, allow_nan=False).encode()
     members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
-    write_archive(path, {_TEXT: text, **members, **copy}, at_once)
+    write_archive(path, {_TEXT: text, **members, **copy, **copy_of_target}, at_once)
     return bool(copy)
 
 
@@ -111,7 +115,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
     """Open a session: the saved state, bit for bit, and its view.
 
     The mesh is looked for where it was, then by the way that leads there from the session, then beside the
-    session, then in it.
+    session, then in it; and so is the target shape, without which the session opens too.
 
     Raises
     ------
@@ -125,7 +129,7 @@ def open_session(path: str | Path) -> tuple[State, View]:
         _check_version(said, path)
         mesh = find_mesh(said.part("mesh"), path, archive)
         state, arrays = opened(mesh), _arrays(said, archive, mesh)
-        document = document_of(said.part("document"), mesh, arrays)
+        document = with_target(document_of(said.part("document"), mesh, arrays), said, path, archive)
         if document.volume is not None and not state.inspection.volume:
             raise ValueError(tr("its “volume” is damaged"))
         state = replace(state, document=document)

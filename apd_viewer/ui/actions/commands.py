@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.filing.file_requests import FileRequests
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
+    from apd_viewer.ui.panel.target_controller import Targeting
     from apd_viewer.ui.sharing.report_controller import Reporting
     from apd_viewer.ui.studies.studies import Studies
     from apd_viewer.ui.tools.canvas import Canvas
@@ -37,6 +38,7 @@ class Commands:
     studies: Studies
     comparing: Comparing
     reporting: Reporting
+    targeting: Targeting
     take: Callable[[Tool], object]
     choose_way: Callable[[Way], object]
     type_motion: Callable[[], object]

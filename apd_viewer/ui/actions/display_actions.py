@@ -78,6 +78,7 @@ class LookActions:
     def _make_switches(self, maker: ActionMaker) -> None:
         looks = self._looks
         ghost = tr("Show the rest shape as a transparent ghost")
+        target = tr("Show the target shape as a transparent ghost")
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show the axes and a ground grid in the unit of length")
@@ -87,6 +88,14 @@ class LookActions:
             name: maker.switch(name, title, name, tip, key, command, on)
             for name, title, tip, key, command, on in (
                 ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.on),
+                (
+                    "target_ghost",
+                    tr("Tar&get shape"),
+                    target,
+                    None,
+                    looks.show_target,
+                    looks.target_ghost.on,
+                ),
                 ("compare", tr("&Before and after"), compare, "Shift+A", looks.before_after.show_card, False),
                 ("cut", tr("Se&ction"), cut, "S", looks.cut.show_card, False),
                 ("ground", tr("&Axes and grid"), ground, "I", looks.show_ground, looks.ground.on),
@@ -115,7 +124,9 @@ class LookActions:
         self._check_measure()
 
     def _check_measure(self) -> None:
-        measure = self._looks.heat.measure
+        measure, offered = self._looks.heat.measure, self._looks.heat.offered
+        for each, action in self.measures.items():
+            action.setEnabled(each in offered)
         (self.off if measure is None else self.measures[measure]).setChecked(True)
 
     def fill(self, menu: QMenu) -> None:

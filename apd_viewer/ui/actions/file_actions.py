@@ -14,6 +14,7 @@ from apd_viewer.files.samples import SAMPLES
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
 
@@ -34,7 +35,8 @@ class FileActions:
 
     Attributes
     ----------
-    open, save, save_as, export, scalars, report, picture, copy_picture, copy_python, quit : QAction
+    open, target, clear_target, save, save_as, export, scalars : QAction
+    report, picture, copy_picture, copy_python, quit : QAction
     samples : list of QAction
     recent : QMenu
         The files that were opened last.
@@ -47,6 +49,7 @@ class FileActions:
         self.open = make(
             "open", tr("&Open…"), "open", tr("Open a mesh or a session"), _KEYS.Open, requests.ask
         )
+        self._make_target(maker, commands)
         self.export = make(
             "export",
             tr("&Export…"),
@@ -117,17 +120,43 @@ class FileActions:
             tip, command = _OPEN_SAMPLE[name], partial(requests.open_sample, name)
             self.samples.append(make(f"open_sample:{name}", title, "sample", tip, None, command))
 
+    def _make_target(self, maker: ActionMaker, commands: Commands) -> None:
+        self.target = maker.make(
+            "load_target",
+            tr("Load tar&get shape…"),
+            "target_ghost",
+            tr("Compare the shape with another mesh: distances in colours and in numbers"),
+            None,
+            commands.targeting.ask,
+        )
+        self.clear_target = maker.make(
+            "clear_target",
+            tr("Clear target s&hape"),
+            "remove",
+            tr("Stop comparing with the target shape"),
+            None,
+            commands.targeting.clear,
+        )
+        self.clear_target.setEnabled(False)
+
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""
         menu.addAction(self.open)
         self.recent = menu.addMenu(tr("Open &recent"))
         menu.addMenu(tr("Open sa&mple")).addActions(self.samples)
         menu.addSeparator()
+        menu.addActions([self.target, self.clear_target])
+        menu.addSeparator()
         menu.addActions([self.save, self.save_as, self.export, self.scalars])
         menu.addSeparator()
         menu.addActions([self.report, self.picture, self.copy_picture, self.copy_python])
         menu.addSeparator()
         menu.addAction(self.quit)
+
+    def follow(self, document: Document) -> None:
+        """Offer to clear the target shape where there is one."""
+        compares = document.target is not None or document.missing_target is not None
+        self.clear_target.setEnabled(compares)
 
     def fill_recent(self, paths: Sequence[Path]) -> None:
         """List recent files."""
@@ -142,4 +171,4 @@ class FileActions:
     def of_a_mesh(self) -> list[QAction]:
         """Actions available only for an open mesh."""
         made = self.report, self.picture, self.copy_picture, self.copy_python
-        return [self.save, self.save_as, self.export, self.scalars, *made]
+        return [self.target, self.save, self.save_as, self.export, self.scalars, *made]

@@ -16,6 +16,7 @@ from apd_viewer.session.model.view import SUFFIX
 
 _MESHES = " ".join("*" + suffix for suffix in FORMATS)
 _OPEN_FILTER = tr("Meshes and sessions ({endings})").format(endings=f"{_MESHES} *.apd")
+_MESH_FILTER = tr("Meshes ({endings})").format(endings=_MESHES)
 _WITHOUT, _WITH = tr("Session (*.apd)"), tr("Session including the mesh (*.apd)")
 SELECTION_FORMATS = (".json", ".npz", ".ply", ".sel", ".dmat")
 _SELECTIONS = tr("Selections ({endings})").format(
@@ -26,6 +27,12 @@ _SELECTIONS = tr("Selections ({endings})").format(
 def ask_for_mesh(parent: QWidget, folder: Path) -> Path | None:
     """Choose a mesh or session to open; None if cancelled."""
     path, _ = QFileDialog.getOpenFileName(parent, tr("Open a mesh or a session"), str(folder), _OPEN_FILTER)
+    return Path(path) if path else None
+
+
+def ask_for_target_shape(parent: QWidget, folder: Path) -> Path | None:
+    """Choose a mesh to compare with."""
+    path, _ = QFileDialog.getOpenFileName(parent, tr("Load target shape"), str(folder), _MESH_FILTER)
     return Path(path) if path else None
 
 

@@ -12,13 +12,14 @@ from apd_viewer.geometry.analysis.deviation import Deviation, warm_up
 from apd_viewer.geometry.analysis.extremes import write_shades
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
-from apd_viewer.presentation.scales import Measure, Scale, usual
+from apd_viewer.presentation.scales import Measure, Scale, measures_of, usual
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.overlays.deviation_reading import DeviationReading
 from apd_viewer.ui.overlays.extremes import Extremes
 from apd_viewer.ui.widgets.background_task import BackgroundTask
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.overlays.legend import Legend
     from apd_viewer.ui.tools.canvas import Canvas
@@ -30,6 +31,7 @@ class _OverlayInputs(NamedTuple):
     """Inputs of the measurements of a mesh."""
 
     mesh: Mesh
+    target: TargetShape | None
     change: Deviation
 
 
@@ -55,9 +57,11 @@ class HeatMap(QObject):
     Attributes
     ----------
     changed : Signal()
-        Another measure is shown, or another scale.
+        Another measure is shown, or another scale, or others are offered.
     measure : Measure or None
         What is shown.
+    offered : tuple of Measure
+        What can be shown.
     reading : DeviationReading
     extremes : Extremes
     """
@@ -72,7 +76,9 @@ class HeatMap(QObject):
         self.scales = dict(scales)
         self.measure: Measure | None = None
         self.unit = Unit.NONE
+        self.offered = tuple(Measure)
         self._mesh: Mesh | None = None
+        self._target: TargetShape | None = None
         self._change: Deviation | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
@@ -93,21 +99,23 @@ class HeatMap(QObject):
 
     # What is shown
 
-    def follow(self, mesh: Mesh) -> None:
-        """Compare with the rest shape of another mesh."""
-        if mesh is self._mesh:
+    def follow(self, mesh: Mesh, target: TargetShape | None = None) -> None:
+        """Compare with the rest shape of another mesh, or with another target shape."""
+        if mesh is self._mesh and target is self._target:
             return
-        self._mesh, self._change = mesh, None
-        used = mesh.V[mesh.F.ravel()]
-        self._size = diagonal(used) or 1.0
-        for measure in [m for m, scale in self.scales.items() if not scale.travels]:
-            del self.scales[measure]
-        if self.measure is not None:
-            self.choose(self.measure)
+        if mesh is not self._mesh:
+            used = mesh.V[mesh.F.ravel()]
+            self._size = diagonal(used) or 1.0
+            for measure in [m for m, scale in self.scales.items() if not scale.travels]:
+                del self.scales[measure]
+        self._mesh, self._target, self._change = mesh, target, None
+        self.offered = measures_of(mesh, target)
+        self._legend.offer(self.offered)
+        self.choose(self.measure)
 
     def choose(self, measure: Measure | None) -> None:
-        """Show another measure; None shows the paint."""
-        self.measure = measure
+        """Show another measure if it is offered; None shows the paint."""
+        self.measure = measure = measure if measure in self.offered else None
         self._fresh, self._fitted = True, None
         self.reading.on = measure is not None
         self._forget()
@@ -172,7 +180,7 @@ class HeatMap(QObject):
 
     def _prepare(self) -> None:
         """Import and compile the measures in the background."""
-        skin, mesh = self._canvas.surface.touchable, self._mesh
+        skin, mesh, target = self._canvas.surface.touchable, self._mesh, self._target
         if self._change is not None or mesh is None or skin is None:
             self._legend.say("")
             self._canvas.viewport.update()
@@ -181,7 +189,7 @@ class HeatMap(QObject):
 
         def work(_: Callable[[], bool]) -> object:
             warm_up()
-            return _OverlayInputs(mesh, Deviation(mesh.V, skin.joined, skin.source))
+            return _OverlayInputs(mesh, target, Deviation(mesh.V, skin.joined, skin.source, target))
 
         self._task.begin(work)
 
@@ -217,7 +225,9 @@ class HeatMap(QObject):
         """Receive the thread's result."""
         if result is None:
             self._legend.say(tr("Not enough memory to measure this mesh."))
-        elif isinstance(result, _OverlayInputs) and result.mesh is self._mesh:
+        elif isinstance(result, _OverlayInputs):
+            if (result.mesh, result.target) != (self._mesh, self._target):
+                return
             self._change = result.change
             self._legend.say("")
             self._canvas.viewport.update()

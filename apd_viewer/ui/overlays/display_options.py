@@ -13,6 +13,7 @@ from apd_viewer.ui.overlays.deviation_overlay import HeatMap
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
+from apd_viewer.ui.scene.shading import AMBER
 from apd_viewer.ui.tools.turntable import Turntable
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ class Looks:
     heat : HeatMap
     before_after : BeforeAfter
     cut : CuttingPlane
-    ghost : Ghost
+    ghost, target_ghost : Ghost
+        The rest shape and the target shape.
     ground : Ground
     turntable : Turntable
     file_colors : bool
@@ -57,6 +59,7 @@ class Looks:
         self.cards.add(self.cut)
         self.cards.add(self.legend, self.legend.fit_into)
         self.ghost, self.ground = Ghost(canvas.viewport), Ground(canvas.viewport)
+        self.target_ghost = Ghost(canvas.viewport, AMBER)
         self.heat = HeatMap(canvas, self.legend, self.cards.geometry, _recalled(memory.looks))
         self.turntable = Turntable(canvas.viewport)
         self._recall()
@@ -66,6 +69,11 @@ class Looks:
     def show_ghost(self, on: bool) -> None:
         """Show the rest shape around the mesh, or hide it."""
         self.ghost.on = on
+        self._keep()
+
+    def show_target(self, on: bool) -> None:
+        """Show the target shape around the mesh, or hide it."""
+        self.target_ghost.on = on
         self._keep()
 
     def show_ground(self, on: bool) -> None:
@@ -84,9 +92,12 @@ class Looks:
         self.turntable.on = on
 
     def follow(self, state: State) -> None:
-        """Look at another mesh."""
-        for part in (self.heat, self.ghost, self.ground, self.before_after, self.cut):
-            part.follow(state.document.mesh)
+        """Look at another mesh, or compare with another target shape."""
+        mesh, target = state.document.mesh, state.document.target
+        for part in (self.ghost, self.ground, self.before_after, self.cut):
+            part.follow(mesh)
+        self.heat.follow(mesh, target)
+        self.target_ghost.follow(None if target is None else target.mesh)
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
@@ -108,6 +119,7 @@ class Looks:
         if looks.get("overlay") in {measure.value for measure in Measure}:
             self.heat.choose(Measure(looks["overlay"]))
         self.ghost.on = looks.get("ghost") == "on"
+        self.target_ghost.on = looks.get("target_ghost", "on") == "on"
         self.ground.on = looks.get("ground") == "on"
         self.file_colors = looks.get("file_colors") == "on"
         self._canvas.coloring.show_file(self.file_colors)
@@ -119,6 +131,7 @@ class Looks:
         looks = {
             "overlay": "" if measure is None else measure.value,
             "ghost": "on" if self.ghost.on else "",
+            "target_ghost": "on" if self.target_ghost.on else "",
             "ground": "on" if self.ground.on else "",
             "file_colors": "on" if self.file_colors else "",
         }

@@ -51,8 +51,7 @@ class Legend(QFrame):
 
     def _make_parts(self) -> None:
         self.choice = Choice(accessibleName=tr("Overlay"), toolTip=tr("Quantity shown in colour"))
-        for measure in Measure:
-            self.choice.addItem(measure.words.title, measure)
+        self.offer(tuple(Measure))
         self.choice.activated.connect(lambda k: self.chosen.emit(self.choice.itemData(k)))
         self.close_button = small_button(tr("Hide overlay"), tr("Hide overlay"))
         self.close_button.clicked.connect(lambda: self.chosen.emit(None))
@@ -111,10 +110,17 @@ class Legend(QFrame):
 
     # Showing
 
+    def offer(self, measures: tuple[Measure, ...]) -> None:
+        """List the measures that can be chosen."""
+        self._offered = measures
+        self.choice.clear()
+        for measure in measures:
+            self.choice.addItem(measure.words.title, measure)
+
     def show_scale(self, scale: Scale, unit: Unit) -> None:
         """Show another scale."""
         self._scale, self._unit = scale, unit
-        self.choice.setCurrentIndex(list(Measure).index(scale.measure))
+        self.choice.setCurrentIndex(self._offered.index(scale.measure))
         self.choice.setToolTip(scale.measure.words.tip)
         self.bar.show_scale(scale, unit)
         kind = scale.measure.words.kind

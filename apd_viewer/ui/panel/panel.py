@@ -17,6 +17,7 @@ from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.panel.part_row import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.size_section import SizeSection
+from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
 from apd_viewer.ui.preferences.shortcut_hints import name_keys
 from apd_viewer.ui.widgets.folding_section import Section
@@ -89,7 +90,7 @@ class Panel(QScrollArea):
 
     Attributes
     ----------
-    area, volume, measures, method, handles, regions, paint
+    area, volume, measures, target, method, handles, regions, paint
         The sections.
     """
 
@@ -101,6 +102,7 @@ class Panel(QScrollArea):
         self.area = AreaSection()
         self.volume = VolumeSection()
         self.measures = SizeSection()
+        self.target = TargetSection()
         self.method = MethodSection()
         self.handles = HandleSection()
         self.regions = RegionSection()
@@ -108,6 +110,7 @@ class Panel(QScrollArea):
         self.sections: tuple[Section, ...] = (
             self.volume,
             self.measures,
+            self.target,
             self.method,
             self.handles,
             self.regions,
@@ -151,6 +154,7 @@ class Panel(QScrollArea):
         if asked_anew:
             self.area.show_settings(new)
             self.volume.show_settings(new)
+            self.target.show_settings(new.document)
             self.method.show_settings(new.document)
             self.show_parts(new, handle, region)
         if old is None or old.document is not new.document:
@@ -163,6 +167,7 @@ class Panel(QScrollArea):
         self.area.show_readings(state, self.unit, asked_anew)
         self.volume.show_readings(state, self.unit)
         self.measures.show_readings(state, self.unit)
+        self.target.show_readings(state, self.unit)
         self.handles.show_readings(state, self.unit)
         self.regions.show_readings(state, self.unit)
 

@@ -1,4 +1,4 @@
-"""Glass: the rest shape around the deformed one, and parts where they would go."""
+"""Glass: rest or target shape around the deformed one, and parts to come."""
 
 from __future__ import annotations
 
@@ -22,13 +22,15 @@ class Ghost(RestActor):
     Parameters
     ----------
     viewport : Viewport
+    glass : str
+        Shader: one of those of :mod:`apd_viewer.ui.scene.shading`.
     """
 
-    def __init__(self, viewport: Viewport) -> None:
+    def __init__(self, viewport: Viewport, glass: str = GLASS) -> None:
         super().__init__(viewport)
         self._actor.ForceTranslucentOn()
         self._actor.GetProperty().SetBackfaceCulling(True)
-        self._actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, GLASS, False)
+        self._actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Light::Impl", True, glass, False)
 
     def _drawn(self, mesh: Mesh) -> pv.PolyData:
         V, F = mesh.V, mesh.joined_F

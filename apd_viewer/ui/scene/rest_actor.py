@@ -46,8 +46,8 @@ class RestActor(ABC):
         self._on = on
         self._show()
 
-    def follow(self, mesh: Mesh) -> None:
-        """Show the rest shape of another mesh."""
+    def follow(self, mesh: Mesh | None) -> None:
+        """Show the rest shape of another mesh, or nothing."""
         if mesh is not self._mesh:
             self._mesh = mesh
             self._show()

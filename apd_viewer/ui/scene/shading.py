@@ -77,6 +77,8 @@ TINTED_GLASS = """
   float rim = 1.0 - facing;
   gl_FragData[0] = vec4(diffuseColor * (0.75 + 0.35 * facing), 0.45 + 0.35 * rim * rim);
 """
+# The same in amber, to tell a target shape from the rest shape.
+AMBER = GLASS.replace("0.16, 0.22, 0.33", "0.52, 0.30, 0.02").replace("0.80, 0.87, 1.0", "1.0, 0.80, 0.48")
 
 # What is seen of the inside where the surface is cut.
 _INSIDE = """

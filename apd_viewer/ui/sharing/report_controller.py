@@ -16,9 +16,11 @@ from PySide6.QtWidgets import QWidget
 from apd_viewer.errors import InputError
 from apd_viewer.files import html_page
 from apd_viewer.files.fingerprint import fingerprint
+from apd_viewer.files.report import apart_of
 from apd_viewer.geometry.analysis.area_change import LocalChange, local_change
 from apd_viewer.geometry.analysis.deviation import Deviation
 from apd_viewer.geometry.analysis.extremes import write_shades
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.language import tr
 from apd_viewer.presentation.legend_svg import legend_svg
@@ -220,7 +222,7 @@ class Reporting:
 
 def _measured(state: State, view: View, scale: Scale) -> _Measured:
     """Compute the slow measurements."""
-    mesh, skin, U = state.document.mesh, state.skin, state.frame.U
+    mesh, skin, U, target = state.document.mesh, state.skin, state.frame.U, state.document.target
     values = Deviation(mesh.V, skin.joined, skin.source).area(U)
     shades = np.full(len(U), 255, dtype=np.uint8)
     write_shades(values, scale.measure.is_signed, scale.end, shades)
@@ -228,14 +230,18 @@ def _measured(state: State, view: View, scale: Scale) -> _Measured:
         local_change(U, skin.F, triangle_areas(mesh.V, mesh.F)),
         None if mesh.path is None else fingerprint(mesh.path),
         _session_of(state, view),
+        None if target is None else apart_of(target, mesh, U),
     )
     return _Measured(evidence, values, shades)
 
 
 def _session_of(state: State, view: View) -> bytes:
     """Session file without the mesh's place; empty if too long."""
-    document = state.document
-    state = replace(state, document=replace(document, mesh=document.mesh.homeless()))
+    document, target = state.document, state.document.target
+    if target is not None:
+        target = TargetShape(target.mesh.homeless())
+    document = replace(document, mesh=document.mesh.homeless(), target=target, missing_target=None)
+    state = replace(state, document=document)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "report.apd"
         save_session(path, state, view, embed=True)

@@ -5,6 +5,7 @@ import pytest
 from meshes import box, rotation, soup, sphere
 
 from apd_viewer.geometry.analysis.scalars import scalars_of
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 
@@ -36,6 +37,16 @@ def test_a_scale_is_read_as_it_is():
     np.testing.assert_allclose(triangles["area_change"], 1.25, rtol=1e-12)
     np.testing.assert_allclose(triangles["largest_stretch"], 1.5, rtol=1e-12)
     np.testing.assert_allclose(vertices["distance_to_rest"], 0.5, atol=0.02)
+
+
+def test_a_target_shape_is_compared_with():
+    none = np.zeros(len(V), dtype=np.uint8)
+    same = scalars_of(MESH, 1.5 * V, none, none, TargetShape(Mesh(2.0 * V, F))).vertices
+    np.testing.assert_allclose(same["target_displacement"], 0.5, rtol=1e-12)
+    np.testing.assert_allclose(same["target_distance"], 0.5, atol=0.03)
+    other = scalars_of(MESH, V, none, none, TargetShape(Mesh(*box(2, 2, 2)))).vertices
+    assert "target_distance" in other
+    assert "target_displacement" not in other, "there are no corresponding vertices"
 
 
 def test_stretches_are_the_singular_values_of_the_deformation_gradient():

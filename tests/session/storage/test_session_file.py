@@ -315,9 +315,7 @@ def test_a_sample_is_found_by_its_name(tmp_path, monkeypatch):
 
 def test_a_missing_mesh_is_missed_by_name_and_place(saved, bar):
     bar.unlink()
-    with pytest.raises(
-        InputError, match=r"^bar\.obj, the mesh of a\.apd, is missing .*bar\.obj.*\.$"
-    ) as error:
+    with pytest.raises(InputError, match=r"^bar\.obj, a mesh of a\.apd, is missing .*bar\.obj.*\.$") as error:
         open_session(saved)
     assert str(bar) in str(error.value)
     assert str(saved.parent / "bar.obj") in str(error.value)

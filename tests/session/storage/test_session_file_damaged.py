@@ -161,7 +161,7 @@ WRONG = {
     "another member": (("mesh", "embedded"), ["shape.npy"], "“embedded” is damaged"),
     "no such member": (("mesh", "embedded"), ["mesh.ply"], "“mesh.ply” is missing"),
     "huge arrays": (("mesh", "embedded"), ["V.npy", "F.npy"], "“V.npy” is missing"),
-    "nothing embedded": (("mesh", "embedded"), None, "bar.obj, the mesh of a.apd, is missing"),
+    "nothing embedded": (("mesh", "embedded"), None, "bar.obj, a mesh of a.apd, is missing"),
 }
 
 

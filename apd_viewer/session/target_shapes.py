@@ -1,0 +1,66 @@
+"""The target shape: loading and clearing it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.language import tr
+from apd_viewer.session.model.status_text import about_target
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.jobs.background_job import Jobs
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.store import Store
+
+
+class TargetShapes:
+    """Loads and clears the target shape; each is a step of undo.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    jobs : Jobs
+    listener : Listener
+    """
+
+    def __init__(self, store: Store, gestures: Gestures, jobs: Jobs, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._jobs = jobs
+        self._listener = listener
+
+    def load(self, path: str | Path, then: Callable[[], object] = lambda: None) -> None:
+        """Compare with the mesh in a file, opened in the background.
+
+        ``then()`` follows if all went well.
+        """
+        path, mesh = Path(path), self._store.required().document.mesh
+
+        def loaded(target: TargetShape) -> None:
+            if self._store.required().document.mesh.F is not mesh.F:
+                return  # another mesh has been opened meanwhile
+            self._set(tr("Load target shape"), target)
+            self._listener.told(about_target(target, mesh))
+            then()
+
+        title = tr("Opening {name}").format(name=path.name)
+        self._jobs.run(title, lambda: TargetShape(open_mesh(path)), loaded)
+
+    def clear(self) -> None:
+        """Compare with no other mesh any more."""
+        document = self._store.required().document
+        if document.target is not None or document.missing_target is not None:
+            self._set(tr("Clear target shape"), None)
+
+    def _set(self, gesture: str, target: TargetShape | None) -> None:
+        state = self._gestures.alone()
+        self._gestures.record(gesture, state)
+        self._store.set_document(replace(state.document, target=target, missing_target=None))

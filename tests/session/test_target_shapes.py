@@ -1,0 +1,166 @@
+"""A target shape is a step of undo, is kept in the session file, and is not sent to the solver."""
+
+import json
+import zipfile
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driven_session import VIEW, bar, check_equal
+from meshes import sphere
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.processes.process_client import _to_solve
+from apd_viewer.session.processes.requests import Request
+from apd_viewer.session.storage.session_file import open_session, save_session
+
+
+@pytest.fixture
+def file(tmp_path):
+    """The bar, longer by a half, in a file."""
+    mesh, path = bar(), tmp_path / "shapes" / "longer.obj"
+    path.parent.mkdir()
+    save_mesh(mesh, mesh.V * [1.0, 1.0, 1.5], path)
+    return path
+
+
+@pytest.fixture
+def mesh(tmp_path):
+    """The bar in a file."""
+    mesh, path = bar(), tmp_path / "bar.obj"
+    save_mesh(mesh, mesh.V, path)
+    return open_mesh(path)
+
+
+@pytest.fixture
+def compared(file, mesh):
+    """The bar with its target shape."""
+    state = opened(mesh)
+    return state.at(replace(state.document, target=TargetShape(open_mesh(file))))
+
+
+def load(session, path):
+    session.target_shapes.load(path)
+    session.until(lambda: session.jobs.current is None)
+
+
+def test_loading_and_clearing_are_steps_of_undo(session, file):
+    first = session.store.state.document
+    load(session, file)
+    second = session.store.state.document
+    assert second.target.mesh.path == file
+    assert second.target.corresponds(second.mesh)
+    assert session.told[-1] == "Comparing with longer.obj."
+    assert session.saved_work.unsaved
+    session.target_shapes.clear()
+    assert session.store.state.document.target is None
+    session.gestures.undo()
+    assert session.store.state.document is second
+    session.gestures.undo()
+    assert session.store.state.document is first
+    session.gestures.redo()
+    assert session.store.state.document is second
+    assert session.gestures.history.done[-1] == "Load target shape"
+    session.show_now(Mesh(*sphere(1)))
+    assert session.store.state.document.target is None, "it was for another mesh"
+
+
+def test_the_shape_is_solved_as_without_a_target(session, file):
+    load(session, file)
+    document = session.store.state.document
+    sent = _to_solve(Request(document, 1, document.mesh.V, iterate=True))
+    assert sent.document.target is None
+    assert sent.document.labels is document.labels
+    session.drag(np.diag([1.0, 1.0, 1.1, 1.0]))
+    session.settle()
+    assert session.store.state.document.target is document.target
+    assert session.store.state.frame.converged
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("", "longer.obj is empty"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
+        (None, "There is no file"),
+    ],
+)
+def test_a_file_that_is_no_mesh_is_refused_in_a_sentence(session, file, content, sentence):
+    file.unlink()
+    if content is not None:
+        file.write_text(content)
+    before = session.store.state
+    load(session, file)
+    assert session.store.state is before
+    assert sentence.lower() in session.failed[-1].lower()
+
+
+def test_a_target_in_another_unit_is_told(session, file):
+    mesh = bar()
+    save_mesh(mesh, 1000.0 * mesh.V, file)
+    load(session, file)
+    assert session.told[-1] == (
+        "longer.obj is 1e+03 times as large as mesh; check its unit of length and scale its file."
+    )
+
+
+@pytest.mark.parametrize("embed", [False, True])
+def test_a_session_is_opened_with_its_target(compared, file, tmp_path, embed):
+    path = tmp_path / "a.apd"
+    save_session(path, compared, VIEW, embed=embed)
+    copies = [name for name in zipfile.ZipFile(path).namelist() if name.startswith("target-")]
+    assert copies == (["target-mesh.obj"] if embed else [])
+    if embed:
+        file.unlink()
+    found, _ = open_session(path)
+    check_equal(found, compared)
+    assert found.document.target.mesh.name == file.name
+
+
+def test_a_target_that_is_in_no_file_is_embedded(compared, tmp_path):
+    target = TargetShape(Mesh(*sphere(1)))
+    state = compared.at(replace(compared.document, target=target))
+    assert save_session(tmp_path / "a.apd", state, VIEW) is False, "the mesh itself is in its file"
+    found, _ = open_session(tmp_path / "a.apd")
+    assert found.document.target.mesh.digest == target.mesh.digest
+
+
+def test_a_missing_target_is_missed_and_not_forgotten(session, compared, file, tmp_path):
+    path, away = tmp_path / "a.apd", tmp_path / "away.obj"
+    save_session(path, compared, VIEW)
+    file.rename(away)
+    session.files.open(path)
+    session.until(lambda: session.jobs.current is None)
+    document = session.store.state.document
+    assert document.target is None
+    assert session.told[-1].startswith(
+        "The target shape is not shown: longer.obj, a mesh of a.apd, is missing (looked for at"
+    )
+    save_session(tmp_path / "again.apd", session.store.state, VIEW)
+    away.rename(file)
+    found, _ = open_session(tmp_path / "again.apd")
+    assert found.document.target.mesh.path == file
+    session.target_shapes.clear()
+    assert session.store.state.document.missing_target is None
+
+
+def test_a_damaged_target_is_refused(compared, tmp_path):
+    path = tmp_path / "a.apd"
+    save_session(path, compared, VIEW, embed=True)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    said = json.loads(members["session.json"])
+    for change in ({"embedded": ["target-shape.npy"]}, {"digest": "0" * 64}, {"name": 3}):
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, content in members.items():
+                wrong = json.dumps({**said, "target": {**said["target"], **change}}).encode()
+                archive.writestr(name, wrong if name == "session.json" else content)
+        if change == {"embedded": ["target-shape.npy"]}:
+            (tmp_path / "shapes" / "longer.obj").unlink()
+        with pytest.raises(InputError, match=r"a\.apd is not a valid session"):
+            open_session(path)
