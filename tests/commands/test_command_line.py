@@ -960,7 +960,7 @@ def test_info_measures_the_distance_from_another_mesh(bar, command):
 def test_a_result_is_compared_with_a_target_shape(bar, command):
     other, report, scalars = (bar.folder / name for name in ("away.obj", "r.json", "s.csv"))
     save_mesh(open_mesh(bar.mesh), bar.V + [0.0, 0.0, 0.25], other)
-    status, *_ = command(*bar.words("compare", other), "--report", report, "--scalars", scalars)
+    status, *_ = command(*bar.words("--compare", other, "--report", report, "--scalars", scalars))
     assert status == 0
     said, (names, rows) = json.loads(report.read_text()), columns_of(scalars)
     away = np.linalg.norm(open_mesh(bar.out).V - bar.V - [0.0, 0.0, 0.25], axis=1)

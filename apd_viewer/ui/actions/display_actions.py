@@ -90,7 +90,7 @@ class LookActions:
                 ("ghost", tr("&Rest shape"), ghost, "A", looks.show_ghost, looks.ghost.on),
                 (
                     "target_ghost",
-                    tr("Tar&get shape"),
+                    tr("Target s&hape"),
                     target,
                     None,
                     looks.show_target,
