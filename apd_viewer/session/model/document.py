@@ -8,8 +8,8 @@ import numpy as np
 
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.selections.selection import numbered
-from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
 from apd_viewer.geometry.mesh.mesh import Mesh
