@@ -85,7 +85,14 @@ class Files:
         ``path`` is the session file that it is in; ``saved`` is False for work in no file.
         """
         title = tr("Opening {name}").format(name=name)
-        self._jobs.run(title, work, lambda found: self._opened(found, name, path, saved))
+
+        def parsed() -> State | tuple[State, View]:
+            found = work()
+            state = found[0] if isinstance(found, tuple) else found
+            _ = state.document.mesh.colors  # seconds in a large text file, kept from now on
+            return found
+
+        self._jobs.run(title, parsed, lambda found: self._opened(found, name, path, saved))
 
     def _opened(self, found: State | tuple[State, View], name: str, path: Path | None, saved: bool) -> None:
         state, view = found if isinstance(found, tuple) else (found, None)

@@ -253,7 +253,7 @@ class Workbench(QObject):
     def _show_opened(self, state: State) -> None:
         mesh = state.document.mesh
         self.notice.hide()
-        self.actions_.view.camera.follow()
+        self.actions_.view.follow()
         self.actions_.looks.switches["file_colors"].setEnabled(mesh.colors is not None)
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.of(mesh)

@@ -83,6 +83,17 @@ class GltfFile:
             return None
         return encoded(np.vstack([colors_of(self.document, self.buffers, b.color) for b in self.blocks]))
 
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals (n, 3), zero where missing, and the vertex of each corner, (m, 3)."""
+        N, found = np.zeros(mesh.V.shape), False
+        for block in self.blocks:
+            if block.normal is not None:
+                own = positions_of(self.document, self.buffers, block.normal)
+                inverse = np.linalg.pinv(block.matrix[:3, :3])
+                N[block.first : block.first + len(own)] = own @ inverse
+                found = True
+        return (N, mesh.F) if found else None
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), their bounds and turned normals."""
         buffers = [bytearray(buffer) for buffer in self.buffers]

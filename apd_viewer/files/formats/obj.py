@@ -13,8 +13,8 @@ from itertools import chain
 
 import numpy as np
 
+from apd_viewer.files.formats.obj_faces import faces_of
 from apd_viewer.files.formats.parsed import Parsed, turned
-from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, numbers, plain
 from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -26,9 +26,6 @@ _VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)
 _POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
 _COLORED = re.compile(rb"\n[ \t]*v" + 3 * (_GAP + rb"\S+") + 3 * (_GAP + rb"([^\s#]+)"))
 _ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
-_FACE = re.compile(rb"\nf[ \t]([^\n]*)")
-_FACE_BEGINS = re.compile(rb"\n[ \t]*f[ \t]")
-_CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
 _EXTRAS = (
     (tr("texture coordinates"), rb"vt"),
     (tr("normals"), rb"vn"),
@@ -65,6 +62,13 @@ class ObjFile:
             return None
         return guessed(numbers([word for row in words for word in row]).reshape(-1, 3))
 
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals (k, 3), and which of them each corner has, (m, 3)."""
+        text = _lines(self.content)
+        words = [word for row in _NORMAL.findall(text) for word in row]
+        N = numbers(words).reshape(-1, 3)
+        return (N, _normal_of(text, mesh, len(N))) if words else None
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
         text, edits = _lines(self.content), Edits(self.content)
@@ -72,10 +76,7 @@ class ObjFile:
         normals = [word for words in _NORMAL.findall(text) for word in words]
         if normals:
             N = numbers(normals).reshape(-1, 3)
-            corners = list(_corners(text))
-            polygons = Polygons.of([face for face, _ in corners])
-            own = np.array([k if k < len(N) else -1 for _, normals in corners for k in normals])
-            new = turned(mesh.V, U, mesh.F, N, own[polygons.split(mesh.V)])
+            new = turned(mesh.V, U, mesh.F, N, _normal_of(text, mesh, len(N)))
             edits.numbers(_spans(_NORMAL, text), N.ravel(), new.ravel())
         return edits.done()
 
@@ -89,6 +90,13 @@ def _spans(pattern: re.Pattern[bytes], text: bytes) -> Iterator[tuple[int, int]]
     """Spans of the numbers in the content after its first line end."""
     for match in pattern.finditer(text):
         yield from ((match.start(k) - 1, match.end(k) - 1) for k in (1, 2, 3))
+
+
+def _normal_of(text: bytes, mesh: Mesh, count: int) -> np.ndarray:
+    """Normals (m, 3) of the corners of the triangles, from 0; -1 for missing ones."""
+    faces = faces_of(text)
+    own = np.where(faces.normal < count, faces.normal, -1)
+    return own[faces.polygons.split(mesh.V)]
 
 
 def read_obj(content: bytes) -> Parsed:
@@ -107,9 +115,7 @@ def read_obj(content: bytes) -> Parsed:
         V = np.fromiter(map(float, chain.from_iterable(words)), np.float64, 3 * len(words)).reshape(-1, 3)
     except ValueError as error:
         raise ValueError(_not_understood(text)) from error
-    alike = _faces_alike(text)
-    polygons = Polygons.of([face for face, _ in _corners(text)]) if alike is None else Polygons.alike(alike)
-    return Parsed(V, polygons.triangles(V), ObjFile(content))
+    return Parsed(V, faces_of(text).polygons.triangles(V), ObjFile(content))
 
 
 def _not_understood(text: bytes) -> str:
@@ -123,62 +129,3 @@ def _not_understood(text: bytes) -> str:
     return tr("line {line} is not valid: {text}").format(
         line=line, text=match[0].strip().decode(errors="replace")[:60]
     )
-
-
-def _faces_alike(text: bytes) -> np.ndarray | None:
-    """Vertices (p, k) of all faces from 0 if written alike, else None."""
-    face = None if b"\\\n" in text or b"\\\r\n" in text else _FACE.search(text)
-    corners = face[1].split() if face else []
-    if not corners or not _CORNER.fullmatch(corners[0]):
-        return None
-    alike = rb"\nf" + (rb"[ \t]+" + _NUMBER.sub(rb"\\d+", corners[0])) * len(corners) + rb"(?=[ \t]*\r?\n)"
-    faces = re.findall(alike, text)
-    if len(faces) != len(_FACE_BEGINS.findall(text)):
-        return None
-    joined = b"".join(faces).replace(b"/", b" ").replace(b"\nf", b"")
-    values = len(_NUMBER.findall(corners[0]))
-    # Overflowing numbers become the largest one, and no file has that many vertices.
-    return np.fromstring(joined, np.int64, sep=" ")[::values].reshape(-1, len(corners)) - 1
-
-
-def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
-    """Vertices and normals from 0 of all face corners; -1 for missing ones."""
-    positions = normals = 0
-    for number, line in _statements(text[1:].decode("utf-8", errors="replace")):
-        kind, _, rest = line.partition(" ")
-        if kind == "v":
-            positions += 1
-        elif kind == "vn":
-            normals += 1
-        elif kind == "f":
-            try:
-                words = [word.split("/") for word in rest.split()]
-                corners = [_index(word[0], positions) for word in words]
-                own = [_index(word[2], normals) if len(word) > 2 and word[2] else -1 for word in words]
-            except ValueError as error:
-                raise ValueError(
-                    tr("line {line} is not valid: {text}").format(line=number, text=line[:60])
-                ) from error
-            yield corners, own
-
-
-def _statements(text: str) -> Iterator[tuple[int, str]]:
-    """Statements with their line numbers: continued lines joined, no comments."""
-    held, first = "", 0
-    for number, line in enumerate(text.split("\n"), start=1):
-        words = line.partition("#")[0].replace("\t", " ").strip()
-        first = first if held else number
-        held += words
-        if held.endswith("\\"):
-            held = held[:-1] + " "
-        else:
-            yield first, held
-            held = ""
-    if held:
-        yield first, held
-
-
-def _index(word: str, count: int) -> int:
-    """Index from 0 of a word such as ``7``, or ``-1`` from the end."""
-    number = int(word)
-    return number - 1 if number > 0 else count + number if number < 0 else -1

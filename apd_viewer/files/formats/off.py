@@ -41,6 +41,9 @@ class OffFile:
         rows = [row.split()[first : first + 3] for _, row in self.rows]
         return guessed(numbers([word for row in rows for word in row]).reshape(-1, 3))
 
+    def normals(self, _: Mesh) -> None:
+        """None: those of the faces follow from the positions."""
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
         edits = Edits(self.content)

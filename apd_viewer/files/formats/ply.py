@@ -63,6 +63,12 @@ class PlyFile:
         kind = kinds[_COLORS[0]]
         return eight_bit(self.columns(at, _COLORS), 1.0 if kind.kind == "f" else float(np.iinfo(kind).max))
 
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals (n, 3) of the vertices, and the vertex of each corner, (m, 3)."""
+        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
+        scalars = {name for name, length, _ in self.elements[at].properties if not length}
+        return (self.columns(at, _NORMAL), mesh.F) if set(_NORMAL) <= scalars else None
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
         at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")

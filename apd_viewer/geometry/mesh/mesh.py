@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
+from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
@@ -32,6 +33,12 @@ class Origin(Protocol):
     @property
     def colors(self) -> np.ndarray | None:
         """Vertex colours, (n, 3) uint8, if it has any; ValueError if damaged."""
+
+    def normals(self, mesh: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals (k, 3), and which of them each corner of ``mesh`` has, (m, 3).
+
+        -1 is none. None without normals; ValueError if they are damaged.
+        """
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """The file with the positions ``U`` (n, 3) of the vertices of ``mesh``."""
@@ -113,6 +120,16 @@ class Mesh:
         return None
 
     @cached_property
+    def corner_normals(self) -> CornerNormals | None:
+        """Normals of the file; None without usable ones."""
+        if isinstance(self.origin, Baked):
+            return self.origin.mesh.corner_normals
+        with contextlib.suppress(ValueError):  # the mesh is usable without them
+            if self.origin is not None and (found := self.origin.normals(self)) is not None:
+                return CornerNormals.read(*found, self.V, self.F)
+        return None
+
+    @cached_property
     def joined_F(self) -> np.ndarray:
         """Triangles with each vertex replaced by the first at its position."""
         return self.weld.first[self.weld.inverse[self.F]]
@@ -162,7 +179,11 @@ class Baked:
     @property
     def colors(self) -> np.ndarray | None:
         """Vertex colours of the file."""
-        return self.origin.colors
+        return self.mesh.colors
+
+    def normals(self, _: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
+        """Normals of the file, for the mesh as it was read."""
+        return self.origin.normals(self.mesh)
 
     def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""

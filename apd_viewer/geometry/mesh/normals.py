@@ -2,9 +2,50 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.triangle_frames import triangle_frames
+
+_LONGEST = 1e30  # the square of a longer one overflows
+
+
+class CornerNormals(NamedTuple):
+    """Normals at the corners of triangles, which turn with these.
+
+    Attributes
+    ----------
+    group : (m, 3) int32 array
+        Corners with one normal have one number.
+    local : (m, 3, 3) float32 array
+        The unit normals in the frames of their triangles at rest: along the first edge, across it, and the
+        triangle's normal; zero at triangles without area.
+    """
+
+    group: np.ndarray
+    local: np.ndarray
+
+    @classmethod
+    def read(cls, N: np.ndarray, normal_of: np.ndarray, V: np.ndarray, F: np.ndarray) -> CornerNormals | None:
+        """Normals ``N`` (k, 3) at corners ``normal_of`` (m, 3) of the triangles F of V.
+
+        Without one, or with one that has no direction, a corner has the normal of its triangle. None if no
+        corner has one.
+        """
+        with np.errstate(all="ignore"):
+            length = np.linalg.norm(N, axis=1, keepdims=True)
+            good = (np.abs(N) < _LONGEST).all(axis=1) & (length[:, 0] > 0.0)
+            unit = np.where(good[:, None], N / length, 0.0)
+        has = (normal_of >= 0) & good[normal_of]
+        if not has.any():
+            return None
+        local = unit[normal_of] @ triangle_frames(V[F]).transpose(0, 2, 1)
+        local[~has] = 0.0, 0.0, 1.0
+        own = len(N) + np.arange(F.size).reshape(F.shape)
+        group = np.where(has, normal_of, own)
+        return cls(frozen(group.astype(np.int32)), frozen(local.astype(np.float32)))
 
 
 def turned_normals(

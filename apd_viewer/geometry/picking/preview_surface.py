@@ -19,7 +19,7 @@ class Sketch:
     F: np.ndarray
     copied = np.empty(0, dtype=np.int32)
 
-    def rendered(self, _sharp: bool) -> Sketch:
+    def rendered(self, sharp: bool, filed: bool = False) -> Sketch:  # noqa: ARG002
         """The sketch itself, always smooth."""
         return self
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
 
 from apd_viewer.geometry.mesh.adjacency import ALONE, _normal
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.union_find import join, root
 
+_NONE = frozen(np.empty((0, 3, 3), dtype=np.float32))
 SHARP = np.deg2rad(30.0)  # angle between the normals of two triangles at a sharp edge
 
 
@@ -32,6 +34,8 @@ class RenderMesh:
         For each render vertex the one that its normal is named by; empty if each has its own.
     used : (n,) bool array
         Whether a triangle has the vertex.
+    local : (m, 3, 3) float32 array
+        Normals of the corners in the frames of their triangles; empty if the normals follow from the shape.
     """
 
     F: np.ndarray
@@ -40,11 +44,19 @@ class RenderMesh:
     leading: np.ndarray
     source: np.ndarray
     used: np.ndarray
+    local: np.ndarray = field(default_factory=lambda: _NONE)
 
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
         """All arrays kept."""
-        return self.F, self.copied, self.joined, self.leading, self.source, self.used
+        return self.F, self.copied, self.joined, self.leading, self.source, self.used, self.local
+
+    def with_normals(self, normals: CornerNormals) -> RenderMesh:
+        """The mesh with normals of a file, and vertices repeated where they differ."""
+        n = len(self.used)
+        F, copied, _ = map(frozen, _split(self.F, normals.group.ravel(), n))
+        own = frozen(np.empty(0, dtype=np.int32))
+        return RenderMesh(F, copied, self.joined, F, own, self.used, normals.local)
 
     def sharpened(self, V: np.ndarray, opposite: np.ndarray) -> RenderMesh:
         """The mesh with vertices repeated along the sharp edges of ``V`` (n, 3).
@@ -77,7 +89,7 @@ class RenderMesh:
         origin : (3,) float array
         points, normals : (n + k, 3) float32 arrays
             Overwritten: with the positions seen from ``origin``, and with unit normals weighted by the areas
-            of the triangles, zero at vertices without area.
+            of the triangles, or turned with these from rest; zero at vertices without area.
 
         Returns
         -------
@@ -87,6 +99,8 @@ class RenderMesh:
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         kept = self.joined, self.leading, self.copied, self.source, self.used
         _drape(U, *kept, origin, points, normals, low, high)
+        if len(self.local):
+            _turn(points, self.F, self.local, normals)
         return low, high
 
 
@@ -205,3 +219,30 @@ def _drape(
     for v in range(source.shape[0]):
         for c in range(3):
             normals[v, c] = normals[source[v], c]
+
+
+@njit(cache=True, nogil=True)
+def _turn(points: np.ndarray, F: np.ndarray, local: np.ndarray, normals: np.ndarray) -> None:
+    """Turn the normals ``local`` with their triangles, as far as these have area."""
+    P, turned, across = points, np.zeros(normals.shape, dtype=np.float32), np.empty(3)
+    for t in range(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        ax, ay, az = P[j, 0] - P[i, 0], P[j, 1] - P[i, 1], P[j, 2] - P[i, 2]
+        bx, by, bz = P[k, 0] - P[i, 0], P[k, 1] - P[i, 1], P[k, 2] - P[i, 2]
+        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        area, edge = np.sqrt(nx * nx + ny * ny + nz * nz), np.sqrt(ax * ax + ay * ay + az * az)
+        if area > 0.0:
+            # The frame, as long as the area, by which the normals of several triangles are weighted.
+            ax, ay, az = ax / edge, ay / edge, az / edge
+            across[0], across[1], across[2] = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
+            for c in range(3):
+                x, y, z = local[t, c, 0], local[t, c, 1], local[t, c, 2]
+                v = F[t, c]
+                turned[v, 0] += x * area * ax + y * across[0] + z * nx
+                turned[v, 1] += x * area * ay + y * across[1] + z * ny
+                turned[v, 2] += x * area * az + y * across[2] + z * nz
+    for v in range(len(turned)):
+        x, y, z = turned[v, 0], turned[v, 1], turned[v, 2]
+        length = np.sqrt(x * x + y * y + z * z)
+        if length > 0.0:
+            normals[v, 0], normals[v, 1], normals[v, 2] = x / length, y / length, z / length

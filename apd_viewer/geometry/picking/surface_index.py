@@ -9,6 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.adjacency import filled, opposite_corners
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.normals import CornerNormals
 from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.bounding_hierarchy import Boxes, bounding_hierarchy
 from apd_viewer.geometry.picking.picking import boxes, brush, ray_hit
@@ -35,6 +36,8 @@ class Skin:
         The one-rings across seams: see :func:`apd_viewer.geometry.mesh.operators.vertex_neighbours`.
     smooth, sharp : RenderMesh
         What is drawn, without and with the sharp edges of the rest shape.
+    filed : RenderMesh or None
+        What is drawn with the normals of the file, where it has some.
     """
 
     F: np.ndarray
@@ -45,10 +48,16 @@ class Skin:
     neighbour: np.ndarray
     smooth: RenderMesh
     sharp: RenderMesh
+    filed: RenderMesh | None = None
 
     @classmethod
     def of(
-        cls, F: np.ndarray, n: int, joined_F: np.ndarray | None = None, V: np.ndarray | None = None
+        cls,
+        F: np.ndarray,
+        n: int,
+        joined_F: np.ndarray | None = None,
+        V: np.ndarray | None = None,
+        normals: CornerNormals | None = None,
     ) -> Skin:
         """The skin of the triangles ``F`` (m, 3) of ``n`` vertices.
 
@@ -60,6 +69,8 @@ class Skin:
             The triangles with the vertices at a seam named by one of them. An STL file is nothing but seams.
         V : (n, 3) float array, optional
             The rest shape, for its sharp edges.
+        normals : CornerNormals, optional
+            Those of the file.
         """
         own = np.array(F, dtype=np.int32, order="C")
         joined, source = own, np.empty(0, dtype=np.int32)
@@ -73,7 +84,8 @@ class Skin:
         smooth = RenderMesh(own, frozen(np.empty(0, dtype=np.int32)), joined, joined, source, used)
         sharp = smooth if V is None else smooth.sharpened(V, opposite_corners(joined, n))
         start, neighbour = map(frozen, vertex_neighbours(joined, n))
-        return cls(own, joined, source, used, start, neighbour, smooth, sharp)
+        filed = None if normals is None else smooth.with_normals(normals)
+        return cls(own, joined, source, used, start, neighbour, smooth, sharp, filed)
 
     @cached_property
     def named(self) -> np.ndarray:
@@ -85,11 +97,12 @@ class Skin:
     @property
     def arrays(self) -> tuple[np.ndarray, ...]:
         """All arrays kept."""
-        return *self.sharp.arrays, self.F, self.joined, self.source, self.start, self.neighbour
+        filed = () if self.filed is None else self.filed.arrays
+        return *filed, *self.sharp.arrays, self.F, self.joined, self.source, self.start, self.neighbour
 
-    def rendered(self, sharp: bool) -> RenderMesh:
-        """Mesh for the renderer, with sharp edges or smooth ones."""
-        return self.sharp if sharp else self.smooth
+    def rendered(self, sharp: bool, filed: bool = False) -> RenderMesh:
+        """Mesh for the renderer: normals of the file, or sharp or smooth edges."""
+        return self.filed if filed and self.filed is not None else self.sharp if sharp else self.smooth
 
     def boxes(self, U: np.ndarray) -> np.ndarray:
         """Bounding boxes for :meth:`hit`, once a shape ``U``."""
@@ -145,9 +158,10 @@ class Skin:
 def warm_up() -> None:
     """Compile or load the kernels of a window before a mesh is shown."""
     U = frozen(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
-    skin = Skin.of(np.array([[0, 1, 2]]), len(U), V=U)
-    points = np.empty(U.shape, dtype=np.float32)
-    skin.sharp.drape(U, np.zeros(3), points, np.empty_like(points))
+    F, points = np.array([[0, 1, 2]]), np.empty(U.shape, dtype=np.float32)
+    skin = Skin.of(F, len(U), V=U, normals=CornerNormals.read(U + 1.0, F, U, F))
+    for drawn in (skin.sharp, skin.rendered(True, filed=True)):
+        drawn.drape(U, np.zeros(3), points, np.empty_like(points))
     skin.hit(np.zeros(3), np.ones(3), U, skin.boxes(U))
     skin.under_brush(U, (0, 0), np.zeros(3), np.zeros(3), 1.0)
     skin.up_to_creases(U, 0, 0.5)

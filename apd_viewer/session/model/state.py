@@ -109,7 +109,7 @@ def opened(mesh: Mesh, labels: np.ndarray | None = None) -> State:
         member=frozen(np.zeros(len(mesh.V), dtype=np.uint8)),
         handles=tuple(Handle(numbered(tr("Handle"), k)) for k in range(1, count + 1)),
     )
-    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V)
+    skin = Skin.of(mesh.F, len(mesh.V), mesh.joined_F, mesh.V, mesh.corner_normals)
     return State(document, inspection, skin, rest_frame(mesh, inspection))
 
 

@@ -25,6 +25,7 @@ _SCHEMES = (
     (tr("&Dark"), Qt.ColorScheme.Dark, tr("Use the dark theme")),
 )
 _SHADINGS = (
+    ("shade:file", tr("As in the f&ile"), tr("Shade with the normals of the file"), Shading.FILE),
     ("smooth", tr("&Smooth"), tr("Shade smoothly across all edges"), Shading.SMOOTH),
     ("shade:sharp", tr("Sharp &edges"), tr("Shade smoothly, except across edges above 30°"), Shading.SHARP),
     ("shade:flat", tr("&Flat"), tr("Shade each triangle by itself"), Shading.FLAT),
@@ -72,7 +73,7 @@ class ViewActions:
                 name, title, "smooth", tip, None, partial(self._shade, shading)
             )
         maker.one_of(self.shadings.values())
-        self.shadings[self._surface.shading].setChecked(True)
+        self.follow()
         self.schemes = {}
         for title, scheme, tip in _SCHEMES:
             name, choose = f"scheme:{scheme.name}", partial(commands.set_scheme, scheme)
@@ -85,6 +86,14 @@ class ViewActions:
     def _shade(self, shading: Shading) -> None:
         self._surface.shading = shading
 
+    def follow(self) -> None:
+        """Offer the shadings that the mesh on screen has, and check the present one."""
+        of_file, has = self.shadings[Shading.FILE], self._surface.has_normals
+        of_file.setEnabled(has)
+        of_file.setToolTip("" if has else tr("The file has no normals"))
+        self.shadings[self._surface.shading].setChecked(True)
+        self.camera.follow()
+
     def fill(self, menu: QMenu, looks: LookActions) -> None:
         """Put all of them into a menu, with those of the overlays between."""
         menu.addAction(self.frame)
@@ -93,7 +102,9 @@ class ViewActions:
         looks.fill(menu)
         menu.addSeparator()
         menu.addAction(self.edges)
-        menu.addMenu(tr("&Shading")).addActions(list(self.shadings.values()))
+        shading = menu.addMenu(tr("&Shading"))
+        shading.addActions(list(self.shadings.values()))
+        shading.setToolTipsVisible(True)
         menu.addAction(self.findings)
         menu.addSeparator()
         self._menu, self._appearance = menu, menu.addMenu(tr("A&ppearance"))

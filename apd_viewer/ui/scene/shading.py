@@ -17,6 +17,7 @@ class Shading(Enum):
     SMOOTH = "smooth"
     SHARP = "sharp"
     FLAT = "flat"
+    FILE = "file"
 
 
 # The light moves with the camera: a soft key from the upper left, a sky that is brighter than the

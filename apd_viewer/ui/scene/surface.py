@@ -62,7 +62,7 @@ class Surface:
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
         self._arrays: SurfaceArrays | None = None
-        self._shading = Shading.SHARP
+        self._shading = Shading.FILE
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
         self._mapper.SelectColorArray("rgba")
@@ -100,7 +100,8 @@ class Surface:
         self.set_points(U)
 
     def _arrange(self, skin: Skin | Sketch, rgba: np.ndarray) -> None:
-        self._arrays = SurfaceArrays(skin.rendered(self._shading is Shading.SHARP), rgba)
+        sharp = self._shading in (Shading.SHARP, Shading.FILE)
+        self._arrays = SurfaceArrays(skin.rendered(sharp, self._shading is Shading.FILE), rgba)
         self._mapper.SetInputData(self._arrays.data)
 
     def set_points(self, U: np.ndarray) -> None:
@@ -200,8 +201,15 @@ class Surface:
         shade(self._actor, self.worn, inside=self._cut is not None)
 
     @property
+    def has_normals(self) -> bool:
+        """True if the file of the mesh has normals."""
+        return self.touchable is not None and self.touchable.filed is not None
+
+    @property
     def shading(self) -> Shading:
-        """Choice of the normals."""
+        """Choice of the normals; sharp edges where a file should have some and has none."""
+        if self._shading is Shading.FILE and not self.has_normals:
+            return Shading.SHARP
         return self._shading
 
     @shading.setter

@@ -53,3 +53,9 @@ def test_colours_are_shown_under_the_paint_when_asked(qtbot, colored, settings):
 
 def test_without_colours_there_is_nothing_to_show(bottle):
     assert not bottle.actions_.looks.switches["file_colors"].isEnabled()
+
+
+def test_colours_are_parsed_off_the_window_s_thread(colored, tmp_path):
+    mesh = document(colored).mesh
+    assert "colors" in vars(mesh)
+    assert mesh.baked(mesh.V * 2.0).colors is mesh.colors
