@@ -11,6 +11,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+import platformdirs
+
 DOMAIN = "apd_viewer"
 
 _NAMES = "APD_VIEWER_LANGUAGE", "LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"  # the first that is set
@@ -18,15 +20,50 @@ _MAC = Path("~/Library/Preferences/.GlobalPreferences.plist")
 _NO_LANGUAGE = "C", "POSIX"
 
 
-def wished(environment: Mapping[str, str]) -> list[str]:
+def chosen_file() -> Path:
+    """File with the language chosen in the window.
+
+    It is not with the other settings, since those take Qt to be read: the command line speaks too.
+    """
+    return Path(platformdirs.user_config_dir("apd-viewer", appauthor=False)) / "language"
+
+
+def choose_language(name: str) -> None:
+    """Use a language from the next start on; that of the system if empty.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    path = chosen_file()
+    if name:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name, encoding="ascii")
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _chosen() -> str:
+    try:
+        return chosen_file().read_text(encoding="ascii").strip()
+    except (OSError, ValueError):  # none was chosen, or the file has been edited
+        return ""
+
+
+def wished(environment: Mapping[str, str], chosen: str = "") -> list[str]:
     """Preferred languages, best first, as in ``de_DE``; none from English on.
 
     Parameters
     ----------
     environment : mapping of str to str
         The variables of the process. Where they say nothing the system is asked.
+    chosen : str
+        Chosen in the window; APD_VIEWER_LANGUAGE alone goes before it.
     """
-    said = next((environment[name] for name in _NAMES if environment.get(name)), "")
+    own, *others = _NAMES
+    said = environment.get(own) or chosen
+    said = said or next((environment[name] for name in others if environment.get(name)), "")
     names: list[str] = []
     for name in said.split(":") if said else _of_the_system():
         plain = name.partition(".")[0].replace("-", "_")
@@ -73,9 +110,14 @@ def catalogue(folder: Path, names: list[str]) -> tuple[str, gettext.NullTranslat
     return "en", gettext.NullTranslations()
 
 
-LANGUAGE, _catalogue = catalogue(
-    Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages"), wished(os.environ)
-)
+_FOLDER = Path(os.environ.get("APD_VIEWER_LANGUAGES") or Path(__file__).parent / "languages")
+LANGUAGE, _catalogue = catalogue(_FOLDER, wished(os.environ, _chosen()))
+
+
+def languages() -> list[str]:
+    """Names of the languages that there are, English first."""
+    found = sorted(path.parents[1].name for path in _FOLDER.glob(f"*/LC_MESSAGES/{DOMAIN}.mo"))
+    return ["en", *found]
 
 
 def tr(text: str) -> str:

@@ -24,6 +24,7 @@ ROOMS = [
     "ui/compare",
     "ui/sharing",
     "ui/studies",
+    "ui/settings_page",
     "ui/plots",
     "ui/panel",
     "ui/overlays",
@@ -76,7 +77,7 @@ LIBRARIES = {
     "log": {"platformdirs"},
     "redaction": set(),
     "errors": set(),
-    "language": set(),
+    "language": {"platformdirs"},
 }
 # Libraries that only the named files may touch.
 DRAWS = {

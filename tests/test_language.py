@@ -96,6 +96,26 @@ def test_the_language_is_that_of_the_environment(environment, names):
     assert wished(environment) == names
 
 
+def test_the_chosen_language_goes_before_that_of_the_system(tmp_path, monkeypatch):
+    assert wished({"LANG": "de_DE.UTF-8"}, "fr") == ["fr"]
+    assert wished({"LANG": "de_DE.UTF-8"}, "en") == []
+    assert wished({"APD_VIEWER_LANGUAGE": "ja"}, "fr") == ["ja"]
+    monkeypatch.setattr(language, "chosen_file", lambda: tmp_path / "config" / "language")
+    assert language._chosen() == ""
+    for name in ("fr", "", ""):
+        language.choose_language(name)
+        assert language._chosen() == name
+    (tmp_path / "config" / "language").write_bytes(b"\xff")
+    assert language._chosen() == ""
+
+
+def test_english_and_every_catalogue_are_offered(tmp_path, monkeypatch):
+    monkeypatch.setattr(language, "_FOLDER", tmp_path)
+    assert language.languages() == ["en"]
+    write_catalogue(tmp_path)
+    assert language.languages() == ["en", LANGUAGE]
+
+
 @pytest.mark.parametrize(
     ("names", "found"),
     [

@@ -80,6 +80,11 @@ class Gestures:
         self._last = -_TOGETHER
         self._listener.status_changed()
 
+    def limit_memory(self, most_bytes: int) -> None:
+        """Limit the memory of the steps that can be undone."""
+        self.history.limit(most_bytes)
+        self._listener.status_changed()
+
     def undo(self) -> None:
         """Undo the last step: the same document and shape objects come back."""
         self._go(self.history.undo)

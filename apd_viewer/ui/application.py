@@ -42,6 +42,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.ui.background_imports import BackgroundImports
 from apd_viewer.ui.gui_thread_gc import GuiThreadGC
+from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
 if TYPE_CHECKING:
     from apd_viewer.ui.shell import Shell
@@ -131,9 +132,13 @@ def run(mesh: object = None) -> None:
     _check_display()
     application = make_application(sys.argv[:1])
     # Imported only now: pyvistaqt must find the application as it was prepared above.
+    from apd_viewer.ui.settings_page.preference_effects import limit_threads
+    from apd_viewer.ui.settings_page.preference_table import THREADS
     from apd_viewer.ui.shell import Shell
 
-    shell = Shell(QSettings())
+    settings = QSettings()
+    limit_threads(PreferenceValues(settings)[THREADS])
+    shell = Shell(settings)
     if shown is None:
         shell.canvas.sketch(*open_sample("bottle"))
         shell.requests.open_sample("bottle")

@@ -18,8 +18,9 @@ from apd_viewer.ui.panel.panel import Panel
 from apd_viewer.ui.panel.statusbar import StatusBar
 from apd_viewer.ui.preferences.preferences import Preferences
 from apd_viewer.ui.preferences.up_axes import UpAxes
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, SELECTION_MODE, UP_AXIS
 from apd_viewer.ui.tools.canvas import Canvas
-from apd_viewer.ui.tools.toolbox import FIRST_TOOL, FIRST_WAY, Tool
+from apd_viewer.ui.tools.toolbox import FIRST_TOOL, Tool
 from apd_viewer.ui.widgets import theme
 from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
 from apd_viewer.ui.widgets.icons import application_icon
@@ -58,7 +59,8 @@ class Shell(QMainWindow):
         self.requests = FileRequests(self, self.memory)
         self.is_closed = False
         self._set_up_frame()
-        self.canvas = Canvas(self, UpAxes(self.memory))
+        values = self.memory.values
+        self.canvas = Canvas(self, UpAxes(self.memory, lambda: values[UP_AXIS]))
         self.setCentralWidget(self.canvas.viewport)
         self.setFocusProxy(self.canvas.viewport)  # where a field that is done returns the keys to
         self.panel = Panel()
@@ -71,8 +73,8 @@ class Shell(QMainWindow):
         self._add_docks()
         self.chrome = InertChrome(self, self.requests, self._take, self.canvas.frame_mesh, self.docks.toggles)
         self.memory.restore_layout(self)
-        self.set_scheme(self.memory.scheme)
-        self.canvas.choose_way(FIRST_WAY)
+        values.follow(COLOR_SCHEME, lambda _: self._apply_theme())
+        self.canvas.choose_way(values[SELECTION_MODE])
         self._take(FIRST_TOOL)
         self.panel.setEnabled(False)
 
@@ -94,19 +96,14 @@ class Shell(QMainWindow):
 
     def _take(self, tool: Tool) -> None:
         self.canvas.take(tool)
-        self.status.hint(tool.hint(FIRST_WAY))
+        self.status.hint(tool.hint(self.canvas.way))
 
     # Light and dark
-
-    def set_scheme(self, scheme: Qt.ColorScheme) -> None:
-        """Choose light or dark, or follow the platform."""
-        self.memory.scheme = scheme
-        self._apply_theme()
 
     @property
     def theme(self) -> theme.Theme:
         """The theme in use."""
-        return theme.theme_for(self.memory.scheme)
+        return theme.theme_for(self.memory.values[COLOR_SCHEME])
 
     def _apply_theme(self) -> None:
         colors = self.theme
@@ -141,7 +138,8 @@ class Shell(QMainWindow):
 
     def changeEvent(self, event: QEvent) -> None:
         """Follow the platform from light to dark."""
-        if event.type() == QEvent.Type.ThemeChange and self.memory.scheme is Qt.ColorScheme.Unknown:
+        follows = self.memory.values[COLOR_SCHEME] is Qt.ColorScheme.Unknown
+        if event.type() == QEvent.Type.ThemeChange and follows:
             QTimer.singleShot(0, self, self._apply_theme)
         super().changeEvent(event)
 

@@ -33,6 +33,13 @@ from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_preview import MotionPreview
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.session_signals import SessionSignals
+from apd_viewer.ui.settings_page.preference_effects import (
+    connect_language,
+    connect_menu,
+    connect_preferences,
+)
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME, UNIT
+from apd_viewer.ui.settings_page.settings_dialog import SettingsPage
 from apd_viewer.ui.sharing.report_controller import Reporting
 from apd_viewer.ui.shell import Shell
 from apd_viewer.ui.studies.studies import Studies
@@ -67,6 +74,7 @@ class Workbench(QObject):
         self._connect_session()
         self._connect_canvas()
         self._connect_shell()
+        connect_preferences(self.memory.values, self.session, self.tools, self.canvas.painter.size)
         self.tools.take(self.canvas.tool)
         self._show_status()
         self.recovery.restore_asked.connect(self.filing.restore)
@@ -93,7 +101,8 @@ class Workbench(QObject):
             self.session,
             self.notice,
         )
-        self.units = Units(memory)
+        self.units = Units(memory, lambda: memory.values[UNIT])
+        self.settings_page = SettingsPage(shell, memory.values, lambda: self.help.open_sheet())
         self.measuring = Measuring(self.panel, self.health, memory, self.looks.heat, session)
         self.targeting = Targeting(shell, self.panel.target, memory, self.looks.heat, session)
         self.plots = Plots(memory, notice, session)
@@ -112,7 +121,6 @@ class Workbench(QObject):
         self.actions_ = actions = Actions(self.shell, self._commands())
         actions.add_panels(self.docks.toggles)
         actions.file.fill_recent(self.memory.recent)
-        actions.view.schemes[self.memory.scheme].setChecked(True)
         add_handle, _, add_region = actions.pose.parts
         self.panel.name_keys(add_handle, actions.pose.put_back, add_region)
         self.way_bar = WayBar(self.canvas.viewport, actions.select.groups)
@@ -143,7 +151,8 @@ class Workbench(QObject):
             choose_way=self.tools.choose_way,
             type_motion=self._type_motion,
             pause=self.session.store.pause_or_resume,
-            set_scheme=self.shell.set_scheme,
+            set_scheme=partial(self.memory.values.choose, COLOR_SCHEME),
+            open_settings=self.settings_page.open,
             list_shortcuts=lambda: self.help.open_sheet(),
             begin_tour=lambda: self.help.begin_tour(),
             tell_about=partial(file_dialogs.about, self.shell),
@@ -191,6 +200,8 @@ class Workbench(QObject):
         self.shell.closing.connect(self._ask_before_closing)
         self.shell.closed.connect(self._close)
         self.shell.escaped.connect(self._escape)
+        connect_menu(self.memory.values, self.actions_.view.schemes)
+        connect_language(self.memory.values, self.notice.fail)
         self.shell.themed.connect(self._set_theme)
         self._set_theme(self.shell.theme)
 
@@ -326,5 +337,6 @@ class Workbench(QObject):
         self.looks.close()
         self.targeting.close()
         self.studies.close_all()
+        self.settings_page.close()
         self.comparing.close()
         self.session.close()

@@ -197,6 +197,33 @@ def test_without_a_folder_nothing_is_kept(tmp_path, bar):
     assert [path.name for path in tmp_path.iterdir()] == ["bar.obj"]
 
 
+def test_at_an_interval_the_newest_is_kept_and_saved_work_does_not_wait(session, folder, tmp_path):
+    check_kept(folder, session)
+    session.autosave.save_every(1000.0)
+    session.parts.rename_handle(0, "first")
+    check_kept(folder, session)
+    before = kept(folder).read_bytes()
+    for name in ("second", "third"):
+        session.parts.rename_handle(0, name)
+    session.listen(0.1)
+    assert kept(folder).read_bytes() == before
+    session.autosave.save_every(0.0)
+    check_kept(folder, session)
+    session.autosave.save_every(1000.0)
+    session.parts.rename_handle(0, "fourth")
+    session.files.save(tmp_path / "mine.apd", VIEW)
+    session.until(lambda: kept(folder) is None)
+
+
+def test_turned_off_it_keeps_nothing_and_turned_on_again_all(session, folder):
+    check_kept(folder, session)
+    session.autosave.save_every(None)
+    session.parts.rename_handle(0, "neck")
+    session.until(lambda: kept(folder) is None)
+    session.autosave.save_every(0.0)
+    check_kept(folder, session)
+
+
 # The disk
 
 

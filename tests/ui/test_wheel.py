@@ -118,6 +118,9 @@ def dialog_of(window, name):
     if name == "sweep":
         actions.pose.sweep.trigger()
         return window.studies.dialogs["sweep"]
+    if name == "settings":
+        window.actions_.settings.trigger()
+        return window.settings_page.dialog
     if name == "paper":
         window.studies.paper()
         return window.studies.dialogs["paper"]
@@ -131,7 +134,7 @@ def dialog_of(window, name):
     return dialog
 
 
-@pytest.mark.parametrize("name", ["sweep", "paper", "compare", "picture"])
+@pytest.mark.parametrize("name", ["sweep", "paper", "compare", "picture", "settings"])
 def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name):
     dialog = dialog_of(bottle, name)
     qtbot.waitExposed(dialog)

@@ -67,6 +67,14 @@ class History:
         """Push the state before a finished gesture."""
         self._redo.clear()
         self._undo.append(HistoryEntry(gesture, before))
+        self._drop_oldest()
+
+    def limit(self, most_bytes: int) -> None:
+        """Set the budget, and drop what is beyond it."""
+        self._most_bytes = most_bytes
+        self._drop_oldest()
+
+    def _drop_oldest(self) -> None:
         while len(self._undo) > 1 and _bytes(self._undo) > self._most_bytes:
             del self._undo[0]
 

@@ -33,9 +33,9 @@ class UpAxis(Enum):
     MINUS_X = "-X"
 
     @classmethod
-    def of_suffix(cls, suffix: str) -> UpAxis:
-        """Up axis prescribed by a file format, else +Y."""
-        return cls(_PRESCRIBED.get(suffix.lower(), "+Y"))
+    def of_suffix(cls, suffix: str, otherwise: UpAxis) -> UpAxis:
+        """Up axis prescribed by a file format, or another."""
+        return cls(_PRESCRIBED.get(suffix.lower(), otherwise))
 
     @classmethod
     def nearest(cls, direction: np.ndarray) -> UpAxis:

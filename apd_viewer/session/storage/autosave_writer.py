@@ -56,6 +56,9 @@ class AutosaveWriter:
         self._pace = 0.0
         self._doing = threading.Condition()
         self._failures: Mailbox[str] = Mailbox()
+        self._interval = 0.0
+        self._removes = False
+        self._hurry = threading.Event()
         self._failing = False
         self._mine: tuple[Path, Lock] | None = None
         self._thread = threading.Thread(target=self._run, name="backup", daemon=True)
@@ -70,9 +73,16 @@ class AutosaveWriter:
         with self._doing:
             self._asked += 1
             self._mailbox.put((self._asked, copy))
+            self._removes = copy is None
+            self._hurry.set()
             if self._pace < patience:
                 done = self._doing.wait_for(lambda: self._done == self._asked, patience)
                 self._pace = self._pace if done else patience
+
+    def set_interval(self, seconds: float) -> None:
+        """Write at most once in so many seconds; removing does not wait."""
+        self._interval = seconds
+        self._hurry.set()
 
     def take_failure(self) -> str | None:
         """Sentence about a write failure, once; None if all is well."""
@@ -81,6 +91,8 @@ class AutosaveWriter:
     def close(self) -> None:
         """Remove the file."""
         self._mailbox.close()
+        self._removes = True
+        self._hurry.set()
         self._thread.join(_PATIENCE)
 
     # The thread "backup"
@@ -93,7 +105,15 @@ class AutosaveWriter:
                 self._tell_done(number, self._pace)
             else:
                 self._try(number, copy)
+                self._rest()
         self._remove()
+
+    def _rest(self) -> None:
+        """Wait until the next copy is due; what comes meanwhile replaces it."""
+        since = time.monotonic()
+        while not self._removes and (left := since + self._interval - time.monotonic()) > 0.0:
+            self._hurry.wait(left)
+            self._hurry.clear()
 
     def _try(self, number: int, copy: Copy) -> None:
         since = time.monotonic()

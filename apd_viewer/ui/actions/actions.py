@@ -40,7 +40,7 @@ class Actions:
     Attributes
     ----------
     file : FileActions
-    undo, redo, reset, bake : QAction
+    undo, redo, reset, bake, settings : QAction
     tools : dict of Tool to QAction
     select : SelectActions
     pose : PoseActions
@@ -54,7 +54,7 @@ class Actions:
         self._window = window
         self._maker = ActionMaker(window)
         self.file = FileActions(self._maker, commands)
-        self._make_edit(commands.editing)
+        self._make_edit(commands.editing, commands.open_settings)
         self._make_tools(commands.take)
         self.select = SelectActions(self._maker, commands)
         self.pose = PoseActions(self._maker, commands)
@@ -70,7 +70,7 @@ class Actions:
         )
         self.bar = add_tool_bar(window, groups)
 
-    def _make_edit(self, editing: Editing) -> None:
+    def _make_edit(self, editing: Editing, open_settings: Callable[[], object]) -> None:
         make = self._maker.make
         self.undo = make("undo", tr("&Undo"), "undo", tr("Undo the last step"), _KEYS.Undo, editing.undo)
         self.redo = make("redo", tr("&Redo"), "redo", tr("Redo the last step"), _KEYS.Redo, editing.redo)
@@ -90,6 +90,9 @@ class Actions:
             "Ctrl+Shift+R",
             editing.bake,
         )
+        tip = tr("Change units, colours, language, autosave and other settings of the program")
+        self.settings = make("settings", tr("Se&ttings…"), "settings", tip, "Ctrl+,", open_settings)
+        self.settings.setMenuRole(QAction.MenuRole.PreferencesRole)  # where macOS has its own place
 
     def _make_tools(self, take: Callable[[Tool], object]) -> None:
         self.tools: dict[Tool, QAction] = {}
@@ -129,6 +132,8 @@ class Actions:
         edit.addActions([self.undo, self.redo])
         edit.addSeparator()
         edit.addActions([self.reset, self.bake])
+        edit.addSeparator()
+        edit.addAction(self.settings)
         bar.addMenu(tr("&Tools")).addActions(list(self.tools.values()))
         self.select.fill(bar.addMenu(tr("&Select")))
         self.pose.fill(bar.addMenu(tr("H&andle")))

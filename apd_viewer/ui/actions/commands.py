@@ -44,6 +44,7 @@ class Commands:
     type_motion: Callable[[], object]
     pause: Callable[[], object]
     set_scheme: Callable[[Qt.ColorScheme], object]
+    open_settings: Callable[[], object]
     list_shortcuts: Callable[[], object]
     begin_tour: Callable[[], object]
     tell_about: Callable[[], object]

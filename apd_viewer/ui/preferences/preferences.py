@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import QSettings, Qt
+from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 
 from apd_viewer.files.samples import resource
@@ -16,6 +16,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
+from apd_viewer.ui.preferences.preference_values import PreferenceValues
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -32,16 +33,22 @@ def own_file(mesh: Mesh) -> Path | None:
 
 
 class Preferences:
-    """Recent files, folders, units, window layout and colour scheme.
+    """Recent files, folders, units, window layout and preferences.
 
     Parameters
     ----------
     settings : QSettings
         Where the platform keeps such things.
+
+    Attributes
+    ----------
+    values : PreferenceValues
+        Those of the Settings page.
     """
 
     def __init__(self, settings: QSettings) -> None:
         self._settings = settings
+        self.values = PreferenceValues(settings)
 
     def _lines(self, key: str, default: Sequence[str] = ()) -> list[str]:
         """Setting as lines; QSettings returns a single line as a string."""
@@ -173,15 +180,6 @@ class Preferences:
     @toured.setter
     def toured(self, toured: bool) -> None:
         self._settings.setValue("tour", toured)
-
-    @property
-    def scheme(self) -> Qt.ColorScheme:
-        """Light, dark, or as the platform has it."""
-        return Qt.ColorScheme(self._settings.value("scheme", 0, int))
-
-    @scheme.setter
-    def scheme(self, scheme: Qt.ColorScheme) -> None:
-        self._settings.setValue("scheme", scheme.value)
 
     def keep_layout(self, window: QMainWindow) -> None:
         """Remember size, place and panels of ``window``."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.preferences.preferences import Preferences
 
-_NAMES = {
+UNIT_NAMES = {
     Unit.NONE: tr("No unit"),
     Unit.MILLIMETRE: tr("Millimetres (mm)"),
     Unit.CENTIMETRE: tr("Centimetres (cm)"),
@@ -50,7 +51,7 @@ class UnitButton(QToolButton):
         self._unit = Unit.NONE
         menu = QMenu(self)
         group = QActionGroup(menu)
-        for unit, name in _NAMES.items():
+        for unit, name in UNIT_NAMES.items():
             action = menu.addAction(name)
             action.setCheckable(True)
             action.setData(unit.value)
@@ -104,10 +105,13 @@ class Units:
     Parameters
     ----------
     memory : Preferences
+    usual : callable
+        Unit of a file opened for the first time; None follows the habit.
     """
 
-    def __init__(self, memory: Preferences) -> None:
+    def __init__(self, memory: Preferences, usual: Callable[[], Unit | None] = lambda: None) -> None:
         self._memory = memory
+        self._usual = usual
         self._chosen: WeakKeyDictionary[Mesh, Unit] = WeakKeyDictionary()
 
     def of(self, mesh: Mesh) -> Unit:
@@ -128,6 +132,8 @@ class Units:
         units = self._memory.units
         if path.resolve() in units:
             return units[path.resolve()]
+        if (usual := self._usual()) is not None:
+            return usual
         # One choice may be an exception; two in a row are a habit.
         latest = list(units.values())[:2]
         unit = latest[0] if len(latest) == 2 and latest[0] is latest[1] else Unit.NONE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -19,17 +20,22 @@ class UpAxes:
     Parameters
     ----------
     memory : Preferences
+    usual : callable
+        Up axis of a mesh whose format prescribes none, unless it is a sample.
     """
 
-    def __init__(self, memory: Preferences) -> None:
+    def __init__(self, memory: Preferences, usual: Callable[[], UpAxis] = lambda: UpAxis.PLUS_Y) -> None:
         self._memory = memory
+        self._usual = usual
         self._chosen: WeakKeyDictionary[Mesh, UpAxis] = WeakKeyDictionary()
 
     def of(self, mesh: Mesh) -> UpAxis:
         """Chosen up axis of a mesh, or the one of its format."""
         path = own_file(mesh)
         known = {} if path is None else self._memory.up_axes
-        default = UpAxis.of_suffix("" if mesh.path is None else mesh.path.suffix)
+        is_sample = mesh.path is not None and path is None
+        suffix = "" if mesh.path is None else mesh.path.suffix
+        default = UpAxis.of_suffix(suffix, UpAxis.PLUS_Y if is_sample else self._usual())
         return self._chosen.get(mesh) or (default if path is None else known.get(path.resolve(), default))
 
     def choose(self, mesh: Mesh, axis: UpAxis) -> None:

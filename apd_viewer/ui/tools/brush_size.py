@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.surface import Hit
     from apd_viewer.ui.scene.viewport import Viewport
 
-SMALLEST, LARGEST = 4.0, 200.0
+SMALLEST, LARGEST, USUAL = 4.0, 200.0, 24.0
 
 
 class BrushSize(QObject):
@@ -32,7 +32,7 @@ class BrushSize(QObject):
     def __init__(self, viewport: Viewport) -> None:
         super().__init__(viewport)
         self._viewport = viewport
-        self._radius = 24.0
+        self._radius = USUAL
         self._length: float | None = None
 
     @property
@@ -46,6 +46,10 @@ class BrushSize(QObject):
         if radius != self._radius or self._length is not None:
             self._radius, self._length = radius, None
             self._say()
+
+    def set_radius(self, radius: float) -> None:
+        """Set the radius in pixels."""
+        self.radius = radius
 
     @property
     def length(self) -> float | None:

@@ -35,6 +35,12 @@ class ToolChoice(QObject):
 
     def choose_way(self, way: Way) -> None:
         """Select vertices in another way, with a painting tool if none is in use."""
+        self.set_way(way)
+        if not self._canvas.tool.words.is_brush:
+            self.take(Tool.HANDLE)
+
+    def set_way(self, way: Way) -> None:
+        """Have the painting tools select in another way, whichever is in use."""
         self._canvas.choose_way(way)
         self.way_chosen.emit(way)
-        self.take(self._canvas.tool if self._canvas.tool.words.is_brush else Tool.HANDLE)
+        self.take(self._canvas.tool)

@@ -33,6 +33,15 @@ def test_undo_and_redo_give_back_the_very_states():
     assert history.redo(c) is None
 
 
+def test_a_smaller_budget_drops_the_oldest_at_once():
+    states = _states(3)
+    history = History()
+    for state in states:
+        history.record("step", state)
+    history.limit(1)
+    assert _undone(history) == states[-1:], "one always stays"
+
+
 def test_names_tell_what_would_be_undone_and_redone():
     history, (a, b, c) = History(), _states(3)
     assert (history.next_undo, history.next_redo) == (None, None)

@@ -2,7 +2,7 @@
 
 NAMES = """
 open export save save_as report save_picture copy_picture quit open_sample:bottle open_sample:duck
-undo redo reset bake take:ORBIT take:BASE take:HANDLE take:REGION take:ERASE take:MOVE
+undo redo reset bake settings take:ORBIT take:BASE take:HANDLE take:REGION take:ERASE take:MOVE
 way:BRUSH way:BOX way:LASSO way:POLYGON way:FILL way:PIECE way:LOOP way:SLAB
 through larger smaller type_brush choose_by_numbers load_selection save_selection
 reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT

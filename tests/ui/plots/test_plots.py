@@ -211,7 +211,7 @@ def test_what_chooses_and_the_charts_have_room_of_their_own(qtbot, window, size)
 
 
 def test_they_are_drawn_in_the_colours_of_the_window(qtbot, plotted):
-    plotted.shell.set_scheme(Qt.ColorScheme.Dark)
+    plotted.actions_.view.schemes[Qt.ColorScheme.Dark].trigger()
     twist(qtbot, plotted)
     picture = plotted.plots.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
     pixels = np.frombuffer(picture.constBits(), np.uint32).reshape(picture.height(), -1) & 0xFFFFFF

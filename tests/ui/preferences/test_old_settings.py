@@ -9,6 +9,7 @@ from PySide6.QtCore import QSettings, Qt
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.ui.preferences.preferences import Preferences
+from apd_viewer.ui.settings_page.preference_table import COLOR_SCHEME
 
 OLD = Path(__file__).with_name("version-1.ini")
 PARTS = Path("/parts")
@@ -35,4 +36,4 @@ def test_all_that_was_kept_is_read(memory):
     assert memory.shortcuts == {"undo": "Ctrl+U", "paint": "Shift+P, Q", "open": ""}
     assert memory.looks == {"overlay": "bending", "ghost": "on", "edges": "off", "area": "40 0"}
     assert memory.toured
-    assert memory.scheme is Qt.ColorScheme.Dark
+    assert memory.values[COLOR_SCHEME] is Qt.ColorScheme.Dark

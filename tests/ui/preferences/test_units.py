@@ -192,7 +192,7 @@ def test_the_memory_is_bounded_and_overlooks_what_it_cannot_read(settings, tmp_p
 @pytest.mark.parametrize("scheme", [Qt.ColorScheme.Light, Qt.ColorScheme.Dark])
 def test_the_choice_stands_beside_the_area_whatever_its_size(qtbot, window, size, scheme):
     window.shell.resize(*size)
-    window.shell.set_scheme(scheme)
+    window.actions_.view.schemes[scheme].trigger()
     V, F = meshes.sphere(2)
     window.filing.show_mesh(Mesh(V * 3.3e5, F))
     idle(qtbot, window)

@@ -1,0 +1,68 @@
+"""Values of the preferences, stored as they are chosen."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, QSettings, Signal
+
+from apd_viewer.ui.preferences.preference import Preference
+
+T = TypeVar("T")
+_LOGGER = logging.getLogger(__name__)
+
+
+class PreferenceValues(QObject):
+    """Chosen values; one that cannot be read is logged, and the default used.
+
+    Parameters
+    ----------
+    settings : QSettings
+
+    Attributes
+    ----------
+    changed : Signal(Preference)
+    """
+
+    changed = Signal(object)
+
+    def __init__(self, settings: QSettings) -> None:
+        super().__init__()
+        self._settings = settings
+        self._values: dict[Preference[Any], Any] = {}
+
+    def __getitem__(self, preference: Preference[T]) -> T:
+        if preference not in self._values:
+            self._values[preference] = self._read(preference)
+        value: T = self._values[preference]
+        return value
+
+    def _read(self, preference: Preference[Any]) -> Any:
+        stored = self._settings.value(preference.name)
+        if stored is None:
+            return preference.default
+        try:
+            return preference.allowed.read(str(stored))
+        except ValueError:
+            _LOGGER.warning("The setting %s cannot be %r; using the default", preference.name, stored)
+            return preference.default
+
+    def choose(self, preference: Preference[T], value: T) -> None:
+        """Store a value and announce the change."""
+        self._settings.setValue(preference.name, preference.allowed.written(value))  # type: ignore[arg-type]
+        if value != self[preference]:
+            self._values[preference] = value
+            self.changed.emit(preference)
+
+    def restore(self, preferences: Iterable[Preference[Any]]) -> None:
+        """Return preferences to their defaults."""
+        for preference in preferences:
+            self.choose(preference, preference.default)
+            self._settings.remove(preference.name)  # a later version may have a better default
+
+    def follow(self, preference: Preference[T], use: Callable[[T], object]) -> None:
+        """Use the value, now and whenever it changes."""
+        self.changed.connect(lambda one: use(self[preference]) if one is preference else None)
+        use(self[preference])

@@ -1,0 +1,1 @@
+"""Settings page: the table of preferences, its dialog and its effects."""

@@ -1,0 +1,68 @@
+"""Effects of the preferences on a window and its session."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import choose_language, tr
+from apd_viewer.ui.settings_page.preference_table import (
+    AUTOSAVE,
+    BRUSH_RADIUS,
+    COLOR_SCHEME,
+    LANGUAGE,
+    SELECTION_MODE,
+    UNDO_MEMORY,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from PySide6.QtCore import Qt
+    from PySide6.QtGui import QAction
+
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.preferences.preference import Preference
+    from apd_viewer.ui.preferences.preference_values import PreferenceValues
+    from apd_viewer.ui.tools.brush_size import BrushSize
+    from apd_viewer.ui.tools.tool_choice import ToolChoice
+
+
+def limit_threads(threads: int) -> None:
+    """Limit the parallel kernels of this process and its children; 0 does not.
+
+    It has to come before numba, which reads the number once: a script that has used numba keeps its own, and
+    so does whoever sets the variable.
+    """
+    if threads and "numba" not in sys.modules:
+        os.environ.setdefault("NUMBA_NUM_THREADS", str(threads))
+
+
+def connect_preferences(
+    values: PreferenceValues, session: Session, tools: ToolChoice, brush: BrushSize
+) -> None:
+    """Have session and tools follow the preferences."""
+    values.follow(UNDO_MEMORY, session.gestures.limit_memory)
+    values.follow(AUTOSAVE, session.autosave.save_every)
+    values.follow(SELECTION_MODE, tools.set_way)
+    values.follow(BRUSH_RADIUS, brush.set_radius)
+
+
+def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction]) -> None:
+    """Have the menu show the colour scheme."""
+    values.follow(COLOR_SCHEME, lambda scheme: schemes[scheme].setChecked(True))
+
+
+def connect_language(values: PreferenceValues, failed: Callable[[str], object]) -> None:
+    """Have the next start use the chosen language; ``failed`` says a sentence."""
+
+    def keep(changed: Preference[object]) -> None:
+        if changed is LANGUAGE:
+            try:
+                choose_language(values[LANGUAGE])
+            except OSError as error:
+                reason = error.strerror or str(error)
+                failed(tr("The language cannot be stored ({reason}).").format(reason=reason))
+
+    values.changed.connect(keep)

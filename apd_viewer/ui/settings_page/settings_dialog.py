@@ -1,0 +1,134 @@
+"""Settings dialog: every preference, applied as it is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, QSize, Qt
+from PySide6.QtWidgets import (
+    QDialog,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from apd_viewer.language import tr
+from apd_viewer.ui.preferences.preference_values import PreferenceValues
+from apd_viewer.ui.settings_page.preference_control import control_of
+from apd_viewer.ui.settings_page.preference_table import GROUPS, PREFERENCES, PreferenceGroup
+from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+
+_WIDTH, _TITLES, _CONTROLS = 640, 120, 190  # px
+
+
+class SettingsDialog(QDialog):
+    """Groups of preferences; buttons for the shortcuts and the defaults.
+
+    Parameters
+    ----------
+    window : QWidget
+    values : PreferenceValues
+    list_shortcuts : callable
+        Shows the shortcuts, in the window behind.
+
+    Attributes
+    ----------
+    restore, shortcuts, close_ : QPushButton
+    """
+
+    def __init__(
+        self, window: QWidget, values: PreferenceValues, list_shortcuts: Callable[[], object]
+    ) -> None:
+        super().__init__(window, objectName="study")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Settings"))
+        self._values, self._list_shortcuts = values, list_shortcuts
+        page = QWidget(objectName="page")
+        rows = QVBoxLayout(page, spacing=20)
+        rows.setContentsMargins(0, 0, 0, 0)
+        for group in GROUPS:
+            rows.addLayout(self._group(group))
+        rows.addStretch(1)
+        area = QScrollArea(widgetResizable=True, objectName="pages", focusPolicy=Qt.FocusPolicy.NoFocus)
+        area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        area.setWidget(page)
+        column = QVBoxLayout(self, spacing=20)
+        column.setContentsMargins(24, 20, 24, 20)
+        column.addWidget(area, 1)
+        column.addLayout(self._buttons())
+        needed = page.sizeHint().height() + column.sizeHint().height() - area.sizeHint().height()
+        resize_on_screen(self, QSize(_WIDTH, needed))
+
+    def _group(self, group: PreferenceGroup) -> QGridLayout:
+        grid = QGridLayout(horizontalSpacing=16, verticalSpacing=8)
+        grid.setColumnMinimumWidth(0, _TITLES)
+        grid.setColumnMinimumWidth(1, _CONTROLS)
+        grid.setColumnStretch(2, 1)
+        grid.addWidget(QLabel(group.title, objectName="heading"), 0, 0, 1, 3)
+        for line, preference in enumerate(group.rows, start=1):
+            title, control = QLabel(preference.title), control_of(preference, self._values)
+            title.setBuddy(control)
+            note = QLabel(preference.note, objectName="quiet", wordWrap=True)
+            for column, part in enumerate((title, control, note)):
+                grid.addWidget(part, line, column)
+        return grid
+
+    def _buttons(self) -> QHBoxLayout:
+        self.shortcuts = QPushButton(tr("Keyboard shortcuts…"), autoDefault=False)
+        self.restore = QPushButton(tr("Restore defaults"), autoDefault=False)
+        # None is the default: Enter in a field ends the entry, and not the dialog.
+        self.close_ = QPushButton(tr("Close"), objectName="primary", autoDefault=False)
+        self.shortcuts.setToolTip(tr("View and change the keyboard shortcuts"))
+        self.restore.setToolTip(tr("Return all settings of this page to their defaults"))
+        self.shortcuts.clicked.connect(self._show_shortcuts)
+        self.restore.clicked.connect(lambda: self._values.restore(PREFERENCES))
+        self.close_.clicked.connect(self.close)
+        row = QHBoxLayout(spacing=8)
+        row.addWidget(self.shortcuts)
+        row.addWidget(self.restore)
+        row.addStretch(1)
+        row.addWidget(self.close_)
+        return row
+
+    def _show_shortcuts(self) -> None:
+        self.close()
+        self._list_shortcuts()
+
+
+class SettingsPage(QObject):
+    """Opens the dialog, one at a time.
+
+    Parameters
+    ----------
+    window : QWidget
+    values : PreferenceValues
+    list_shortcuts : callable
+    """
+
+    def __init__(
+        self, window: QWidget, values: PreferenceValues, list_shortcuts: Callable[[], object]
+    ) -> None:
+        super().__init__(window)
+        self._window, self._values, self._list_shortcuts = window, values, list_shortcuts
+        self.dialog: SettingsDialog | None = None
+
+    def open(self) -> None:
+        """Show the dialog in front."""
+        if self.dialog is None:
+            self.dialog = SettingsDialog(self._window, self._values, self._list_shortcuts)
+            self.dialog.finished.connect(self._forget)
+            self.dialog.show()
+        self.dialog.raise_()
+        self.dialog.activateWindow()
+
+    def close(self) -> None:
+        """Close the dialog if it is open."""
+        if self.dialog is not None:
+            self.dialog.close()
+
+    def _forget(self) -> None:
+        self.dialog = None
