@@ -20,6 +20,9 @@ _DENSITIES = {
     "t/m3": 1.0,
     "kg/m3": 1e-3,
     "g/l": 1e-3,
+    "lb/ft3": 453.59237 / 30.48**3,
+    "lb/in3": 453.59237 / 2.54**3,
+    "oz/in3": 28.349523125 / 2.54**3,
 }
 _SPELLINGS = str.maketrans({"³": "3", "^": "", "∕": "/", "⁄": "/"})
 _UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-z]+\s*/\s*[a-z]+3?)", re.DOTALL)
@@ -93,7 +96,9 @@ def density(text: str) -> float:
     if parted is not None and parted["amount"]:
         said = re.sub(r"\s", "", parted["unit"])
         if said not in _DENSITIES:
-            raise InputError(tr("“{unit}” is not a unit of density; use g/cm³ or kg/m³.").format(unit=said))
+            raise InputError(
+                tr("“{unit}” is not a unit of density; use g/cm³, kg/m³ or lb/ft³.").format(unit=said)
+            )
         amount, factor = parted["amount"], _DENSITIES[said]
     try:
         value = factor * number(amount, {})

@@ -18,6 +18,9 @@ MM, CM, M, NONE = Unit.MILLIMETRE, Unit.CENTIMETRE, Unit.METRE, Unit.NONE
         (("300um", "1,38 kg/l"), 0.05, M, 500 * 0.03 * 1.38),
         (("2 mm", "7.85 g/cm^3"), 1.0, M, 2 * 7850),
         (("1/100 in", "1000 g/l"), 1.0, CM, 2.54 / 100),
+        (("1/100 in", "86.15 lb/ft³"), 100.0, Unit.INCH, 86.15 / 1728 * 453.59237),
+        (("1/100 in", "0.8 oz/in^3"), 100.0, Unit.INCH, 0.8 * 28.349523125),
+        (("1 ft", "3 lb / ft3"), 1.0, Unit.FOOT, 3 * 453.59237),
         (("0.1mm + 0.2mm", "2 * 0.69"), 500.0, CM, 500 * 0.03 * 1.38),
     ],
 )
@@ -41,7 +44,7 @@ def test_nothing_typed_weighs_nothing_that_could_be_said():
         (("30deg", "1.38"), CM, "an angle"),
         (("thin", "1.38"), CM, "unknown"),
         (("0.3mm", "light"), CM, "“light” is not a density"),
-        (("0.3mm", "1.38 lb/ft3"), CM, "not a unit of density"),
+        (("0.3mm", "1.38 stone/ft3"), CM, "not a unit of density"),
         (("0.3mm", "0"), CM, "A density of"),
         (("0.3mm", "1380"), CM, "A density of 1380"),
         (("0.3mm", "1mm"), CM, "“1mm” is not a density"),
