@@ -173,7 +173,7 @@ def drift(state: State, unit: Unit) -> str:
 
 
 def motion(document: Document, k: int, unit: Unit, size: float) -> str:
-    """Displacement and rotation of a handle from its rest position."""
+    """Displacement, rotation and scale of a handle, those that it has."""
     centre = document.centre(k)
     if centre is None:
         return tr("Paint it with Paint handle")
@@ -181,7 +181,13 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
     moved = handle.pose[:3, :3] @ centre + handle.pose[:3, 3] - centre
     way = length(float(np.linalg.norm(moved)), size)
     turned = signed(math.degrees(signed_angle(handle.rotation)), 1)
-    return tr("moved {length}, rotated {angle}°").format(length=unit.length(way), angle=turned)
+    scale = f"{np.cbrt(np.linalg.det(handle.pose[:3, :3])):.2f}"
+    parts = (
+        (way != "0", tr("moved {length}").format(length=unit.length(way))),
+        (turned != signed(0.0, 1), tr("rotated {angle}°").format(angle=turned)),
+        (scale != "1.00", tr("scaled by {factors}").format(factors=scale)),
+    )
+    return ", ".join(text for has, text in parts if has) or tr("at rest")
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:
