@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.presentation.number_format import signed
 from apd_viewer.ui.scene.camera import unit
 from apd_viewer.ui.tools.gizmo_layout import ARROWS, EDGE_ON, RING, RINGS, SQUARES, GizmoFrame, axis_index
 
@@ -197,8 +198,3 @@ def translated(pose: np.ndarray, offset: np.ndarray) -> np.ndarray:
 def rotated(pose: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
     """The (4, 4) pose followed by a rotation about the unit axis through ``centre``."""
     return turned_about(centre, axis, angle) @ pose
-
-
-def signed(value: float, digits: int) -> str:
-    """Number with its sign, and a true minus; zero has a plus."""
-    return f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")
