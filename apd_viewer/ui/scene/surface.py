@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.viewport import Viewport
 
 
+# Before the first mesh, with one vertex: PyVista takes no empty arrays.
+_NOTHING = Sketch(np.empty((0, 3), dtype=np.int32))
+
+
 class Hit(NamedTuple):
     """Ray hit: face, point (3,), unit normal (3,) towards the viewer."""
 
@@ -61,7 +65,7 @@ class Surface:
         self._origin = np.zeros(3)
         self._box: tuple[float, ...] = ()
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
-        self._arrays: SurfaceArrays | None = None
+        self._arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
         self._shading = Shading.FILE
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
@@ -109,7 +113,6 @@ class Surface:
 
         The array is kept, not copied: nobody must write to it any more.
         """
-        assert self._arrays is not None
         if U is not self._given:
             self._given = U
             self.shape_revision += 1
@@ -152,7 +155,7 @@ class Surface:
     def set_colors(self, rgba: np.ndarray, ids: np.ndarray | None = None) -> None:
         """Colour the vertices ``ids``, or all, by ``rgba`` (k, 4) uint8."""
         # How opaque they are is how they are measured: see `wear`.
-        if self._arrays is not None:
+        if self.skin is not None:
             self._arrays.set_colors(rgba, ids)
             self._viewport.update()
 
@@ -175,12 +178,10 @@ class Surface:
     @property
     def shades(self) -> np.ndarray:
         """Values (n,) uint8, 1 to 255 on the scale, 0 for none, edited in place."""
-        assert self._arrays is not None
         return self._arrays.rgba[:, 3]
 
     def shades_changed(self) -> None:
         """Draw the edited ``shades`` from the next frame on."""
-        assert self._arrays is not None
         self._arrays.colors_changed()
 
     @property
@@ -219,7 +220,7 @@ class Surface:
             prop.SetInterpolationToFlat()
         else:
             prop.SetInterpolationToPhong()
-        if self.skin is not None and self._arrays is not None:
+        if self.skin is not None:
             self._arrange(self.skin, self._arrays.rgba)
             self.set_points(self._given)
 
@@ -235,7 +236,7 @@ class Surface:
     def hit(self, position: QPointF) -> Hit | None:
         """Hit under a position in the viewport, if any."""
         skin = self.touchable
-        if skin is None or self._arrays is None:
+        if skin is None:
             return None
         origin, direction = self._viewport.look.eye.ray(position.x(), position.y())
         near, far = self._uncut(origin, direction)
@@ -291,7 +292,6 @@ class Surface:
     @property
     def normals(self) -> np.ndarray:
         """Vertex normals (n, 3) as drawn; zero without a face."""
-        assert self._arrays is not None
         return self._arrays.normals
 
     def point_under(self, position: QPointF) -> np.ndarray | None:
