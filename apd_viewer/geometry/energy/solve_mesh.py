@@ -17,6 +17,7 @@ from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
 from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian, edge_weights, laplacian
 from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.mesh.operators import border_vertices, vertex_areas
 
 # A thinner mesh has so many times fewer vertices, no more than can be solved with in a blink, and no fewer
@@ -94,7 +95,7 @@ class SolveMesh:
         count = int(np.clip(len(self.V) / _RATIO, FEWEST, _MOST))
         vertices, F = thinned(self.V, self.F, count)
         edge = edge_length(self.V[vertices], F)
-        normals = self.whole.vertex_normals(self.V)
+        normals = vertex_normals(self.V, self.F)
         return Thinning(vertices, F, *neighbourhoods(self.V, normals, self.piece, vertices, edge), edge)
 
     @cached_property

@@ -54,10 +54,6 @@ class Patch:
             _area_and_gradient(U, self.F, self.start, self.corner, self.second, self.third, self._halves, g)
         )
 
-    def vertex_normals(self, U: np.ndarray) -> np.ndarray:
-        """Area-weighted unit normals at ``U`` (n, 3), (n, 3); zero without area."""
-        return _vertex_normals(U, self.F, self.start, self.corner)
-
     def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """Signed volume of a closed patch at ``U`` (n, 3); gradient into ``g`` (n, 3)."""
         return float(_volume_and_gradient(U, self.F, self.start, self.second, self.third, g))
@@ -91,25 +87,6 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
         x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
         total += np.sqrt(x * x + y * y + z * z)
     return 0.5 * total
-
-
-@parallel()
-def _vertex_normals(U: np.ndarray, F: np.ndarray, start: np.ndarray, corner: np.ndarray) -> np.ndarray:
-    normals = np.zeros_like(U)
-    for v in prange(len(U)):
-        nx = ny = nz = 0.0
-        for e in range(start[v], start[v + 1]):
-            t = corner[e] // 3
-            i, j, k = F[t, 0], F[t, 1], F[t, 2]
-            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-            nx += ay * bz - az * by
-            ny += az * bx - ax * bz
-            nz += ax * by - ay * bx
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length > 0.0:
-            normals[v, 0], normals[v, 1], normals[v, 2] = nx / length, ny / length, nz / length
-    return normals
 
 
 @parallel()

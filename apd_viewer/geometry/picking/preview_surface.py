@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.normals import vertex_normals
+
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
@@ -28,10 +30,6 @@ class Sketch:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Write the renderer's arrays for the shape ``U``; see ``RenderMesh.drape``."""
         corners = U[self.F]
-        a, b, c = corners.transpose(1, 0, 2)
-        across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-        N = np.column_stack([np.bincount(self.F.ravel(), x, len(U)) for x in across.T])
-        length = np.linalg.norm(N, axis=1, keepdims=True)
         points[:] = U - origin
-        normals[:] = np.divide(N, length, out=np.zeros_like(N), where=length > 0)
+        normals[:] = vertex_normals(U, self.F)
         return corners.min(axis=(0, 1)) - origin, corners.max(axis=(0, 1)) - origin

@@ -8,6 +8,7 @@ import numpy as np
 import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.ui.scene.rest_actor import RestActor
 from apd_viewer.ui.scene.shading import GLASS, TINTED_GLASS
 
@@ -36,7 +37,7 @@ class Ghost(RestActor):
         V, F = mesh.V, mesh.joined_F
         middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
-        glass.point_data["Normals"] = _normals(V, F)
+        glass.point_data["Normals"] = vertex_normals(V, F).astype(np.float32)
         glass.GetPointData().SetActiveNormals("Normals")
         self._actor.SetPosition(*middle)
         ends = V[F.ravel()]
@@ -82,7 +83,7 @@ class PatchGhost:
         self.shown = V
         middle = V.mean(axis=0)  # far from the origin single precision is coarser than the mesh
         glass = pv.PolyData.from_regular_faces((V - middle).astype(np.float32), F)
-        glass.point_data["Normals"] = _normals(V, F)
+        glass.point_data["Normals"] = vertex_normals(V, F).astype(np.float32)
         glass.GetPointData().SetActiveNormals("Normals")
         glass.point_data["colors"] = colors
         glass.GetPointData().SetActiveScalars("colors")
@@ -104,12 +105,3 @@ class PatchGhost:
         if not len(self.shown):
             return ()
         return tuple(np.column_stack([self.shown.min(axis=0), self.shown.max(axis=0)]).ravel())
-
-
-def _normals(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Area-weighted vertex normals (n, 3) float32; zero without a face."""
-    a, b, c = V[F].transpose(1, 0, 2)
-    across = np.repeat(np.cross(b - a, c - a), 3, axis=0)
-    N = np.column_stack([np.bincount(F.ravel(), x, len(V)) for x in across.T])
-    length = np.linalg.norm(N, axis=1, keepdims=True)
-    return np.divide(N, length, out=np.zeros_like(N), where=length > 0).astype(np.float32)

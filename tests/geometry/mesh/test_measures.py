@@ -96,14 +96,6 @@ def test_a_survey_reads_area_volume_and_the_largest_change(mesh):
     assert survey(U, F, rest, least)[2] == pytest.approx(change[rest > least].max(initial=0.0), rel=1e-12)
 
 
-def test_vertex_normals_of_a_ball_point_outwards():
-    V, F = CLOSED["sphere"]
-    normals = Patch(F, len(V)).vertex_normals(V)
-    assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() <= 1e-14
-    assert ((normals * V).sum(axis=1) > 0.999 * np.linalg.norm(V, axis=1)).all()
-    assert np.array_equal(Patch(F[:1], len(V)).vertex_normals(V)[-1], np.zeros(3))
-
-
 @pytest.mark.parametrize("mesh", MESHES)
 def test_a_patch_knows_the_corners_at_every_vertex(mesh):
     V, F = MESHES[mesh]
