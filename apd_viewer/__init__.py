@@ -18,6 +18,7 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.api import (
+        Convergence,
         Deformation,
         Frame,
         Mesh,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
+    "Convergence",
     "Deformation",
     "Frame",
     "InputError",

@@ -8,11 +8,13 @@ from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region
 
 __all__ = [
+    "Convergence",
     "Deformation",
     "Frame",
     "InputError",

@@ -22,6 +22,7 @@ from apd_viewer.files.selections.survey_formats import read_region, read_transfo
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.goals import Region
 from apd_viewer.geometry.solver.loose_parts import GO, STAY
@@ -87,6 +88,7 @@ def deform_parser() -> Parser:
         ),
     )
     _add_targets(parser)
+    _add_convergence(parser)
     _add_stiffness(parser)
     parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
     parser.add_argument(
@@ -126,6 +128,40 @@ def _add_targets(parser: Parser) -> None:
             "area in percent"
         ),
     )
+
+
+def _add_convergence(parser: Parser) -> None:
+    usual = DEFAULT_CONVERGENCE
+    for option, metavar, kind, default, what in (
+        (
+            "--most-iterations",
+            "N",
+            int,
+            usual.most_iterations,
+            tr("stop after N iterations at the latest"),
+        ),
+        (
+            "--energy-tolerance",
+            "T",
+            float,
+            usual.energy_tolerance,
+            tr("converged once ten iterations reduce the energy by at most this part"),
+        ),
+        (
+            "--step-tolerance",
+            "T",
+            float,
+            usual.step_tolerance,
+            tr("of 'paper' and 'sr-arap': converged once steps are below this part of the mesh's size"),
+        ),
+    ):
+        parser.add_argument(
+            option,
+            metavar=metavar,
+            type=kind,
+            default=default,
+            help=tr("{what}; default: %(default)s").format(what=what),
+        )
 
 
 def _add_stiffness(parser: Parser) -> None:
@@ -181,6 +217,8 @@ def _deform(options: argparse.Namespace) -> None:
     regions = [_region(words, len(mesh.V)) for words in options.region]
     held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
     target = TargetShape(open_mesh(options.compare)) if options.compare else None
+    convergence = Convergence(options.most_iterations, options.energy_tolerance, options.step_tolerance)
+    last = options.iterations, convergence.most_iterations
     result = deform(
         mesh.V,
         mesh.F,
@@ -197,7 +235,8 @@ def _deform(options: argparse.Namespace) -> None:
         volume=options.volume,
         loose=options.loose,
         regions=regions,
-        progress=progress_line(options.iterations) if sys.stderr.isatty() else None,
+        convergence=convergence,
+        progress=progress_line(*last) if sys.stderr.isatty() else None,
     )
     picture = _picture(mesh, selection, result) if options.picture else None
     with ExitStack() as beside:  # files beside the mesh replace old ones only after the mesh has

@@ -12,7 +12,8 @@ from apd_viewer.files.report import write_report
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.deform import MOST_ITERATIONS, Result
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
+from apd_viewer.geometry.solver.deform import Result
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
@@ -40,11 +41,13 @@ def write_result(
     return save_mesh(mesh, result.U, output)
 
 
-def progress_line(iterations: int | None) -> Callable[[Frame], None]:
-    """Show the progress of the iterations on one terminal line."""
+def progress_line(
+    iterations: int | None, most: int = DEFAULT_CONVERGENCE.most_iterations
+) -> Callable[[Frame], None]:
+    """Show the progress of the iterations, or of the most of them, on one line."""
 
     def show(frame: Frame) -> None:
-        last = frame.iteration == (iterations or MOST_ITERATIONS) or (frame.settled and not iterations)
+        last = frame.iteration == (iterations or most) or (frame.settled and not iterations)
         if frame.iteration % 20 and not last:
             return
         area = 100 * frame.area_error

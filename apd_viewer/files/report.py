@@ -26,6 +26,7 @@ def write_report(path: Path, mesh: Mesh, result: Result, target: TargetShape | N
     """
     readings = asdict(result)
     del readings["U"]
+    readings["convergence"] = result.convergence._asdict()
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
         room = room_of(examined(U, mesh.joined_F))

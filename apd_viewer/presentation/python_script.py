@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Baked
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
-from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, on_the_way
 from apd_viewer.session.model.targets import targets_of
@@ -160,7 +160,8 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
     yield "# A turn of more than 180 degrees goes in steps."
     way = (_poses(step, handles) for step in on_the_way(document))
     yield from _assigned("way", f"[{', '.join(way)}]")
-    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP, most=MOST_ITERATIONS).strip("\n")
+    most = document.convergence.most_iterations
+    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP, most=most).strip("\n")
 
 
 def _settings(document: Document) -> str:
@@ -173,4 +174,6 @@ def _settings(document: Document) -> str:
         said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
     said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
+    if document.convergence != DEFAULT_CONVERGENCE:
+        words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

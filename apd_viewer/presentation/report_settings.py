@@ -44,6 +44,12 @@ def settings_blocks(state: State) -> Iterator[Block]:
         rows.append((tr("Area stiffness"), f"{document.area_stiffness:g}", ""))
         rows.append((tr("Shear stiffness"), f"{document.shear_stiffness:g}", ""))
     rows.append((tr("Stiffness"), f"{document.stiffness:g}", ""))
+    criteria = document.convergence
+    rows.append((tr("Most iterations"), f"{criteria.most_iterations:,}", ""))
+    if method.plain_only:
+        rows.append((tr("Step tolerance"), short(criteria.step_tolerance), ""))
+    else:
+        rows.append((tr("Energy tolerance"), short(criteria.energy_tolerance), ""))
     if document.loose_parts:
         staying = sum(part.first in document.staying for part in document.loose_parts)
         said = tr("{going:,} go along, {staying:,} stay")

@@ -10,6 +10,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from apd_viewer.geometry.solver.convergence import Convergence
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.store import Store
@@ -55,6 +56,10 @@ class Settings:
     def set_tolerance(self, tolerance: float) -> None:
         """Have "paper" accept another relative error of the area."""
         self._set(tr("Change tolerance"), tolerance=tolerance)
+
+    def set_convergence(self, convergence: Convergence) -> None:
+        """End the iterations by other criteria."""
+        self._set(tr("Change convergence"), convergence=convergence)
 
     def set_stiffness(self, stiffness: float) -> None:
         """Resist bending by another weight."""

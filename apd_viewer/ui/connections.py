@@ -30,6 +30,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.volume.target.chosen.connect(session.settings.set_volume)
     panel.method.method_chosen.connect(session.settings.set_method)
     panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
+    panel.method.convergence.chosen.connect(session.settings.set_convergence)
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)
     panel.method.area_stiffness_chosen.connect(lambda x: session.settings.set_material(area_stiffness=x))
     panel.method.shear_stiffness_chosen.connect(lambda x: session.settings.set_material(shear_stiffness=x))

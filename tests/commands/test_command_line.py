@@ -968,3 +968,19 @@ def test_a_result_is_compared_with_a_target_shape(bar, command):
     assert said["largest_distance_by_vertex"] == pytest.approx(away.max(), rel=1e-6)
     np.testing.assert_allclose(rows[:, names.index("target_displacement")], away, rtol=0, atol=1e-6)
     assert rows[:, names.index("target_distance")].max() == pytest.approx(said["largest_distance"], rel=1e-9)
+
+
+def test_convergence_is_set_and_reported(bar, command):
+    report = bar.folder / "r.json"
+    criteria = ("--most-iterations", 3, "--energy-tolerance", "1e-9", "--step-tolerance", "1e-6")
+    status, out, _ = command(*bar.words(*criteria, "--report", report))
+    assert status == 0
+    said = json.loads(report.read_text())
+    assert said["iterations"] == 3
+    assert said["convergence"] == {"most_iterations": 3, "energy_tolerance": 1e-9, "step_tolerance": 1e-6}
+    assert "did not converge within 3 iterations" in out
+    bar.out.unlink()
+    status, _, err = command(*bar.words("--energy-tolerance", "0"))
+    assert status == 2
+    assert err.startswith("error: The tolerances of convergence")
+    assert not bar.out.exists()

@@ -9,6 +9,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.python_script import python_script
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
@@ -21,6 +22,7 @@ SETTINGS = {
     "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
+    "another end": {"set_convergence": (Convergence(40, 1e-4),)},
     "what stays": {"let_stay": ((0,), True)},
 }
 

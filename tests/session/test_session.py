@@ -12,6 +12,7 @@ from apd_viewer.geometry.energy import elastic
 from apd_viewer.geometry.linalg import linear_solver
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.history import History
 from apd_viewer.session.store import Activity
@@ -41,6 +42,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
         "Reset all handles": session.rest_shape.restore,
         "Change method": lambda: session.settings.set_method("arap"),
         "Change tolerance": lambda: session.settings.set_tolerance(0.01),
+        "Change convergence": lambda: session.settings.set_convergence(Convergence(500, 1e-9)),
         "Open mesh": lambda: session.show_now(bar()),
     }
 
@@ -53,6 +55,7 @@ def _gestures(session: Driven, tmp_path) -> dict[str, Callable[[], None]]:
         "Reset all handles",
         "Change method",
         "Change tolerance",
+        "Change convergence",
         "Open mesh",
     ],
 )
@@ -723,7 +726,7 @@ def test_the_area_is_kept_to_the_tolerance_that_is_set(session):
 
 def test_a_run_that_never_settles_ends_as_not_reached(session, monkeypatch):
     monkeypatch.setattr(Deformation, "settled", False)
-    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 30)
+    session.settings.set_convergence(Convergence(most_iterations=30))
     session.drag(BENT)
     session.settle()
     assert session.store.activity is Activity.UNREACHED

@@ -119,6 +119,10 @@ class ConstrainedDescent:
             return None
         return float(E[0] - E[-1]) / max(self._tolerance * float(E[-1]), _NO_ENERGY)
 
+    def stop_at(self, tolerance: float) -> None:
+        """Converge once ten steps together reduce the energy by at most this part."""
+        self._tolerance = tolerance
+
     def stalls(self, tolerance: float) -> bool:
         """True if the last steps reduced the energy by at most this part."""
         E = self._energies

@@ -11,6 +11,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Reading, Region
 from apd_viewer.geometry.solver.loose_parts import GO
@@ -21,9 +22,6 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_TOLERANCE,
 )
 from apd_viewer.language import tr
-
-# Wrinkles of fine meshes can creep on indefinitely; a run without a given count ends here, unconverged.
-MOST_ITERATIONS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +44,8 @@ class Result:
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations.
     warnings : tuple of str
         What the user should know about the mesh or the result.
+    convergence : Convergence
+        What the iterations were ended by.
     """
 
     U: np.ndarray
@@ -70,6 +70,7 @@ class Result:
     factor_seconds: float
     seconds_per_iteration: float
     warnings: tuple[str, ...]
+    convergence: Convergence
 
 
 def deform(
@@ -89,6 +90,7 @@ def deform(
     volume: float | None = None,
     regions: Sequence[Region] = (),
     loose: str | Sequence[int] | np.ndarray = GO,
+    convergence: Convergence = DEFAULT_CONVERGENCE,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
     """Deform a mesh until the ``fixed`` vertices are at their ``targets``.
@@ -97,7 +99,7 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose
+    area, volume, regions, loose, convergence
         See there too.
     targets : (k, 3) float array
         A position for each of ``fixed``, mesh units.
@@ -132,6 +134,7 @@ def deform(
         volume=volume,
         regions=regions,
         loose=loose,
+        convergence=convergence,
         plain=iterations is not None,
     )
     solver.aim(targets)
@@ -156,8 +159,8 @@ def iterated(
         See :func:`deform`.
     """
     iterating = time.perf_counter()
-    count = 0
-    while count < (iterations or MOST_ITERATIONS) and (iterations is not None or not solver.settled):
+    count, most = 0, iterations or solver.convergence.most_iterations
+    while count < most and (iterations is not None or not solver.settled):
         solver.iterate()
         count += 1
         if progress:
@@ -178,10 +181,8 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
                 iteration=frame.iteration, missed=solver.missed
             ),
         )
-    elif not frame.settled and frame.iteration == MOST_ITERATIONS:
-        unsettled = (
-            tr("The shape did not converge within {most:,} iterations.").format(most=MOST_ITERATIONS),
-        )
+    elif not frame.settled and frame.iteration == (most := solver.convergence.most_iterations):
+        unsettled = (tr("The shape did not converge within {most:,} iterations.").format(most=most),)
     return Result(
         U=frame.U,
         method=solver.method,
@@ -205,4 +206,5 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         factor_seconds=solver.factor_seconds,
         seconds_per_iteration=seconds_per_iteration,
         warnings=solver.warnings + unsettled,
+        convergence=solver.convergence,
     )

@@ -20,6 +20,13 @@ from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
+from apd_viewer.geometry.solver.convergence import (
+    DEFAULT_CONVERGENCE,
+    MEMORY,
+    Convergence,
+    check_convergence,
+    step_gap,
+)
 from apd_viewer.geometry.solver.goal_projection import MET
 from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.solver.li_hui import LiHui
@@ -40,14 +47,6 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.linalg.linear_solver import Factored
     from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 
-# Settled: the last iteration moved no vertex by more than _STILL of the bounding box's diagonal, and
-# the remaining ones together will move none by more than _REMAINING, extrapolated from how fast the steps
-# have become shorter over the last _MEMORY iterations. Wrinkles of fine meshes creep on with ever
-# smaller steps for thousands of iterations: below _CREEP they are invisible.
-_STILL = 1e-5
-_REMAINING = 1e-3
-_MEMORY = 10
-_CREEP = 5e-6
 _ROUNDING = 1e-12
 # In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
 _FARTHEST = 1e6
@@ -96,6 +95,8 @@ class Deformation:
     loose : "go", "stay" or int array
         What becomes of connected parts without held vertices: all go along with the nearest surface, all stay
         at rest, or those with these vertices stay.
+    convergence : Convergence
+        What ends the iterations.
 
     Attributes
     ----------
@@ -127,6 +128,7 @@ class Deformation:
         factored: Factored | None = None,
         soft: Soft = NO_SOFT,
         loose: str | Sequence[int] | np.ndarray = GO,
+        convergence: Convergence = DEFAULT_CONVERGENCE,
     ) -> None:
         if rest is None:
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
@@ -153,6 +155,8 @@ class Deformation:
             self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
             self._solver = self._solver_of(elastic, plain)
+        self._convergence = DEFAULT_CONVERGENCE
+        self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
@@ -200,6 +204,20 @@ class Deformation:
             self._goals = self._with_tolerance(self._goals)
             with cores_for(len(self.rest.shape.V)):
                 self._solver.keep(self._goals)
+
+    @property
+    def convergence(self) -> Convergence:
+        """Criteria that end the iterations."""
+        return self._convergence
+
+    @convergence.setter
+    def convergence(self, convergence: Convergence) -> None:
+        check_convergence(convergence)
+        if convergence.energy_tolerance != self._convergence.energy_tolerance:
+            with cores_for(len(self.rest.shape.V)):
+                self._solver.stop_at(convergence.energy_tolerance)
+            self._begin()
+        self._convergence = convergence
 
     def keep(
         self, area: float | None = None, volume: float | None = None, regions: Sequence[Region] = ()
@@ -263,7 +281,7 @@ class Deformation:
 
     def _begin(self) -> None:
         self._iteration = 0
-        self._steps: deque[float] = deque(maxlen=_MEMORY + 1)
+        self._steps: deque[float] = deque(maxlen=MEMORY + 1)
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
@@ -352,11 +370,7 @@ class Deformation:
     @property
     def _step_gap(self) -> float | None:
         """Last step and those to come, in multiples of what counts as settled."""
-        if len(self._steps) <= _MEMORY or self._steps[-1] >= self._steps[0]:
-            return None
-        last, first = self._steps[-1], self._steps[0]
-        rate = (last / first) ** (1.0 / _MEMORY)
-        return max(last / _STILL, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING))
+        return step_gap(self._steps, self._convergence.step_tolerance)
 
     def _drift(self) -> float:
         away = self._solver.held[: len(self._asked)] - self._asked

@@ -62,6 +62,9 @@ class IterativeSolver(Protocol):
     def gap(self) -> float | None:
         """Measure of convergence in multiples of its tolerance; None while not known."""
 
+    def stop_at(self, tolerance: float) -> None:
+        """Converge once ten steps together reduce the energy by at most this part."""
+
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
 

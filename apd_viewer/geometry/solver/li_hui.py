@@ -75,6 +75,9 @@ class LiHui:
         self._wanted = self._area.target / self._area.rest
         self.values = np.array([self._area.value(self.U)])
 
+    def stop_at(self, tolerance: float) -> None:
+        """Do nothing: no energy is descended in."""
+
     def restart(self, U: np.ndarray) -> None:
         """Continue from the positions ``U`` (n, 3)."""
         self.elastic.restart(U)

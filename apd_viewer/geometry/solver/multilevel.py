@@ -145,6 +145,10 @@ class Multilevel:
         """Gain of the fine steps in multiples of its tolerance; None before them."""
         return self.fine.gap if self.coarse.converged and not self._previews else None
 
+    def stop_at(self, tolerance: float) -> None:
+        """Converge once ten fine steps together reduce the energy by at most this part."""
+        self.fine.stop_at(tolerance)
+
     def stalls(self, tolerance: float) -> bool:
         """True if the last fine steps reduced the energy by at most this part."""
         return self.coarse.converged and self.fine.stalls(tolerance)

@@ -102,6 +102,12 @@ class Restarts:
         """Gain in multiples of its tolerance; 0 on trial, as the best shape has converged."""
         return 0.0 if self._on_trial else self._inner.gap
 
+    def stop_at(self, tolerance: float) -> None:
+        """Take a minimum for one once ten steps reduce the energy by at most this part."""
+        self._end_trial()
+        self._inner.stop_at(tolerance)
+        self._reset()
+
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
         self._end_trial()

@@ -15,6 +15,7 @@ from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.region_areas import region_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, NO_SOFT, Constraints, Soft, constraints
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,
@@ -69,6 +70,8 @@ class Document:
         What the shape is compared with; nothing is deformed to it.
     missing_target : MissingMesh or None
         The target shape of a session that was not found again.
+    convergence : Convergence
+        What ends the iterations.
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -91,6 +94,7 @@ class Document:
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
     missing_target: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
+    convergence: Convergence = field(default=DEFAULT_CONVERGENCE, metadata=NOT_FACTORED)
 
     # What follows from it
 

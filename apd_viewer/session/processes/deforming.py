@@ -33,4 +33,5 @@ def deformation_of(
         factored=factored,
         soft=held.soft,
         loose=document.staying,
+        convergence=document.convergence,
     )

@@ -20,7 +20,6 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.linear_solver import Factor
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import Constraints
-from apd_viewer.geometry.solver.deform import MOST_ITERATIONS
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.multilevel import make_ready
 from apd_viewer.geometry.warmup import warm_up
@@ -149,7 +148,8 @@ class Solver:
                 if self._orders.waiting:
                     return
                 continue
-            finished = walk.arrived and (solver.settled or iterations >= MOST_ITERATIONS)
+            most = solver.convergence.most_iterations
+            finished = walk.arrived and (solver.settled or iterations >= most)
             if finished:
                 took = time.perf_counter() - started
                 while tray is not None and not tray.free and not self._orders.waiting:
@@ -199,7 +199,7 @@ class Solver:
             self._solver = self._made(order, held)
         elif not alike(goals, self._goals):
             self._solver.keep(*targets_of(document))
-        self._solver.tolerance = document.tolerance
+        self._solver.tolerance, self._solver.convergence = document.tolerance, document.convergence
         self._solver.loose.choose(document.staying)
         self._warning = self._solver.loose.warning
         elsewhere = request.generation != self._generation

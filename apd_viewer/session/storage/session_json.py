@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
@@ -19,6 +20,7 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
@@ -52,11 +54,33 @@ def document_said(document: Document) -> dict[str, Any]:
         **{name: _number(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": _number(document.volume),
+        **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
         **({"base": _flags_said(document.base)} if document.base != NO_FLAGS else {}),
         **measurements_said(document.measurements),
     }
+
+
+def _convergence_said(convergence: Convergence) -> dict[str, Any]:
+    """The criteria that end the iterations, if they are not the usual ones."""
+    return {} if convergence == DEFAULT_CONVERGENCE else {"convergence": convergence._asdict()}
+
+
+def _convergence(said: Fields) -> Convergence:
+    if not said.says("convergence"):
+        return DEFAULT_CONVERGENCE
+    criteria = said.part("convergence")
+    found = Convergence(
+        criteria.count("most_iterations"),
+        criteria.number("energy_tolerance"),
+        criteria.number("step_tolerance"),
+    )
+    try:
+        check_convergence(found)
+    except InputError:
+        raise ValueError(tr("its “convergence” is damaged")) from None
+    return found
 
 
 def _handle_said(handle: Handle) -> dict[str, Any]:
@@ -107,6 +131,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         hold_area=said.flag("hold_area"),
         volume=_percent(said, "volume"),
         base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
+        convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
+from PySide6.QtWidgets import QLabel
 
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.language import tr
+from apd_viewer.ui.panel.convergence_fields import ConvergenceFields
+from apd_viewer.ui.panel.field_row import field_row
 from apd_viewer.ui.widgets.fields import Choice, Number
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.slider import DECADES
@@ -29,6 +31,7 @@ class MethodSection(Section):
         Relative, so 0.001 where the field says 0.1 %.
     area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
     stiffness : Dial
+    convergence : ConvergenceFields
     """
 
     method_chosen = Signal(str)
@@ -74,10 +77,10 @@ class MethodSection(Section):
         self.tolerance.valueChanged.connect(lambda percent: self.tolerance_chosen.emit(percent / 100.0))
         self.area_stiffness.valueChanged.connect(self.area_stiffness_chosen)
         self.shear_stiffness.valueChanged.connect(self.shear_stiffness_chosen)
-        self._tolerance = _row(tr("Tolerance"), self.tolerance)
+        self._tolerance = field_row(tr("Tolerance"), self.tolerance)
         self._moduli = (
-            _row(tr("Area stiffness"), self.area_stiffness),
-            _row(tr("Shear stiffness"), self.shear_stiffness),
+            field_row(tr("Area stiffness"), self.area_stiffness),
+            field_row(tr("Shear stiffness"), self.shear_stiffness),
         )
         for row in (self._tolerance, *self._moduli):
             row.hide()  # until a method uses it
@@ -87,6 +90,8 @@ class MethodSection(Section):
         label = QLabel(tr("Stiffness"), toolTip=tip)
         self.stiffness = Dial(label, DECADES, field, tr("Stiffness"), ends=(tr("cloth"), tr("sheet metal")))
         self.column.addWidget(self.stiffness)
+        self.convergence = ConvergenceFields()
+        self.column.addWidget(self.convergence)
 
     def show_settings(self, document: Document) -> None:
         """Show the method and its settings."""
@@ -100,6 +105,7 @@ class MethodSection(Section):
         self.area_stiffness.show_value(document.area_stiffness)
         self.shear_stiffness.show_value(document.shear_stiffness)
         self.stiffness.show_value(document.stiffness)
+        self.convergence.show_settings(document)
 
     def _describe(self, method: Method) -> None:
         self.heading.say(method.title, only_folded=True)
@@ -110,6 +116,7 @@ class MethodSection(Section):
         """Recolour the parts beyond the style sheet's reach."""
         super().set_theme(theme)
         self.stiffness.set_theme(theme)
+        self.convergence.set_theme(theme)
 
 
 def _modulus(name: str, tip: str) -> Number:
@@ -123,15 +130,3 @@ def _modulus(name: str, tip: str) -> Number:
     )
     field.setStepType(Number.StepType.AdaptiveDecimalStepType)
     return field
-
-
-def _row(title: str, field: Number) -> QWidget:
-    row = QWidget()
-    line = QHBoxLayout(row)
-    line.setContentsMargins(0, 0, 0, 0)
-    label = QLabel(title, toolTip=field.toolTip())
-    label.setBuddy(field)
-    line.addWidget(label)
-    line.addStretch(1)
-    line.addWidget(field)
-    return row

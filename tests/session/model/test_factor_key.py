@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from driven_session import BENT, document
 
+from apd_viewer.files.mesh_location import MissingMesh
+from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
@@ -40,6 +45,10 @@ OF_DOCUMENT = {
     "volume": lambda said: replace(said, volume=80.0),
     "staying": lambda said: replace(said, staying=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
+    "measurements": lambda said: replace(said, measurements=(Measurement("Width", Kind.DISTANCE),)),
+    "target": lambda said: replace(said, target=TargetShape(said.mesh)),
+    "missing_target": lambda said: replace(said, missing_target=MissingMesh({}, "It is gone.")),
+    "convergence": lambda said: replace(said, convergence=Convergence(100)),
 }
 OF_HANDLE = {
     "name": lambda said: of_handle(said, name="Neck"),

@@ -21,12 +21,13 @@ from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import State, opened
 from apd_viewer.session.model.view import Standpoint, View
 from apd_viewer.session.session import Session
-from apd_viewer.session.storage import session_file as saved_module
+from apd_viewer.session.storage import session_meshes
 from apd_viewer.session.storage.session_file import open_session, save_session
 from apd_viewer.session.store import Activity
 from apd_viewer.session.studies.replay import replay
@@ -38,6 +39,7 @@ SETTINGS: dict[str, dict[str, tuple]] = {
     "local": {"set_method": ("local",), "set_material": (7.0, 0.3)},
     "local, total area": {"set_method": ("local",), "hold_area": (True,), "set_volume": (100.0,)},
     "paper": {"set_method": ("paper",), "set_tolerance": (1e-4,)},
+    "converged earlier": {"set_convergence": (Convergence(700, 1e-5, 1e-4),)},
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "a soft handle": {"set_falloff": (1, 1.7)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
@@ -308,7 +310,7 @@ def test_a_sample_is_found_by_its_name(tmp_path, monkeypatch):
     """Another installation has it elsewhere."""
     mesh, _ = open_sample("duck")
     gone = {"path": "/gone/duck.obj", "relative": "gone/duck.obj"}
-    monkeypatch.setattr(saved_module, "whereabouts", lambda *given: {**whereabouts(*given), **gone})
+    monkeypatch.setattr(session_meshes, "whereabouts", lambda *given: {**whereabouts(*given), **gone})
     save_session(tmp_path / "a.apd", opened(mesh), VIEW)
     assert open_session(tmp_path / "a.apd")[0].document.mesh.path == mesh.path
 

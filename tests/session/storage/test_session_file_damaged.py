@@ -112,6 +112,8 @@ def test_a_missing_member(name, refused):
 
 
 POSE = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+NO_ITERATIONS = {"most_iterations": 0, "energy_tolerance": 1e-7, "step_tolerance": 1e-5}
+NO_END = {"most_iterations": 10, "energy_tolerance": 1e-7, "step_tolerance": 0.0}
 WRONG = {
     "newer": (("version",), 2, "saved by a newer version of the program; update"),
     "no version": (("version",), 0, "“version” is damaged"),
@@ -138,6 +140,17 @@ WRONG = {
     "NaN in pose": (("document", "handles", 0, "pose", 0, 3), float("nan"), "“session.json” is damaged"),
     "absurd pose": (("document", "handles", 0, "pose", 0, 3), 10**400, "“pose” is damaged"),
     "tolerance of 0": (("document", "tolerance"), 0, "“tolerance” is damaged"),
+    "no iterations": (
+        ("document", "convergence"),
+        NO_ITERATIONS,
+        "“convergence” is damaged",
+    ),
+    "criteria missing": (
+        ("document", "convergence"),
+        {"most_iterations": 9},
+        "“energy_tolerance” is damaged",
+    ),
+    "endless": (("document", "convergence"), NO_END, "“convergence” is damaged"),
     "stiffness below 0": (("document", "stiffness"), -1.0, "“stiffness” is damaged"),
     "area of words": (("document", "area"), "all", "“area” is damaged"),
     "no volume": (("document", "volume"), 0, "“volume” is damaged"),

@@ -10,6 +10,7 @@ from driven_session import BENT, LONG, document
 
 import apd_viewer
 from apd_viewer.geometry.energy import elastic
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.methods import COMPARED
 from apd_viewer.session.processes import process_client
 from apd_viewer.session.studies.comparison import Comparison
@@ -93,7 +94,8 @@ def endless(monkeypatch):
     monkeypatch.setattr(
         "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
     )
-    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 10**9)
+    never = property(lambda _: Convergence(most_iterations=10**9), lambda *_: None)
+    monkeypatch.setattr("apd_viewer.geometry.solver.deformation.Deformation.convergence", never)
 
 
 def test_what_is_not_wanted_any_more_gives_way(begun, cold, monkeypatch):

@@ -14,6 +14,7 @@ from PySide6.QtGui import QImage
 import apd_viewer
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.method_readings import _error, columns
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.filing import file_dialogs
@@ -256,7 +257,8 @@ def endless(monkeypatch):
     monkeypatch.setattr(
         "apd_viewer.geometry.solver.deformation.Deformation.settled", property(lambda _: False)
     )
-    monkeypatch.setattr("apd_viewer.session.processes.solver.MOST_ITERATIONS", 10**9)
+    never = property(lambda _: Convergence(most_iterations=10**9), lambda *_: None)
+    monkeypatch.setattr("apd_viewer.geometry.solver.deformation.Deformation.convergence", never)
 
 
 def solvers():

@@ -304,3 +304,40 @@ def test_sr_arap_is_offered_and_deforms(qtbot, bottle):
     assert document(bottle).method == "sr-arap"
     assert bottle.session.store.activity is Activity.SETTLED
     assert shown(bottle) == {"stiffness"}
+
+
+def test_convergence_is_folded_and_shows_what_applies(qtbot, bottle):
+    fields, shell = bottle.panel.method.convergence, bottle.shell
+
+    def seen():
+        return [name for name in ("most", "energy", "step") if getattr(fields, name).isVisibleTo(shell)]
+
+    assert seen() == []
+    qtbot.mouseClick(fields.heading, Qt.MouseButton.LeftButton)
+    for method, names in (
+        ("exact", ["most", "energy"]),
+        ("sr-arap", ["most", "step"]),
+        ("arap", ["most", "energy"]),
+    ):
+        choose(bottle, method)
+        assert seen() == names
+    before = document(bottle)
+    for field, text in ((fields.most, "250"), (fields.energy, "1e-9")):
+        field.setFocus()
+        field.selectAll()
+        qtbot.keyClicks(field, text)
+        qtbot.keyClick(field, Qt.Key.Key_Return)
+    assert document(bottle).convergence == (250, 1e-9, 1e-5)
+    assert bottle.session.gestures.history.next_undo == "Change convergence"
+    assert fields.energy.text() == "1e-09"
+    assert fields.heading.reading == "changed"
+    bottle.actions_.undo.trigger()
+    bottle.actions_.undo.trigger()
+    assert document(bottle) is before
+    assert fields.heading.reading == ""
+    assert fields.most.value() == 10_000
+    fields.most.setFocus()  # what is refused is explained and changes nothing
+    fields.most.lineEdit().setText("0")
+    qtbot.keyClick(fields.most, Qt.Key.Key_Return)
+    assert document(bottle) is before
+    assert fields.most._error.isVisible()

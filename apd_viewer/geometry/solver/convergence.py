@@ -1,0 +1,68 @@
+"""Criteria that end the iterations of a deformation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from numbers import Integral, Real
+from typing import NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+# Settled: the last iteration moved no vertex by more than the step tolerance, and the remaining ones together
+# will move none by more than _REMAINING times that, extrapolated from how fast the steps have become shorter
+# over the last MEMORY iterations. Wrinkles of fine meshes creep on with ever smaller steps for thousands of
+# iterations: below _CREEP of the tolerance they are invisible.
+_REMAINING = 100.0
+_CREEP = 0.5
+MEMORY = 10
+MOST_ITERATIONS = 10_000_000  # that can be asked for
+LARGEST_TOLERANCE = 0.1
+
+
+class Convergence(NamedTuple):
+    """Criteria that end the iterations of a deformation.
+
+    Attributes
+    ----------
+    most_iterations : int
+        Wrinkles of fine meshes can creep on indefinitely; the iterations end here, unconverged.
+    energy_tolerance : float
+        Of methods that descend in an energy: converged once ten steps together reduce it by at most this
+        part.
+    step_tolerance : float
+        Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
+        the bounding box's diagonal, and those to come by no more than a hundred times that.
+    """
+
+    most_iterations: int = 10_000
+    energy_tolerance: float = 1e-7
+    step_tolerance: float = 1e-5
+
+
+DEFAULT_CONVERGENCE = Convergence()
+
+
+def check_convergence(convergence: Convergence) -> None:
+    """Raise InputError unless the criteria can be used."""
+    most = convergence.most_iterations
+    if not isinstance(most, Integral) or not 1 <= most <= MOST_ITERATIONS:
+        raise InputError(
+            tr("The most iterations must be a whole number from 1 to {most:,}.").format(most=MOST_ITERATIONS)
+        )
+    for tolerance in (convergence.energy_tolerance, convergence.step_tolerance):
+        if not isinstance(tolerance, Real) or not 0.0 < tolerance <= LARGEST_TOLERANCE:
+            sentence = tr("The tolerances of convergence must be above 0 and at most {most}, such as 1e-7.")
+            raise InputError(sentence.format(most=LARGEST_TOLERANCE))
+
+
+def step_gap(steps: Sequence[float], tolerance: float) -> float | None:
+    """Last step and those to come, in multiples of what counts as settled.
+
+    None before there are enough ``steps``, or while they do not become shorter.
+    """
+    if len(steps) <= MEMORY or steps[-1] >= steps[0]:
+        return None
+    last, first = steps[-1], steps[0]
+    rate = (last / first) ** (1.0 / MEMORY)
+    return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance
