@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.analysis.bounding_boxes import compactness
-from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.pose.frame import MET
 from apd_viewer.geometry.pose.winding import signed_angle
 from apd_viewer.language import tr, trc
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 NOTHING, LATER = "–", "…"
 DISTANCES = (tr("Largest"), "largest"), (tr("RMS"), "rms"), (tr("Mean"), "mean")
+_ALIGNED = math.cos(math.radians(1.0))  # between a rotation and the axis of a twist
 _KEPT = 1e-6  # tolerance of a region's target, in percent of its rest area
 
 
@@ -178,16 +179,34 @@ def motion(document: Document, k: int, unit: Unit, size: float) -> str:
     if centre is None:
         return tr("Paint it with Paint handle")
     handle = document.handles[k]
-    moved = handle.pose[:3, :3] @ centre + handle.pose[:3, 3] - centre
-    way = length(float(np.linalg.norm(moved)), size)
-    turned = signed(math.degrees(signed_angle(handle.rotation)), 1)
+    now = handle.pose[:3, :3] @ centre + handle.pose[:3, 3]
+    way = length(float(np.linalg.norm(now - centre)), size)
+    angle, twists = _rotation(document, k, now)
+    rotated = tr("twisted {angle}°") if twists else tr("rotated {angle}°")
     scale = f"{np.cbrt(np.linalg.det(handle.pose[:3, :3])):.2f}"
     parts = (
         (way != "0", tr("moved {length}").format(length=unit.length(way))),
-        (turned != signed(0.0, 1), tr("rotated {angle}°").format(angle=turned)),
+        (angle != signed(0.0, 1), rotated.format(angle=angle)),
         (scale != "1.00", tr("scaled by {factors}").format(factors=scale)),
     )
     return ", ".join(text for has, text in parts if has) or tr("at rest")
+
+
+def _rotation(document: Document, k: int, centre: np.ndarray) -> tuple[str, bool]:
+    """Total rotation in degrees, and whether it is a twist.
+
+    A twist has the sign that it was typed with: that about the line from the base to the handle.
+    """
+    from apd_viewer.session.model import memo  # Here: SciPy comes with it, and the first picture needs none.
+
+    rotation = document.handles[k].rotation
+    axis = (
+        centre - memo.centre(document.labels, document.grip, BASE) if document.counts[BASE] else np.zeros(3)
+    )
+    along = float(rotation @ axis)
+    twists = abs(along) > _ALIGNED * float(np.linalg.norm(rotation) * np.linalg.norm(axis))
+    angle = math.copysign(float(np.linalg.norm(rotation)), along) if twists else signed_angle(rotation)
+    return signed(math.degrees(angle), 1), twists
 
 
 def regions(state: State, unit: Unit) -> list[tuple[str, str]]:

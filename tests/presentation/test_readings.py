@@ -7,8 +7,8 @@ import pytest
 from driven_session import bar
 
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.constraints import HANDLE
-from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about
+from apd_viewer.geometry.pose.constraints import BASE, HANDLE
+from apd_viewer.geometry.pose.transforms import scaled_about, shifted, turned_about, twist
 from apd_viewer.presentation.readings import motion
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
@@ -39,3 +39,17 @@ def test_a_motion_says_what_it_has(painted, moves, turns, grows, said):
     pose = shifted(moves * X) @ turned_about(centre, X, angle) @ scaled_about(centre, grows)
     moved = replace(painted, handles=(painted.handles[0].moved(pose),))
     assert motion(moved, 0, Unit.MILLIMETRE, 1.0) == said
+
+
+@pytest.mark.parametrize("axis", [X, -X])
+@pytest.mark.parametrize(("turns", "said"), [(90.0, "twisted +90.0°"), (-90.0, "twisted −90.0°")])
+def test_a_twist_has_the_sign_that_it_was_typed_with(painted, axis, turns, said):
+    away = painted.mesh.V @ axis
+    labels = np.where(away > np.median(away), HANDLE, BASE)
+    both = replace(painted, labels=frozen(labels.astype(np.uint8)))
+    base, handle = (both.grip[both.labels == code].mean(axis=0) for code in (BASE, HANDLE))
+    moved = replace(both, handles=(both.handles[0].moved(twist(base, handle, np.deg2rad(turns))),))
+    assert motion(moved, 0, Unit.MILLIMETRE, 1.0) == said
+    across = turned_about(handle, [0.0, -1.0, 0.0], np.deg2rad(turns))
+    crossed = replace(both, handles=(both.handles[0].moved(across),))
+    assert motion(crossed, 0, Unit.MILLIMETRE, 1.0).startswith("rotated")

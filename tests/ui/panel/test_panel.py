@@ -57,7 +57,7 @@ def test_the_readings_are_those_of_the_frame(qtbot, bottle):
     change = 100 * (state.frame.volume / state.inspection.volume - 1)
     assert panel.volume.change.replace("−", "-") in (f"{change:+.2f} %", "unchanged")
     assert panel.handles.drift.text() == "0"
-    assert re.fullmatch(r"rotated [+−]\d+\.\d°", details.text()), "only that it has"
+    assert re.fullmatch(r"(twisted|rotated) [+−]\d+\.\d°", details.text()), "only that it has"
     held = state.document.counts[HANDLE]
     assert panel.handles.list.rows[0].reading.text() == f"{held:,} vertices"
 
