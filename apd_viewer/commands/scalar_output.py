@@ -43,7 +43,7 @@ def check_scalar_options(options: argparse.Namespace) -> None:
         check_scalar_file(options.scalars)
     if options.triangle_scalars and options.triangle_scalars.suffix.lower() != ".csv":
         name = options.triangle_scalars.name
-        raise InputError(tr("{name} is no table; use the ending .csv.").format(name=name))
+        raise InputError(tr("{name} is not a table; use the ending .csv.").format(name=name))
 
 
 def write_scalar_files(

@@ -26,7 +26,7 @@ def check_film(path: Path) -> None:
     """Raise InputError unless a film can be written to ``path``."""
     if path.suffix.lower() not in KINDS:
         raise InputError(
-            tr("{name} is not a file name of an animation; use the ending {kinds}.").format(
+            tr("{name} does not have the ending of an animation; use {kinds}.").format(
                 name=path.name, kinds=tr(" or ").join(KINDS)
             )
         )

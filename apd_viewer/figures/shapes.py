@@ -54,9 +54,7 @@ class Picture(NamedTuple):
 def check_picture(path: Path) -> None:
     """Raise InputError unless ``path`` names a picture."""
     if path.suffix.lower() != ".png":
-        raise InputError(
-            tr("{name} is not a file name of a picture; use the ending .png.").format(name=path.name)
-        )
+        raise InputError(tr("{name} does not have the ending of a picture; use .png.").format(name=path.name))
 
 
 def no_pictures() -> str:

@@ -43,7 +43,9 @@ def check_scalar_file(path: str | Path) -> Path:
     """Return ``path`` if its name allows writing scalars, else raise InputError."""
     path = Path(path)
     if path.suffix.lower() not in (".csv", ".ply"):
-        raise InputError(tr("{name} is no file for scalars; use .csv or .ply.").format(name=path.name))
+        raise InputError(
+            tr("{name} cannot hold scalars; use the ending .csv or .ply.").format(name=path.name)
+        )
     return path
 
 

@@ -85,10 +85,10 @@ def _check(document: Document) -> None:
     mesh = document.mesh
     if mesh.path is None or isinstance(mesh.origin, Baked):
         raise InputError(
-            tr("The rest shape is in no file: export it with the handles reset, open that, and try again.")
+            tr("The rest shape is not in a file; reset the handles, export the mesh and open the file.")
         )
     if any(handle.falloff for handle in document.handles):
-        raise InputError(tr("A falloff cannot be said in these lines; save the session and replay it."))
+        raise InputError(tr("Python lines cannot express a falloff; save the session and replay it."))
 
 
 def _target(document: Document) -> str:

@@ -157,10 +157,10 @@ def _ids(runs: object, n: int) -> np.ndarray:
         raise ValueError(tr("one of its parts has no list of vertices"))
     pairs = [run if isinstance(run, list) else [run, run] for run in runs]
     if not all(len(pair) == 2 and type(pair[0]) is int and type(pair[1]) is int for pair in pairs):
-        raise ValueError(tr("its vertices must be ids or pairs of ids"))
+        raise ValueError(tr("its vertices must be IDs or pairs of IDs"))
     if not all(0 <= first <= last < n for first, last in pairs):
         raise InputError(
-            tr("It refers to a vertex that does not exist (ids run from 0 to {last:,}); correct it.").format(
+            tr("It refers to a vertex that does not exist (IDs run from 0 to {last:,}); correct it.").format(
                 last=n - 1
             )
         )

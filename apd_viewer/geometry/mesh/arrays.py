@@ -36,7 +36,7 @@ def whole_numbers(given: object, what: str) -> np.ndarray:
     """Int64 copy of a caller's array; InputError if rounding would be needed."""
     array = numbers(given, what)
     if not (np.abs(array) < 2.0**53).all() or (array != np.rint(array)).any():
-        raise InputError(tr("{what} must be whole numbers: vertex ids, counted from 0.").format(what=what))
+        raise InputError(tr("{what} must be whole numbers: vertex IDs, counted from 0.").format(what=what))
     return array.astype(np.int64)
 
 

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 # Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
-    "held": (tr("The held vertices"), tr("A held vertex does not exist: ids run from 0 to {last:,}.")),
+    "held": (tr("The held vertices"), tr("A held vertex does not exist: IDs run from 0 to {last:,}.")),
     "loose": (
         tr("The vertices of parts that stay"),
-        tr("A vertex of a part that stays does not exist: ids run from 0 to {last:,}."),
+        tr("A vertex of a part that stays does not exist: IDs run from 0 to {last:,}."),
     ),
-    "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: ids run from 0 to {last:,}.")),
+    "handle": (tr("The handle vertices"), tr("A handle vertex does not exist: IDs run from 0 to {last:,}.")),
 }
 
 
@@ -41,7 +41,7 @@ def handle_of(
 ) -> np.ndarray:
     """For each held vertex of the solve the number of its handle, from 1; 0 is base."""
     if handle is not None and not isinstance(handle, (np.ndarray, Sequence)):
-        raise InputError(tr("The handle must be an array of vertex ids, or a list of such arrays."))
+        raise InputError(tr("The handle must be an array of vertex IDs, or a list of such arrays."))
     several = handle is not None and len(handle) > 0 and np.ndim(handle[0]) > 0
     handles = () if handle is None else handle if several else (handle,)
     number = np.zeros(len(solve_ids), dtype=np.int64)

@@ -110,7 +110,7 @@ def patch_of(rest: RestMesh, region: Region) -> Patch:
     ).ravel()
     if len(vertices) and not 0 <= vertices.min() <= vertices.max() < len(rest.V):
         raise InputError(
-            tr("The region “{name}” has a vertex that does not exist; correct its ids.").format(
+            tr("The region “{name}” has a vertex that does not exist; correct its IDs.").format(
                 name=region.name
             )
         )

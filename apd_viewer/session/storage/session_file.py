@@ -75,7 +75,7 @@ def save_session(
     path = Path(path)
     if path.suffix.lower() != SUFFIX:
         raise InputError(
-            tr("{name} is not a file name of a session; use the ending {ending}.").format(
+            tr("{name} does not have the ending of a session; use {ending}.").format(
                 name=path.name, ending=SUFFIX
             )
         )

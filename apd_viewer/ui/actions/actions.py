@@ -108,7 +108,7 @@ class Actions:
         keys = tr("View and change the keyboard shortcuts")
         tour = tr("Learn the program in five steps, on a bottle")
         tables = tr("Reproduce the tables of Li and Hui, with figures")
-        diagnostics = tr("Copy versions, graphics driver and the end of the log, for a report of a defect")
+        diagnostics = tr("Copy versions, graphics driver and the end of the log, for a bug report")
         about = tr("Version, licence and source of the method")
         return [
             make("shortcuts", tr("&Shortcuts…"), "keyboard", keys, ("F1", "?"), commands.list_shortcuts),

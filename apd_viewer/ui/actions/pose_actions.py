@@ -137,7 +137,7 @@ class PoseActions:
             "pause",
             tr("Pause or c&ontinue solving"),
             "pause",
-            tr("Stop the solver where it is, or let it go on"),
+            tr("Pause the solver, or let it continue"),
             "Space",
             commands.pause,
         )

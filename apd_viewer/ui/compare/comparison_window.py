@@ -136,7 +136,7 @@ class ComparisonWindow(QWidget):
         column.addLayout(foot)
 
     def give_keys(self, keys: list[QKeySequence], do: Callable[[], object]) -> None:
-        """Have keys do something, as they do in the main window."""
+        """Add shortcuts of the main window."""
         for sequence in keys:
             QShortcut(sequence, self, do)
 

@@ -70,7 +70,7 @@ class LinkedViews(QWidget):
             view.begin(state)
 
     def look(self, state: State, eye: Camera) -> None:
-        """Look along another camera at the extent of all shapes, as known."""
+        """Use another camera, with all shapes so far in view."""
         look = self._first.viewport.look
         own = look.eye
         look.eye = replace(
@@ -87,7 +87,7 @@ class LinkedViews(QWidget):
         self.frame()
 
     def frame(self) -> None:
-        """Show all of every shape."""
+        """Frame all shapes."""
         self._frame(np.vstack([self.views[name].surface.U for name in self._shown]))
 
     @property

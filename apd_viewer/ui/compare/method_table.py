@@ -26,7 +26,7 @@ _ROW = 28  # px
 
 
 class OutcomeTable(QTableWidget):
-    """Methods down, readings across; figures stand under each other."""
+    """Rows of methods and columns of readings, with aligned figures."""
 
     def __init__(self) -> None:
         super().__init__(objectName="outcomes", accessibleName=tr("Measurements of the methods"))
@@ -50,7 +50,7 @@ class OutcomeTable(QTableWidget):
         self.columns: list[Column] = []
 
     def begin(self, columns: list[Column]) -> None:
-        """Have these columns."""
+        """Set the columns."""
         self.columns = columns
         self.setColumnCount(len(columns))
         for k, column in enumerate(columns):
@@ -59,7 +59,7 @@ class OutcomeTable(QTableWidget):
             self.setHorizontalHeaderItem(k, head)
 
     def show_methods(self, titles: Sequence[str]) -> None:
-        """Have a line for each of these."""
+        """Set the rows."""
         self.setRowCount(len(titles))
         self.setVerticalHeaderLabels(list(titles))
         self.updateGeometry()
@@ -78,11 +78,11 @@ class OutcomeTable(QTableWidget):
                 item.setText(text)
 
     def sizeHint(self) -> QSize:
-        """As high as its lines."""
+        """Height of all rows."""
         head = self.horizontalHeader().sizeHint().height()
         bar = self.horizontalScrollBar().sizeHint().height()
         return QSize(super().sizeHint().width(), head + _ROW * self.rowCount() + bar)
 
     def minimumSizeHint(self) -> QSize:
-        """No less high."""
+        """The same."""
         return QSize(240, self.sizeHint().height())

@@ -28,7 +28,7 @@ class SharedScale(QWidget):
     ----------
     scale : Scale
     changed : Signal()
-        It reaches elsewhere.
+        The range is another one.
     """
 
     changed = Signal()

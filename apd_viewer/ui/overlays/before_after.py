@@ -82,7 +82,7 @@ class BeforeAfter(QFrame):
         self.hide()
 
     def show_card(self, on: bool) -> None:
-        """Show the card, or put it away."""
+        """Show or hide the card."""
         self.slider.go_back()
         self.setVisible(on)
 

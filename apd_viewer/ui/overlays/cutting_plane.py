@@ -91,7 +91,7 @@ class CuttingPlane(QFrame):
         grid.addWidget(self.slider, 2, 0, 1, 2)
 
     def show_card(self, on: bool) -> None:
-        """Cut the shape and show the card, or put both away."""
+        """Cut the shape and show the card, or neither."""
         self.setVisible(on)
         self._cut()
 

@@ -88,7 +88,7 @@ class Looks:
         self._keep()
 
     def turn(self, on: bool) -> None:
-        """Let the camera go around the mesh, or stop it."""
+        """Start or stop the turntable."""
         self.turntable.on = on
 
     def follow(self, state: State) -> None:

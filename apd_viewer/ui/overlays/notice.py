@@ -96,7 +96,7 @@ class Notice(QFrame):
         return self._text.text() if not self.isHidden() else ""
 
     def tell(self, sentence: str) -> None:
-        """Show something to know; it leaves by itself."""
+        """Show a message; it disappears by itself."""
         self._show(sentence, "message")
         self._timer.start()
 
@@ -175,7 +175,7 @@ class Invitation(QLabel):
 
 
 class Empty(QWidget):
-    """The middle of the canvas while no mesh is open."""
+    """Empty state: an invitation to open a mesh."""
 
     def __init__(self, canvas: Viewport, requests: FileRequests) -> None:
         super().__init__(canvas)
@@ -197,7 +197,7 @@ class Empty(QWidget):
         canvas.resized.connect(self._place)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Stand in the middle of the canvas."""
+        """Centre on the canvas."""
         super().showEvent(event)
         self._place()
 

@@ -77,7 +77,7 @@ class Typed:
         return self.vertices, self.brush, self.pivot
 
     def open(self, card: TypedCard) -> None:
-        """Show a card, and put the others away."""
+        """Show a card and hide the others."""
         if self._session.store.state is not None:
             for other in self.cards:
                 if other is not card and other.isVisible():

@@ -68,7 +68,7 @@ class TypedCard(QFrame):
         self.asked.emit(self.text.text())
 
     def close_card(self) -> None:
-        """Put it away, and give the keys back to the canvas."""
+        """Hide the card and return the focus to the canvas."""
         self.hide()
         self._canvas.setFocus()
         self.closed.emit()

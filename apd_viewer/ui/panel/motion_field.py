@@ -19,7 +19,7 @@ _TIPS = {
     "SCALE": tr("About the centre of the handle: a factor such as 1.2 or 80%"),
 }
 _PAUSE = 600  # ms; before, a half-typed amount is no error
-_RELATION = tr("“by” moves on from where the handle is, “to” goes to a total since it was gripped")
+_RELATION = tr("“by” adds to the current pose, “to” sets the total from rest")
 
 
 class MotionField(QWidget):

@@ -107,7 +107,7 @@ class StatusBar(QStatusBar):
     def _show_pause(self, activity: Activity) -> None:
         paused = activity.value == _PAUSED
         self.pause.setText(tr("Continue") if paused else tr("Pause"))
-        self.pause.setToolTip(tr("Let the solver go on") if paused else tr("Stop the solver where it is"))
+        self.pause.setToolTip(tr("Continue solving") if paused else tr("Pause the solver"))
         self.pause.setVisible(activity.value in (_PAUSED, _SOLVING))
 
 

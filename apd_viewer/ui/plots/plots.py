@@ -158,12 +158,12 @@ class Plots(QWidget):
         self._histogram.setEnabled(self._store.state is not None)
 
     def end(self) -> None:
-        """Wait for compilation: at interpreter exit it would crash."""
+        """Wait for compilation, which would crash at interpreter exit."""
         if self._loading.ident is not None:
             self._loading.join()
 
     def follow(self) -> None:
-        """Something has changed: draw anew with the next frame, if this can be seen."""
+        """Redraw with the next frame, if visible."""
         if self.isVisible():
             for view in self.views.values():
                 view.update()
@@ -199,7 +199,7 @@ class Plots(QWidget):
         return _SIZE
 
     def minimumSizeHint(self) -> QSize:
-        """Less than the charts need beside each other: they can go below each other."""
+        """Width of one chart: charts can be stacked."""
         return _SMALLEST
 
     def resizeEvent(self, event: QResizeEvent) -> None:

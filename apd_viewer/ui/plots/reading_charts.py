@@ -1,4 +1,4 @@
-"""The readings of a shape and of the way to it, as charts."""
+"""Charts of the readings of a gesture and its shape."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def area_error(state: State | None, trace: Trace) -> Chart:
     if state is None or len(trace) < 2:
         return Chart(title, empty=tr("Move a handle to see the area error here."))
     limit, name = _accepted(state.document)
-    # Of what is far better than asked, nobody needs to see how much better it is.
+    # Errors far below the tolerance are all the same to the reader.
     miss = np.maximum(trace["area_miss"], _DEEPEST * (limit or _ROUGHLY))
     reached = [float(miss.min()), float(miss.max()), *([limit] if limit else [])]
     now = float(trace["area_miss"][-1])

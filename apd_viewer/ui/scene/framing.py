@@ -9,16 +9,16 @@ from PySide6.QtCore import QRectF
 
 from apd_viewer.ui.scene.camera import Camera
 
-# What is seen of a part is found out at so many of its vertices.
+# Vertices of a part that are tested for visibility.
 _SAMPLES = 32
-# The camera stays with so much of what the best view shows, and goes no further than to so much.
+# Shares of what the best view shows: enough to stay, and to go no further than.
 _ENOUGH, _BEST = 0.4, 0.9
-# What it goes to: so many ways around, from so high and so low.
+# Candidate views: azimuths, and elevations in radians.
 _WAYS = 12
 _HEIGHTS = np.deg2rad([0.0, 30.0, -30.0, 60.0, -60.0])
-# So much of a part may be covered.
+# Share of a part that may be covered.
 _UNSEEN = 0.2
-# Around a part, so much of the whole mesh is shown with it.
+# Share of the mesh shown around a part.
 _AROUND = 0.08
 
 # Origins and directions of rays, (k, 3), to the distances at which they meet the surface, (k,).

@@ -67,7 +67,7 @@ class Look:
         camera.SetFocalPoint(*eye.focal)
         camera.SetViewUp(*eye.up)
         camera.SetViewAngle(np.rad2deg(eye.angle))
-        # All at once: the window is put together once for all that is drawn, and not for each.
+        # All at once: Qt composes the window once for all viewports, and not for each.
         for look in (self, *self.linked):
             look._up_axis = eye.up_axis
             look._viewport.update()

@@ -62,7 +62,7 @@ class Studio:
         self.size = self._aim(np.concatenate([state.document.mesh.V[used], state.frame.U[used]]))
 
     def _aim(self, points: np.ndarray) -> QSize:
-        """Look at all of the points; how large a picture suits them."""
+        """Frame all points and return the size of a picture that suits them."""
         eye = self._viewport.look.eye
         right, up, _ = eye.axes
         wide, high = float(np.ptp(points @ right)), float(np.ptp(points @ up))

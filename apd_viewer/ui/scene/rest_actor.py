@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class RestActor(ABC):
-    """Can be switched on, follows the mesh, and takes nothing while it is off.
+    """Actor of the rest shape, switched on and off; without cost while off.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def _on_nothing(window: vtkRenderWindow, scene: vtkRenderer, transparent: bool) 
 
 @contextmanager
 def _thicker(scene: vtkRenderer, factor: float) -> Iterator[None]:
-    """Draw lines as thick, against the rest, as they are seen."""
+    """Scale the widths of lines with the picture."""
     _thicken(scene, factor)
     try:
         yield

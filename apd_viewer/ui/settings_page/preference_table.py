@@ -131,7 +131,7 @@ THREADS: Preference[int] = Preference(
         )
     ),
     tr("Threads"),
-    tr("Most processor cores used at a time by the solver and the measurements"),
+    tr("Largest number of processor cores for the solver and the measurements"),
     _RESTART,
 )
 

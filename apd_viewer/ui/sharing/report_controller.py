@@ -101,7 +101,7 @@ class Reporting:
     def copy_diagnostics(self) -> None:
         """Copy diagnostics to the clipboard."""
         QGuiApplication.clipboard().setText(diagnostics(self._canvas.viewport.opengl))
-        self._notice.tell(tr("Diagnostics copied; paste them into your report."))
+        self._notice.tell(tr("Diagnostics copied; paste them into your bug report."))
 
     def copy_python(self) -> None:
         """Copy the Python lines that repeat the deformation."""

@@ -98,7 +98,7 @@ class Painter(Selector):
             self._viewport.overlay.update()
 
     def cancel(self) -> bool:
-        """Give the stroke up; True if there was one."""
+        """Cancel the stroke; True if there was one."""
         if self._covered is None:
             return False
         self._covered = None

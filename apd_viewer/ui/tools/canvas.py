@@ -123,7 +123,7 @@ class Canvas(QObject):
         self.pivots.chosen.connect(self.handle_chosen)
 
     def take(self, tool: Tool) -> None:
-        """Put ``tool`` into the hand."""
+        """Use ``tool``."""
         self.tool = tool
         self._put_into_hand()
 

@@ -85,7 +85,7 @@ class ClickSelector(Selector):
             self.missed.emit()
 
     def cancel(self) -> bool:
-        """Give a press up; True if there was one."""
+        """Cancel a press; True if there was one."""
         if not self._pressed:
             return False
         self._pressed = False
@@ -105,7 +105,7 @@ class ClickSelector(Selector):
         return True
 
     def leave(self) -> None:
-        """Show nothing any more."""
+        """Hide the preview."""
         if self._cursor is not None:
             self._cursor = self._hit = None
             self.previewed.emit(None)

@@ -94,7 +94,7 @@ class Gizmo(MouseTool, QObject):
         self._viewport.overlay.update()
 
     def place(self, pose: np.ndarray, pivot: np.ndarray) -> None:
-        """Stand at ``pose`` applied to ``pivot``; ignored during a drag.
+        """Place the gizmo at ``pose`` applied to ``pivot``; ignored during a drag.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ class Gizmo(MouseTool, QObject):
         return True
 
     def release(self, _event: QMouseEvent) -> None:
-        """Let go."""
+        """End the drag."""
         if self._drag is None:
             return
         self._finish()
@@ -162,7 +162,7 @@ class Gizmo(MouseTool, QObject):
             self.ended.emit()
 
     def leave(self) -> None:
-        """The cursor is somewhere else."""
+        """Forget the cursor."""
         self._show(None)
 
     def cancel(self) -> bool:

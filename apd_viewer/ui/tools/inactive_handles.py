@@ -81,7 +81,7 @@ class Pivots(MouseTool, QObject):
         self._hot: int | None = None
 
     def place(self, pivots: Sequence[Pivot]) -> None:
-        """Stand at these; nowhere when there are none."""
+        """Show the dots of these pivots."""
         if pivots or self._pivots:
             self._pivots = tuple(pivots)
             self._viewport.overlay.update()
@@ -97,7 +97,7 @@ class Pivots(MouseTool, QObject):
         return True
 
     def release(self, event: QMouseEvent) -> None:
-        """Let go of the handle."""
+        """Release the handle."""
         self._gizmo.release(event)
 
     def move(self, event: QMouseEvent) -> bool:
@@ -111,7 +111,7 @@ class Pivots(MouseTool, QObject):
         return number is not None
 
     def leave(self) -> None:
-        """The cursor is somewhere else."""
+        """Forget the cursor."""
         self._show(None)
 
     def paint(self, painter: QPainter) -> None:

@@ -105,7 +105,7 @@ class OutlineSelector(Selector):
         return True
 
     def cancel(self) -> bool:
-        """Give the outline up; True if there was one."""
+        """Cancel the outline; True if there was one."""
         if not self._corners:
             return False
         self._end()

@@ -29,7 +29,7 @@ class PointPicker(MouseTool, QObject):
     shown : (k, 3) float array
         Points that are marked, joined by a line, whether or not any are asked for.
     asks : Signal(str)
-        What the user is to do; empty once that is done or called off.
+        What the user is to do; empty once that is done or cancelled.
     """
 
     asks = Signal(str)
@@ -87,13 +87,13 @@ class PointPicker(MouseTool, QObject):
                 self._then(points)
 
     def leave(self) -> None:
-        """The cursor is somewhere else."""
+        """Forget the cursor."""
         if self._hit is not None:
             self._hit = None
             self._viewport.overlay.update()
 
     def cancel(self) -> bool:
-        """Take no click any more; True if one was waited for."""
+        """Stop waiting for clicks; True if it did."""
         waited, self._wanted, self._points = self._wanted > 0, 0, []
         if waited:
             self.asks.emit("")

@@ -90,7 +90,7 @@ class SlabSelector(Selector):
                 self._apply(act, vertices)
 
     def wheel(self, event: QWheelEvent) -> bool:
-        """Take another axis."""
+        """Choose another axis."""
         if not self._enabled or event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             return False
         if self._start is None and (event.angleDelta().y() or event.angleDelta().x()):
@@ -100,13 +100,13 @@ class SlabSelector(Selector):
         return True
 
     def leave(self) -> None:
-        """Show no plane any more."""
+        """Hide the planes."""
         if self._start is None and self._here is not None:
             self._here = None
             self._viewport.overlay.update()
 
     def cancel(self) -> bool:
-        """Give the drag up; True if there was one."""
+        """Cancel the drag; True if there was one."""
         if self._start is None:
             return False
         self._finish()

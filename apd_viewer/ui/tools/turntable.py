@@ -1,4 +1,4 @@
-"""The camera goes around the shape, until somebody takes it."""
+"""Turntable: the camera orbits the shape until a tool takes the mouse."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Turntable(MouseTool, QObject):
             self._timer.stop()
 
     def press(self, _: QMouseEvent) -> bool:
-        """Stop for whoever takes the mouse."""
+        """Stop, for another tool."""
         self._stop()
         return False
 

@@ -271,8 +271,8 @@ def test_what_a_given_number_of_iterations_has_not_met_is_said():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"handle": 3}, "The handle must be an array of vertex ids"),
-        ({"handle": {1, 2}}, "The handle must be an array of vertex ids"),
+        ({"handle": 3}, "The handle must be an array of vertex IDs"),
+        ({"handle": {1, 2}}, "The handle must be an array of vertex IDs"),
         ({"regions": None}, "Regions must be a list of Region"),
         ({"regions": Region("lid", np.arange(3))}, "Regions must be a list of Region"),
         ({"stiffness": True}, "The stiffness must be a number"),

@@ -364,7 +364,7 @@ REFUSED = {
     "face negative": ({"F": F - 1}, "faces refer to missing vertices"),
     "no area": ({"V": V * [0.0, 0.0, 1.0]}, "The mesh has no area"),
     "nothing held": ({"fixed": [], "targets": np.zeros((0, 3)), "handle": []}, "No vertices are held"),
-    "held too far": ({"fixed": np.append(FIXED[:-1], len(V))}, "A held vertex does not exist: ids run"),
+    "held too far": ({"fixed": np.append(FIXED[:-1], len(V))}, "A held vertex does not exist: IDs run"),
     "held negative": ({"fixed": np.append(FIXED[:-1], -1)}, "A held vertex does not exist"),
     "everything held": ({"fixed": np.arange(len(V)), "targets": V}, "Every vertex is held"),
     "handle too far": ({"handle": [len(V)]}, "A handle vertex does not exist"),
