@@ -31,8 +31,8 @@ def solver_in_a_thread(monkeypatch):
 
 
 @pytest.fixture(autouse=True)
-def nothing_is_examined(monkeypatch):
-    """No process is started to examine shapes, unless the test is about that."""
+def nothing_is_checked(monkeypatch):
+    """No process is started to check shapes, unless the test is about that."""
     monkeypatch.setattr(shape_checker, "_AT_FIRST", 1e6)
 
 

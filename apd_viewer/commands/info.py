@@ -10,7 +10,7 @@ from apd_viewer.commands.parser import Parser
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.report import apart_of, room_of
 from apd_viewer.geometry.analysis.inspection import inspect
-from apd_viewer.geometry.analysis.shape_check import examined
+from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings
@@ -35,8 +35,8 @@ def info_parser() -> Parser:
 
 def _info(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
-    found, examination = inspect(mesh), examined(mesh.V, mesh.joined_F)
-    all_found = [*found.findings, *of_crossings(mesh, examination.crossing)]
+    found, check = inspect(mesh), check_shape(mesh.V, mesh.joined_F)
+    all_found = [*found.findings, *of_crossings(mesh, check.crossing)]
     apart = {}
     if options.compare:
         apart = apart_of(TargetShape(open_mesh(options.compare)), mesh, mesh.V)
@@ -50,7 +50,7 @@ def _info(options: argparse.Namespace) -> None:
             }
             for finding in all_found
         ]
-        room = room_of(examination)
+        room = room_of(check)
         report = {field.name: getattr(found, field.name) for field in fields(found)}
         print(
             json.dumps({"mesh": str(options.mesh), **report, **room, **apart, "findings": findings}, indent=2)
@@ -71,7 +71,7 @@ def _info(options: argparse.Namespace) -> None:
     if found.volume_capped is not None:
         print(f"        {found.volume_capped:.6g} {about_caps(found.openings)}")
     packed = tr("box     {reading}, the volume of the smallest bounding box found")
-    print(packed.format(reading=f"{examination.packed:.6g}"))
+    print(packed.format(reading=f"{check.packed:.6g}"))
     if apart:
         print(_said(apart))
     for sentence in [finding.sentence for finding in all_found] or [tr("No issues found.")]:

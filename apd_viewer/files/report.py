@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.storage.atomic_file import replacing
-from apd_viewer.geometry.analysis.shape_check import Examination, examined
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck, check_shape
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,7 +29,7 @@ def write_report(path: Path, mesh: Mesh, result: Result, target: TargetShape | N
     readings["convergence"] = result.convergence._asdict()
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
-        room = room_of(examined(U, mesh.joined_F))
+        room = room_of(check_shape(U, mesh.joined_F))
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
     if target is not None:
         report |= {"target_shape": target.mesh.name, **apart_of(target, mesh, result.U)}
@@ -54,7 +54,7 @@ def apart_of(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]
     }
 
 
-def room_of(found: Examination) -> dict[str, Any]:
+def room_of(found: ShapeCheck) -> dict[str, Any]:
     """Readings of bounding boxes and self-intersections.
 
     That number is None where the library is missing that finds them.

@@ -30,7 +30,7 @@ def readings(state: State, outcome: MethodOutcome) -> Readings:
     ``area_error`` is relative to rest, as in reports, and ``area_miss`` to what is asked for, of every method
     alike. The volume is that of an open surface with its openings capped.
     """
-    rest, frame, account = state.inspection, outcome.frame, outcome.account
+    rest, frame, cost = state.inspection, outcome.frame, outcome.cost
     if frame is None:
         return {}
     volume, volume_rest = volumes(frame, rest)
@@ -41,12 +41,12 @@ def readings(state: State, outcome: MethodOutcome) -> Readings:
         "area_miss": (1.0 + frame.area_error) / (state.document.area / 100.0) - 1.0,
         "volume": math.nan if volume is None else volume,
         "volume_rest": volume_rest or math.nan,
-        "energy": math.nan if account is None else account.energy,
+        "energy": math.nan if cost is None else cost.energy,
         "handle_drift": frame.handle_drift,
         "local_change": frame.local_change,
         "iterations": float(frame.iteration),
         "converged": float(frame.converged),
-        "seconds": math.nan if account is None else account.seconds,
+        "seconds": math.nan if cost is None else cost.seconds,
     }
 
 

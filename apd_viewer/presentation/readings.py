@@ -18,7 +18,7 @@ from apd_viewer.session.model.targets import kept_percentages
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.inspection import Inspection
-    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.analysis.surface_distance import SurfaceDistance
     from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.session.model.document import Document
@@ -135,7 +135,7 @@ def compact(state: State) -> tuple[str, str]:
     return f"{value:.3f}", change_of(value, compactness(rest.volume, rest.area))
 
 
-def extent(found: Examination | None, unit: Unit) -> str:
+def extent(found: ShapeCheck | None, unit: Unit) -> str:
     """Sides of the bounding box along the axes."""
     if found is None or math.isnan(found.packed):
         return LATER if found is None else NOTHING

@@ -27,7 +27,7 @@ from apd_viewer.session.quantities.wall_mass import Wall, mass
 if TYPE_CHECKING:
     from apd_viewer.files.html_page import Drawing
     from apd_viewer.geometry.analysis.area_change import LocalChange
-    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
 
 
@@ -40,7 +40,7 @@ class Subject:
     state : State
     unit : Unit
     wall : Wall
-    found, at_rest : Examination or None
+    found, at_rest : ShapeCheck or None
         Of the shape, and of the mesh at rest; None where nobody has looked yet.
     moment : datetime
         When it was asked for.
@@ -49,8 +49,8 @@ class Subject:
     state: State
     unit: Unit
     wall: Wall
-    found: Examination | None
-    at_rest: Examination | None
+    found: ShapeCheck | None
+    at_rest: ShapeCheck | None
     moment: datetime
 
 
@@ -104,7 +104,7 @@ def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
     yield tr("Self-intersections"), _crossing(subject.found), ""
 
 
-def _crossing(found: Examination | None) -> str:
+def _crossing(found: ShapeCheck | None) -> str:
     if found is None:
         return tr("not checked yet")
     if found.crossing is None:

@@ -27,7 +27,7 @@ class Listener:
         ``failed(sentence)``: something the user asked for was not done, and why.
     viewed : callable
         ``viewed(view)``: a session was opened, and this is how it was looked at; after ``changed``.
-    examined : callable
+    measured : callable
         More is known about the shape on screen, or less, because it is another one.
     """
 
@@ -37,7 +37,7 @@ class Listener:
     told: Callable[[str], object]
     failed: Callable[[str], object]
     viewed: Callable[[View], object] = lambda _: None
-    examined: Callable[[], object] = lambda: None
+    measured: Callable[[], object] = lambda: None
 
 
 def with_followers(listener: Listener, followers: Sequence[Callable[[], object]]) -> Listener:

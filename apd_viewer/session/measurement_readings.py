@@ -38,7 +38,7 @@ class MeasurementReadings:
     store : Store
     gestures : Gestures
     listener : Listener
-        Its ``examined`` is called when a geodesic becomes known.
+        Its ``measured`` is called when a geodesic becomes known.
     """
 
     def __init__(self, store: Store, gestures: Gestures, listener: Listener) -> None:
@@ -88,7 +88,7 @@ class MeasurementReadings:
             self._paths[course.ends] = course.U, path
         self._asked = None
         self.follow()
-        self._listener.examined()
+        self._listener.measured()
 
     def close(self) -> None:
         """Stop looking."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.shape_checker import Examiner, Shape
+from apd_viewer.session.processes.shape_checker import Shape, ShapeChecker
 from apd_viewer.session.store import Activity
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.gestures import Gestures
     from apd_viewer.session.listener import Listener
@@ -28,9 +28,9 @@ class ShapeChecks:
 
     Attributes
     ----------
-    found : Examination or None
-        Of the shape on screen; None while it moves, and until that has been examined.
-    at_rest : Examination or None
+    found : ShapeCheck or None
+        Of the shape on screen; None while it moves, and until that has been checked.
+    at_rest : ShapeCheck or None
         Of the mesh as it was opened.
     """
 
@@ -38,12 +38,12 @@ class ShapeChecks:
         self._store = store
         self._gestures = gestures
         self._listener = listener
-        self._examiner = Examiner(listener.wake)
+        self._checker = ShapeChecker(listener.wake)
         self._mesh: Mesh | None = None
-        self._last: tuple[np.ndarray, Examination] | None = None
+        self._last: tuple[np.ndarray, ShapeCheck] | None = None
         self._wanted: np.ndarray | None = None
-        self.found: Examination | None = None
-        self.at_rest: Examination | None = None
+        self.found: ShapeCheck | None = None
+        self.at_rest: ShapeCheck | None = None
 
     @property
     def under_way(self) -> bool:
@@ -64,11 +64,11 @@ class ShapeChecks:
         if found is not self.found or wanted is not self._wanted:
             self.found = found
             self._ask(wanted)
-            self._listener.examined()
+            self._listener.measured()
 
     def receive(self) -> None:
         """Receive the result of a check."""
-        answer = self._examiner.take()
+        answer = self._checker.take()
         if answer is None or self._mesh is None:
             return
         shape, found = answer
@@ -78,13 +78,13 @@ class ShapeChecks:
         if self._wanted is not None:
             self.found = self._known(self._wanted)
             self._ask(self._wanted if self.found is None else None)
-        self._listener.examined()
+        self._listener.measured()
 
     def close(self) -> None:
         """Stop the check under way."""
-        self._examiner.close()
+        self._checker.close()
 
-    def _known(self, U: np.ndarray) -> Examination | None:
+    def _known(self, U: np.ndarray) -> ShapeCheck | None:
         """Result for ``U`` (n, 3), if it is at rest or was checked last."""
         if self._mesh is not None and U is self._mesh.V:
             return self.at_rest
@@ -94,6 +94,6 @@ class ShapeChecks:
         """Check ``U`` (n, 3), or nothing; the mesh at rest comes first, for comparison."""
         self._wanted = U
         if U is None or self._mesh is None:
-            self._examiner.forget()
+            self._checker.forget()
         else:
-            self._examiner.ask(Shape(self._mesh.V if self.at_rest is None else U, self._mesh.joined_F))
+            self._checker.ask(Shape(self._mesh.V if self.at_rest is None else U, self._mesh.joined_F))

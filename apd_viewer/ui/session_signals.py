@@ -15,7 +15,7 @@ class SessionSignals(QObject):
     woken : Signal()
         Emitted on any thread; the others on the thread of the session.
     changed : Signal(State or None, State)
-    status_changed, examined : Signal()
+    status_changed, measured : Signal()
     told, failed : Signal(str)
     viewed : Signal(View)
     """
@@ -26,7 +26,7 @@ class SessionSignals(QObject):
     told = Signal(str)
     failed = Signal(str)
     viewed = Signal(object)
-    examined = Signal()
+    measured = Signal()
 
     def listener(self) -> Listener:
         """Listener emitting the signals."""
@@ -37,5 +37,5 @@ class SessionSignals(QObject):
             told=self.told.emit,
             failed=self.failed.emit,
             viewed=self.viewed.emit,
-            examined=self.examined.emit,
+            measured=self.measured.emit,
         )

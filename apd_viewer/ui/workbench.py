@@ -173,7 +173,7 @@ class Workbench(QObject):
         signals.told.connect(self.notice.tell)
         signals.failed.connect(self.notice.fail)
         signals.viewed.connect(self._look_as)
-        signals.examined.connect(self.measuring.show)
+        signals.measured.connect(self.measuring.show)
         self.parts.changed.connect(self._show_parts)
         connect_settings(self.panel, self.session)
         connect_parts(self.panel, self.session, self.parts)

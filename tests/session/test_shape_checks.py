@@ -1,4 +1,4 @@
-"""Shapes at rest are examined, in a process that nobody waits for; what moves is forgotten."""
+"""Shapes at rest are checked, in a process that nobody waits for; what moves is forgotten."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ from apd_viewer.session.listener import Listener
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.processes.child_process import ChildProcess
-from apd_viewer.session.processes.shape_checker import Examiner, Shape
+from apd_viewer.session.processes.shape_checker import Shape, ShapeChecker
 from apd_viewer.session.session import Session
 
 LONG = 30.0
@@ -37,16 +37,16 @@ def woken():
 
 
 @pytest.fixture
-def examiner_(woken):
-    examiner_ = Examiner(woken.set)
-    yield examiner_
-    examiner_.close()
+def checker_(woken):
+    checker_ = ShapeChecker(woken.set)
+    yield checker_
+    checker_.close()
 
 
-def taken(examiner_, woken):
+def taken(checker_, woken):
     assert woken.wait(LONG)
     woken.clear()
-    return examiner_.take()
+    return checker_.take()
 
 
 def two_spheres(apart):
@@ -54,78 +54,78 @@ def two_spheres(apart):
     return Shape(np.vstack([V, V + [apart, 0.1, 0.2]]), np.vstack([F, F + len(V)]))
 
 
-def test_it_says_what_is_found_here_too(examiner_, woken):
+def test_it_says_what_is_found_here_too(checker_, woken):
     for apart in (1.0, 3.0):
         shape = two_spheres(apart)
-        examiner_.ask(shape)
-        asked, found = taken(examiner_, woken)
+        checker_.ask(shape)
+        asked, found = taken(checker_, woken)
         assert asked is shape
         assert np.array_equal(found.crossing, crossings(shape.U, shape.F))
         assert (len(found.crossing) > 0) == (apart < 2)
         assert found.packed == packed_volume(shape.U)
-        assert examiner_.take() is None
+        assert checker_.take() is None
 
 
-def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(examiner_, woken):
-    examiner_.ask(two_spheres(1.0))
-    examiner_.forget()
+def test_the_newest_shape_wins_and_what_is_forgotten_is_not_told(checker_, woken):
+    checker_.ask(two_spheres(1.0))
+    checker_.forget()
     for apart in (1.1, 1.2):
-        examiner_.ask(two_spheres(apart))
+        checker_.ask(two_spheres(apart))
     last = two_spheres(1.3)
-    examiner_.ask(last)
-    assert taken(examiner_, woken)[0] is last
+    checker_.ask(last)
+    assert taken(checker_, woken)[0] is last
 
 
-def test_a_process_is_ended_when_its_shape_has_moved_on(examiner_, woken, monkeypatch):
-    examiner_.ask(two_spheres(1.0))
-    taken(examiner_, woken)
-    pid = examiner_._process.pid
+def test_a_process_is_ended_when_its_shape_has_moved_on(checker_, woken, monkeypatch):
+    checker_.ask(two_spheres(1.0))
+    taken(checker_, woken)
+    pid = checker_._process.pid
     V, F = meshes.sphere(6)
-    examiner_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
+    checker_.ask(Shape(V + 0.3 * np.random.default_rng(0).normal(size=V.shape), F))  # takes for ever
     end = time.monotonic() + LONG
-    while not examiner_._busy:
+    while not checker_._busy:
         assert time.monotonic() < end
         time.sleep(0.001)
-    examiner_.forget()
-    while examiner_._process.pid == pid:
+    checker_.forget()
+    while checker_._process.pid == pid:
         assert time.monotonic() < end
         time.sleep(0.001)
     shape = two_spheres(1.0)
-    examiner_.ask(shape)
-    assert taken(examiner_, woken)[0] is shape
+    checker_.ask(shape)
+    assert taken(checker_, woken)[0] is shape
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
-def test_of_a_shape_whose_process_dies_nothing_is_known(examiner_, woken):
-    examiner_.ask(two_spheres(1.0))
-    taken(examiner_, woken)
-    os.kill(examiner_._process.pid, SIGKILL)
-    examiner_._process._process.wait()
-    examiner_.ask(two_spheres(1.0))
-    _, found = taken(examiner_, woken)
+def test_of_a_shape_whose_process_dies_nothing_is_known(checker_, woken):
+    checker_.ask(two_spheres(1.0))
+    taken(checker_, woken)
+    os.kill(checker_._process.pid, SIGKILL)
+    checker_._process._process.wait()
+    checker_.ask(two_spheres(1.0))
+    _, found = taken(checker_, woken)
     assert found.crossing is None
     assert np.isnan(found.packed)
-    examiner_.ask(two_spheres(1.0))
-    assert len(taken(examiner_, woken)[1].crossing)
+    checker_.ask(two_spheres(1.0))
+    assert len(taken(checker_, woken)[1].crossing)
 
 
-def test_where_there_can_be_no_process_nothing_is_known(examiner_, woken, monkeypatch):
+def test_where_there_can_be_no_process_nothing_is_known(checker_, woken, monkeypatch):
     def refused(*_):
         raise OSError("no more processes")
 
     monkeypatch.setattr(ChildProcess, "_spawned", refused)
-    examiner_.ask(two_spheres(1.0))
-    assert taken(examiner_, woken)[1].crossing is None
+    checker_.ask(two_spheres(1.0))
+    assert taken(checker_, woken)[1].crossing is None
 
 
 def test_it_can_be_closed_at_any_time(woken):
     for pause in (0.0, 0.05, 0.6):
-        examiner_ = Examiner(woken.set)
-        examiner_.ask(two_spheres(1.0))
+        checker_ = ShapeChecker(woken.set)
+        checker_.ask(two_spheres(1.0))
         time.sleep(pause)
-        examiner_.close()
-        assert examiner_._process.pid is None
-        assert not examiner_._thread.is_alive()
+        checker_.close()
+        assert checker_._process.pid is None
+        assert not checker_._thread.is_alive()
 
 
 @pytest.fixture
@@ -138,7 +138,7 @@ def session():
             changed=lambda *_: None,
             told=print,
             failed=pytest.fail,
-            examined=lambda: told.append((session.shape_checks.under_way, session.shape_checks.found)),
+            measured=lambda: told.append((session.shape_checks.under_way, session.shape_checks.found)),
         )
     )
     session.said = told
@@ -156,7 +156,7 @@ def known(session):
     return session.shape_checks.found
 
 
-def test_every_shape_that_has_settled_is_examined_and_none_that_moves(session):
+def test_every_shape_that_has_settled_is_checked_and_none_that_moves(session):
     V, F = meshes.tube(16, 24, height=4.0)
     V, F = meshes.soup(V, F)
     labels = np.full(len(V), FREE, dtype=np.uint8)

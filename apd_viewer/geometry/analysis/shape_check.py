@@ -10,7 +10,7 @@ from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
 
 
-class Examination(NamedTuple):
+class ShapeCheck(NamedTuple):
     """Results of a shape check.
 
     Attributes
@@ -34,8 +34,8 @@ class Examination(NamedTuple):
         return dx * dy * dz
 
 
-def examined(U: np.ndarray, F: np.ndarray) -> Examination:
+def check_shape(U: np.ndarray, F: np.ndarray) -> ShapeCheck:
     """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3)."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
-    return Examination(crossings(U, F), (dx, dy, dz), packed_volume(points))
+    return ShapeCheck(crossings(U, F), (dx, dy, dz), packed_volume(points))

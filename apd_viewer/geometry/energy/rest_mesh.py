@@ -14,13 +14,13 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.hole_caps import Caps, capped_volume
-from apd_viewer.geometry.mesh.measures import SLIVER, survey
+from apd_viewer.geometry.mesh.measures import SLIVER, area_volume_change
 from apd_viewer.geometry.mesh.operators import face_areas, why_no_volume
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
 
-class Survey(NamedTuple):
+class ShapeMeasures(NamedTuple):
     """Readings of a shape, named as in a frame.
 
     Attributes
@@ -80,7 +80,7 @@ class RestMesh:
     def volume(self) -> float | None:
         """Enclosed volume at rest; None if the mesh is not closed."""
         with cores_for(len(self.shape.V)):
-            return self.survey(self.shape.V).volume
+            return self.measure(self.shape.V).volume
 
     @cached_property
     def _caps(self) -> Caps | None:
@@ -96,15 +96,17 @@ class RestMesh:
     def volume_capped(self) -> float | None:
         """Rest volume with flat caps over the openings; None if not enclosed."""
         with cores_for(len(self.shape.V)):
-            return self.survey(self.shape.V).volume_capped
+            return self.measure(self.shape.V).volume_capped
 
-    def survey(self, U: np.ndarray) -> Survey:
+    def measure(self, U: np.ndarray) -> ShapeMeasures:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
         least = SLIVER * self.area / len(self.F)
         F, caps = self.shape.whole.F, self._caps
-        area, volume, change = survey(U, F, self.face_areas, least)
+        area, volume, change = area_volume_change(U, F, self.face_areas, least)
         capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
-        return Survey(float(area), None if self.why_no_volume else float(volume), float(change), capped)
+        return ShapeMeasures(
+            float(area), None if self.why_no_volume else float(volume), float(change), capped
+        )
 
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) of the positions ``U`` (n, 3)."""

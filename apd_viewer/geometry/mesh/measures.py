@@ -90,7 +90,9 @@ def area_of(U: np.ndarray, F: np.ndarray) -> float:
 
 
 @parallel()
-def survey(U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float) -> tuple[float, float, float]:
+def area_volume_change(
+    U: np.ndarray, F: np.ndarray, rest: np.ndarray, least: float
+) -> tuple[float, float, float]:
     """Area, signed volume and largest relative area change, in one pass.
 
     Parameters

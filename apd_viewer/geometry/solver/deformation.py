@@ -313,7 +313,7 @@ class Deformation:
         """The shape after the last iteration, and its readings."""
         solver, settled = self._solver, self.settled
         with cores_for(len(solver.U)):
-            found = self.rest.survey(solver.U)
+            found = self.rest.measure(solver.U)
             regions = tuple(patch.area(solver.U) for patch in self._patches)
             energy = solver.energy
         return Frame(

@@ -6,8 +6,8 @@
     thread "solver": Worker  -- Order, envelope -> thread "orders": Mailbox
     thread "answers": Child  <- Message, tray ---- Solver, Deformation  -- matrix, B -> LinearSolver
                                                                         <- solution --- (cholespy)
-    thread "examiner"        -- F, U ------------> shape-check process (ipctk)
-                             <- Examination ------
+    thread "shape check"     -- F, U ------------> shape-check process (ipctk)
+                             <- ShapeCheck ------
     thread "geodesic"        -- F, U, ends ------> geodesic process (potpourri3d)
                              <- path -------------
 

@@ -26,7 +26,7 @@ class Request:
         The shape to start from.
     iterate : bool
         Otherwise only make ready: factor, so that the first drag need not wait.
-    accounts : bool
+    with_cost : bool
         Whether the last reply should say what it took.
     """
 
@@ -34,11 +34,11 @@ class Request:
     generation: int
     U: np.ndarray
     iterate: bool
-    accounts: bool = False
+    with_cost: bool = False
 
 
 @dataclass(frozen=True)
-class Account:
+class Cost:
     """Cost of an answer, by the same measure for every method.
 
     Attributes
@@ -67,7 +67,7 @@ class Reply:
         What the user should know about what is held.
     news : str or None
         What has happened to the solver meanwhile.
-    account : Account or None
+    cost : Cost or None
         With the last reply, where it was asked for.
     """
 
@@ -79,7 +79,7 @@ class Reply:
     failure: str | None = None
     warning: str | None = None
     news: str | None = None
-    account: Account | None = None
+    cost: Cost | None = None
 
 
 _OF_DOCUMENT, _OF_HANDLE = factored_fields(Document), factored_fields(Handle)

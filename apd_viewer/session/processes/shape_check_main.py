@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.shape_check import examined
+from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.session.processes import array_pipe
 from apd_viewer.session.processes.child_boot import run
 
@@ -33,7 +33,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         positions := array_pipe.read(source)
     ) is not None:
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
-        found = examined(np.frombuffer(positions).reshape(-1, 3), F)
+        found = check_shape(np.frombuffer(positions).reshape(-1, 3), F)
         crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
         array_pipe.write(sink, crossing)
         array_pipe.write(sink, np.array([*found.size, found.packed]).tobytes())

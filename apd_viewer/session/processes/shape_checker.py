@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.shape_check import Examination
+from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer
 from apd_viewer.session.processes.shape_check_main import NOBODY_LOOKED
@@ -17,7 +17,7 @@ _START = START.format(module="processes.shape_check_main")
 # A settled shape is often moved again at once, and a program just starting has more urgent work.
 _CALM, _AT_FIRST = 0.3, 2.0  # s
 # Result if the process died or cannot be started.
-UNKNOWN = Examination(None, (math.nan, math.nan, math.nan), math.nan)
+UNKNOWN = ShapeCheck(None, (math.nan, math.nan, math.nan), math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,22 +28,22 @@ class Shape:
     F: np.ndarray
 
 
-class Examiner(NewestAnswer[Shape, Examination]):
-    """Examines one shape at a time; the newest wins.
+class ShapeChecker(NewestAnswer[Shape, ShapeCheck]):
+    """Checks one shape at a time; the newest wins.
 
     Parameters
     ----------
     wake : callable
-        Called on a thread when there is an examination to take.
+        Called on a thread when there is a check to take.
     """
 
     def __init__(self, wake: Callable[[], object]) -> None:
         process = ChildProcess("shape check", _START)
-        super().__init__(wake, process, _examination, UNKNOWN, lambda first: _AT_FIRST if first else _CALM)
+        super().__init__(wake, process, _answer, UNKNOWN, lambda first: _AT_FIRST if first else _CALM)
 
 
-def _examination(process: ChildProcess, shape: Shape) -> Examination | None:
-    """Return the examination of a shape; None if the process has died."""
+def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:
+    """Return the check of a shape; None if the process has died."""
     if not process.send(np.ascontiguousarray(shape.F, np.int32), np.ascontiguousarray(shape.U)):
         return None
     crossing, boxes = process.receive(), process.receive()
@@ -51,4 +51,4 @@ def _examination(process: ChildProcess, shape: Shape) -> Examination | None:
         return None
     ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
     dx, dy, dz, packed = np.frombuffer(boxes).tolist()
-    return Examination(ids, (dx, dy, dz), packed)
+    return ShapeCheck(ids, (dx, dy, dz), packed)

@@ -29,7 +29,7 @@ from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.messages import Message, Order, OrderStage
 from apd_viewer.session.processes.remote_factor import FarFactor
-from apd_viewer.session.processes.requests import Account, Reply, alike, factored_for
+from apd_viewer.session.processes.requests import Cost, Reply, alike, factored_for
 from apd_viewer.session.processes.shared_memory import Tray
 from apd_viewer.session.processes.walk import Walk
 
@@ -122,7 +122,7 @@ class Solver:
             with contextlib.suppress(InputError):
                 make_ready(self._rest_of(order))
             return
-        if request.accounts and not self._warm:
+        if request.with_cost and not self._warm:
             warm_up()  # otherwise the first method would pay for all
             self._warm = True
         self._rest_of(order)
@@ -134,7 +134,7 @@ class Solver:
             self._have_factored()
 
     def _iterate(self, order: Order, solver: Deformation, started: float) -> None:
-        tray, account, walk = self._tray_of(order), None, self._walk
+        tray, cost, walk = self._tray_of(order), None, self._walk
         assert walk is not None
         iterations, since, last = 0, time.perf_counter(), 0
         while True:  # once at least, or poses faster than their preparation would show nothing
@@ -158,8 +158,8 @@ class Solver:
                 seconds = (time.perf_counter() - since) / (iterations - last)
                 frame = solver.frame()
                 put = None
-                if finished and order.request.accounts:
-                    account = Account(solver.rest.energy(frame.U), took)
+                if finished and order.request.with_cost:
+                    cost = Cost(solver.rest.energy(frame.U), took)
                 if tray is not None:
                     put, frame = tray.put(frame.U), replace(frame, U=_NOTHING)
                 reply = Reply(
@@ -169,7 +169,7 @@ class Solver:
                     finished,
                     seconds,
                     warning=self._warning,
-                    account=account,
+                    cost=cost,
                 )
                 self._tell(Message(order.number, reply, put))
                 since, last = time.perf_counter(), iterations

@@ -187,7 +187,7 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
     if U is not mesh.V:
         rest = RestMesh(mesh.V, mesh.F, mesh.weld)
         with cores_for(len(mesh.weld.first)):
-            found = rest.survey(U[mesh.weld.first])
+            found = rest.measure(U[mesh.weld.first])
         frame = replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
     settled = said.flag("settled")
     return replace(

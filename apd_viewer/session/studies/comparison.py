@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from apd_viewer.session.processes.requests import Account, Request
+from apd_viewer.session.processes.requests import Cost, Request
 from apd_viewer.session.processes.worker import Worker
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class MethodOutcome:
         The latest shape, and its readings.
     finished : bool
         Nothing more comes.
-    account : Account or None
+    cost : Cost or None
         What it took, once it has finished.
     failure : str or None
         Why there is no shape, or no further one: a sentence.
@@ -39,7 +39,7 @@ class MethodOutcome:
 
     frame: Frame | None = None
     finished: bool = False
-    account: Account | None = None
+    cost: Cost | None = None
     failure: str | None = None
 
 
@@ -99,7 +99,7 @@ class Comparison:
 
     def _hear(self, method: str, reply: Reply) -> None:
         frame = reply.frame or self.outcomes[method].frame
-        self.outcomes[method] = MethodOutcome(frame, reply.finished, reply.account, reply.failure)
+        self.outcomes[method] = MethodOutcome(frame, reply.finished, reply.cost, reply.failure)
         if reply.finished:
             self.under_way = None
             self._go_on()
@@ -117,7 +117,7 @@ class Comparison:
         self._generation += 1
         if self._worker is None:
             self._worker = Worker(self._wake)
-        self._worker.ask(Request(self._asked, self._generation, self.document.mesh.V, True, accounts=True))
+        self._worker.ask(Request(self._asked, self._generation, self.document.mesh.V, True, with_cost=True))
 
     def stop(self) -> None:
         """End the process; unfinished methods keep their last shape."""

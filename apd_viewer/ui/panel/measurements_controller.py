@@ -56,10 +56,10 @@ class Measuring(QObject):
         """Show the current results for the shape on screen."""
         if (state := self._session.store.state) is None:
             return
-        examining, mesh = self._session.shape_checks, state.document.mesh
-        found = examining.found
-        self._panel.measures.show_examination(found, examining.at_rest)
-        self._panel.volume.show_examination(found, examining.under_way)
+        checks, mesh = self._session.shape_checks, state.document.mesh
+        found = checks.found
+        self._panel.measures.show_check(found, checks.at_rest)
+        self._panel.volume.show_check(found, checks.under_way)
         self._health.show_shape(of_crossings(mesh, found.crossing) if found is not None else ())
 
     def welcome(self, mesh: Mesh) -> None:

@@ -18,7 +18,7 @@ from apd_viewer.ui.widgets.fields import Entry, return_keys
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
 
 
@@ -37,8 +37,8 @@ class SizeSection(Section):
     def __init__(self) -> None:
         super().__init__(tr("Size and mass"))
         self._unit, self._area, self._typed = Unit.NONE, 0.0, NO_WALL
-        self._found: Examination | None = None
-        self._at_rest: Examination | None = None
+        self._found: ShapeCheck | None = None
+        self._at_rest: ShapeCheck | None = None
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
         self._grid.setColumnStretch(1, 1)
         later = tr("measured when the shape stops moving")
@@ -138,7 +138,7 @@ class SizeSection(Section):
             self._show_boxes()
         self._show_mass()
 
-    def show_examination(self, found: Examination | None, at_rest: Examination | None) -> None:
+    def show_check(self, found: ShapeCheck | None, at_rest: ShapeCheck | None) -> None:
         """Show the results of a shape check; None while unknown."""
         self._found, self._at_rest = found, at_rest
         self._show_boxes()

@@ -16,7 +16,7 @@ from apd_viewer.ui.widgets.slider_field import Dial
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.analysis.shape_check import Examination
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
@@ -91,7 +91,7 @@ class VolumeSection(Section):
         self.litres.setText("\n".join(said.more))
         self.litres.setVisible(bool(said.more))
 
-    def show_examination(self, found: Examination | None, under_way: bool) -> None:
+    def show_check(self, found: ShapeCheck | None, under_way: bool) -> None:
         """Show the self-intersections as far as known."""
         if found is not None:
             self.crossings.show_count(None if found.crossing is None else len(found.crossing))

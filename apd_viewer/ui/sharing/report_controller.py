@@ -144,13 +144,13 @@ class Reporting:
         if (state := session.store.state) is None:
             return
         view = self._measuring.in_view(self._canvas.view.saved(session.store.unit.value))
-        examining = session.shape_checks
+        checks = session.shape_checks
         subject = Subject(
             state,
             session.store.unit,
             view.wall,
-            examining.found,
-            examining.at_rest,
+            checks.found,
+            checks.at_rest,
             datetime.now().astimezone(),
         )
         scale = self._scale(state)
@@ -170,8 +170,8 @@ class Reporting:
         """Take the pictures on this thread, and write the page in the background."""
         session, now = self._session, self._session.store.state
         if now is not None and now.frame.U is subject.state.frame.U:  # its shape check may be finished by now
-            examining = session.shape_checks
-            subject = replace(subject, found=examining.found, at_rest=examining.at_rest)
+            checks = session.shape_checks
+            subject = replace(subject, found=checks.found, at_rest=checks.at_rest)
         QGuiApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
         try:
             images = self._images(subject.state, measured, scale)

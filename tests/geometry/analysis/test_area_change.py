@@ -31,7 +31,7 @@ def test_mean_percentile_and_largest_are_those_of_the_sorted_triangles(strength)
     U = stretched(strength)
     found, (change, share) = local_change(U, F, REST), sorted_changes(U)
     assert found.mean == pytest.approx((change * np.diff(share, prepend=0.0)).sum(), rel=1e-9, abs=1e-16)
-    assert found.largest == change[-1] == pytest.approx(RestMesh(V, F).survey(U)[2], rel=1e-12)
+    assert found.largest == change[-1] == pytest.approx(RestMesh(V, F).measure(U)[2], rel=1e-12)
     # A bin is 1/64 of its distance from zero wide at most.
     assert found.p99 == pytest.approx(change[np.searchsorted(share, 0.99)], rel=1 / 64)
     assert found.mean <= found.p99 <= found.largest

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness, packed_volume
-from apd_viewer.geometry.analysis.shape_check import examined
+from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.mesh.operators import area, volume
 
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
@@ -39,14 +39,14 @@ def test_no_box_of_many_orientations_is_smaller(seed):
 def test_what_is_flat_takes_no_room():
     V, F = meshes.grid(4, 3)
     assert packed_volume(V @ meshes.rotation([1, 2, 3], 0.8).T) == 0.0
-    found = examined(V, F)
+    found = check_shape(V, F)
     assert found.packed == 0.0
     assert len(found.crossing) == 0
 
 
 def test_a_vertex_without_a_face_takes_no_room():
     V, F = meshes.box(1, 2, 3)
-    assert examined(np.vstack([V, [[90, 90, 90]]]), F).packed == pytest.approx(6.0, rel=1e-9)
+    assert check_shape(np.vstack([V, [[90, 90, 90]]]), F).packed == pytest.approx(6.0, rel=1e-9)
 
 
 def test_a_ball_is_the_most_compact():

@@ -5,7 +5,7 @@ import pytest
 from meshes import box, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian
-from apd_viewer.geometry.mesh.measures import Patch, area_of, survey
+from apd_viewer.geometry.mesh.measures import Patch, area_of, area_volume_change
 from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 
 
@@ -91,9 +91,13 @@ def test_a_survey_reads_area_volume_and_the_largest_change(mesh):
     V, F = MESHES[mesh]
     U, rest = wild(V), face_areas(V, F)
     change = np.abs(face_areas(U, F) / rest - 1)
-    assert survey(U, F, rest, 0.0) == pytest.approx((area(U, F), volume(U, F), change.max()), rel=1e-12)
+    assert area_volume_change(U, F, rest, 0.0) == pytest.approx(
+        (area(U, F), volume(U, F), change.max()), rel=1e-12
+    )
     least = np.sort(rest[np.argsort(change)][-3:])[-1]
-    assert survey(U, F, rest, least)[2] == pytest.approx(change[rest > least].max(initial=0.0), rel=1e-12)
+    assert area_volume_change(U, F, rest, least)[2] == pytest.approx(
+        change[rest > least].max(initial=0.0), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("mesh", MESHES)

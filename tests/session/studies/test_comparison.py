@@ -76,8 +76,8 @@ def test_each_method_comes_to_what_it_comes_to_alone(begun, cold):
         for name in ("area", "area_error", "volume", "handle_drift", "local_change"):
             assert getattr(frame, name) == pytest.approx(getattr(alone, name), abs=1e-9), name
         # Of "local" the frame tells the energy of its material, which is another one.
-        assert outcome.account.energy == pytest.approx(alone.energy, rel=1e-9)
-        assert 0.0 < outcome.account.seconds < LONG
+        assert outcome.cost.energy == pytest.approx(alone.energy, rel=1e-9)
+        assert 0.0 < outcome.cost.seconds < LONG
 
 
 def test_where_the_shape_was_led_before_plays_no_part(begun, cold):

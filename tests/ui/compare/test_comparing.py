@@ -218,11 +218,11 @@ def test_the_table_is_written_to_the_last_digit(qtbot, bar, side, monkeypatch, t
         assert float(line["area"]) == outcome.frame.area
         assert float(line["area_error"]) == outcome.frame.area_error
         assert float(line["volume"]) == outcome.frame.volume
-        assert float(line["energy"]) == outcome.account.energy
+        assert float(line["energy"]) == outcome.cost.energy
         assert float(line["handle_drift"]) == outcome.frame.handle_drift
         assert float(line["local_change"]) == outcome.frame.local_change
         assert int(line["iterations"]) == outcome.frame.iteration
-        assert float(line["seconds"]) == outcome.account.seconds
+        assert float(line["seconds"]) == outcome.cost.seconds
         assert float(line["area_rest"]) == bar.session.store.state.inspection.area
 
 

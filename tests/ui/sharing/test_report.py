@@ -53,7 +53,7 @@ def file(tmp_path, monkeypatch):
 
 @pytest.fixture
 def twisted(qtbot, window, file):
-    """The bottle in centimetres, twisted, at rest and examined, with a name that means harm."""
+    """The bottle in centimetres, twisted, at rest and checked, with a name that means harm."""
     labels = frozen(meshes.sample_bottle(2.2)[2].astype(np.uint8))
     window.session.files.open_with("bottle", lambda: opened(open_mesh(file), labels))
     idle(qtbot, window)
