@@ -26,6 +26,7 @@ ROOMS = [
     "ui/studies",
     "ui/settings_page",
     "ui/plots",
+    "ui/measuring",
     "ui/panel",
     "ui/overlays",
     "ui/filing",

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.measurement_output import measurements_report
 from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.result_output import progress_line, summary, write_result
 from apd_viewer.commands.scalar_output import add_scalar_options, check_scalar_options, write_scalar_files
@@ -44,7 +45,8 @@ def _replay(options: argparse.Namespace) -> None:
     with ExitStack() as beside:
         painted = document.labels, document.member
         write_scalar_files(beside, options, mesh, result.U, *painted, document.target)
-        written = write_result(beside, mesh, result, options.report, output, document.target)
+        more = measurements_report(document, result.U) if options.report else {}
+        written = write_result(beside, mesh, result, options.report, output, document.target, more)
     print(summary(mesh, result, output, written))
     if missing := about_missing_target(document):
         print(missing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from apd_viewer.files.mesh_writing import Written, save_mesh
@@ -18,7 +19,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.status_text import about_caps, of_crossings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -34,10 +35,11 @@ def write_result(
     report: Path | None,
     output: Path,
     target: TargetShape | None = None,
+    more: Mapping[str, object] = MappingProxyType({}),
 ) -> Written:
-    """Write the mesh, and the report beside it if one is asked for."""
+    """Write the mesh, and the report beside it, with more fields, if one is asked for."""
     if report:
-        write_report(beside.enter_context(replacing(report)), mesh, result, target)
+        write_report(beside.enter_context(replacing(report)), mesh, result, target, more)
     return save_mesh(mesh, result.U, output)
 
 

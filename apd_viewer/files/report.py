@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck, check_shape
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     import numpy as np
@@ -19,8 +21,14 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.deform import Result
 
 
-def write_report(path: Path, mesh: Mesh, result: Result, target: TargetShape | None = None) -> None:
-    """Write the readings of ``result``; raises InputError on failure.
+def write_report(
+    path: Path,
+    mesh: Mesh,
+    result: Result,
+    target: TargetShape | None = None,
+    more: Mapping[str, object] = MappingProxyType({}),
+) -> None:
+    """Write the readings of ``result`` and more fields; raises InputError on failure.
 
     ``target`` is the target shape to compare with, if there is one.
     """
@@ -33,6 +41,7 @@ def write_report(path: Path, mesh: Mesh, result: Result, target: TargetShape | N
         report |= {f"{name}{suffix}": reading for name, reading in room.items()}
     if target is not None:
         report |= {"target_shape": target.mesh.name, **apart_of(target, mesh, result.U)}
+    report |= more
     with replacing(path) as scratch:
         scratch.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import Block, Note, Page, PageSection, PictureRow, Table
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import readings
+from apd_viewer.presentation import measurement_words, readings
 from apd_viewer.presentation.number_format import length, short
 from apd_viewer.presentation.report_origin import (
     Evidence,
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from apd_viewer.files.html_page import Drawing
     from apd_viewer.geometry.analysis.area_change import LocalChange
     from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+    from apd_viewer.session.measurement_readings import MeasurementReading
     from apd_viewer.session.model.state import State
 
 
@@ -44,6 +45,7 @@ class Subject:
         Of the shape, and of the mesh at rest; None where nobody has looked yet.
     moment : datetime
         When it was asked for.
+    measured : sequence of MeasurementReading
     """
 
     state: State
@@ -52,6 +54,7 @@ class Subject:
     found: ShapeCheck | None
     at_rest: ShapeCheck | None
     moment: datetime
+    measured: Sequence[MeasurementReading] = ()
 
 
 def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogram: Drawing | None) -> Page:
@@ -64,6 +67,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         PageSection(tr("Volume"), (Table(tuple(_volume(subject))),)),
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.apart),
+        *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(settings_blocks(state))),
         PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
         PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
@@ -111,6 +115,12 @@ def _crossing(found: ShapeCheck | None) -> str:
         return tr("not checked: ipctk is missing")
     n = len(found.crossing)
     return trn("{n:,} triangle", "{n:,} triangles", n).format(n=n) if n else tr("none")
+
+
+def _measurements(subject: Subject) -> Iterator[PageSection]:
+    if subject.measured:
+        rows = measurement_words.report_rows(subject.measured, subject.unit)
+        yield PageSection(tr("Measurements"), (Table(rows),))
 
 
 def _size(subject: Subject) -> Iterator[Block]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QObject, Qt, QTimer, Slot
 from PySide6.QtGui import QCloseEvent
 
+from apd_viewer.language import tr
 from apd_viewer.session.model.state import State
 from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
@@ -22,6 +23,7 @@ from apd_viewer.ui.filing import file_dialogs
 from apd_viewer.ui.filing.file_commands import Filing
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help import Help
+from apd_viewer.ui.measuring.measure_controller import MeasureController
 from apd_viewer.ui.overlays.display_options import Looks
 from apd_viewer.ui.overlays.findings_controller import Health
 from apd_viewer.ui.overlays.next_step import NextStep
@@ -105,6 +107,7 @@ class Workbench(QObject):
         self.settings_page = SettingsPage(shell, memory.values, lambda: self.help.open_sheet())
         self.measuring = Measuring(self.panel, self.health, memory, self.looks.heat, session)
         self.targeting = Targeting(shell, self.panel.target, memory, self.looks.heat, session)
+        self.measure = MeasureController(canvas, self.panel.measure, session, self.tools.take, notice.tell)
         self.plots = Plots(memory, notice, session)
         self.docks["plots"].setWidget(self.plots)
         self.filing = Filing(shell, memory, session, self._view, recovery)
@@ -123,8 +126,12 @@ class Workbench(QObject):
         actions.file.fill_recent(self.memory.recent)
         add_handle, _, add_region = actions.pose.parts
         self.panel.name_keys(add_handle, actions.pose.put_back, add_region)
-        self.way_bar = WayBar(self.canvas.viewport, actions.select.groups)
-        self.looks.cards.stand_beside(self.way_bar)
+        self.way_bar = WayBar(self.canvas.viewport, tr("Selection tools"), actions.select.groups)
+        self.kind_bar = WayBar(
+            self.canvas.viewport, tr("Measurements"), [list(actions.measure.kinds.values())]
+        )
+        for bar in (self.way_bar, self.kind_bar):
+            self.looks.cards.stand_beside(bar)
         self.next_step = NextStep(self.invitation, actions.tools)
         self.help = Help(
             self.shell,
@@ -142,6 +149,7 @@ class Workbench(QObject):
             editing=self.editing,
             parts=PartCommands(self.canvas, self.session, self.parts, self.editing.give_up),
             looks=self.looks,
+            measure=self.measure,
             findings=self.health,
             studies=self.studies,
             comparing=self.comparing,
@@ -174,6 +182,8 @@ class Workbench(QObject):
         signals.failed.connect(self.notice.fail)
         signals.viewed.connect(self._look_as)
         signals.measured.connect(self.measuring.show)
+        for change in (signals.changed, signals.measured):
+            change.connect(self.measure.follow)
         self.parts.changed.connect(self._show_parts)
         connect_settings(self.panel, self.session)
         connect_parts(self.panel, self.session, self.parts)
@@ -217,6 +227,7 @@ class Workbench(QObject):
             self.session.store.unit = unit
             self.looks.measure_in(unit)
             self.comparing.measure_in(unit)
+            self.measure.follow()
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.status.show_session(self.session)
 
@@ -302,8 +313,10 @@ class Workbench(QObject):
 
     def _show_tool(self, tool: Tool) -> None:
         self.actions_.tools[tool].setChecked(True)
-        self.status.hint(tool.hint(self.canvas.way))
+        self.measure.tool.enabled = measures = tool is Tool.MEASURE
+        self.status.hint(self.measure.hint if measures else tool.hint(self.canvas.way))
         self.way_bar.show_for(tool.words.is_brush)
+        self.kind_bar.show_for(measures)
         self._show_next_step()
 
     def _show_next_step(self) -> None:
@@ -314,7 +327,15 @@ class Workbench(QObject):
             self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
 
     def _set_theme(self, theme: Theme) -> None:
-        over = self.notice, self.recovery, self.health.list, self.help, self.looks, self.way_bar
+        over = (
+            self.notice,
+            self.recovery,
+            self.health.list,
+            self.help,
+            self.looks,
+            self.way_bar,
+            self.kind_bar,
+        )
         for part in (self.actions_, self.plots, self.comparing, *over):
             part.set_theme(theme)
 

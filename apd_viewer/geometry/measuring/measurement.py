@@ -64,12 +64,15 @@ class Measured(NamedTuple):
         Of the surface along them; None for lines through space.
     at : (3,) float array or None
         Place of a label.
+    within : (3,) float array or None
+        Point of the drawing from which the label stands away; None where it stands beside a line.
     """
 
     values: tuple[float | None, ...]
     segments: np.ndarray
     normals: np.ndarray | None = None
     at: np.ndarray | None = None
+    within: np.ndarray | None = None
 
 
 def measure(
@@ -117,7 +120,8 @@ def _angle(points: np.ndarray) -> Measured:
         return Measured((angle,), legs, at=points[1])
     turns = np.linspace(0.0, angle, _ARC_STEPS + 1)[:, None]
     arc = points[1] + _ARC * lengths.min() * (np.cos(turns) * a + np.sin(turns) * aside / away)
-    return Measured((angle,), np.vstack([legs, _joined(arc)]), at=arc[_ARC_STEPS // 2])
+    segments = np.vstack([legs, _joined(arc)])
+    return Measured((angle,), segments, at=points[1], within=arc[_ARC_STEPS // 2])
 
 
 def _geodesic(U: np.ndarray, path: CarriedPath | None, is_current: bool) -> Measured:
@@ -138,7 +142,8 @@ def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> Measured:
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
     # To the right of the most: beside the shape, and not in the way of it.
     at = cut.segments[int(np.argmax(cut.segments[:, 0] @ (np.ones(3) - normal)))][0]
-    return Measured((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at)
+    within = cut.segments.mean(axis=(0, 1))
+    return Measured((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
 
 
 def _joined(points: np.ndarray) -> np.ndarray:

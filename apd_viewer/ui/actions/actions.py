@@ -13,6 +13,7 @@ from apd_viewer.language import tr
 from apd_viewer.ui.actions.action_factory import ActionMaker, plain
 from apd_viewer.ui.actions.display_actions import LookActions
 from apd_viewer.ui.actions.file_actions import FileActions
+from apd_viewer.ui.actions.measure_actions import MeasureActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.actions.tool_bar import add_tool_bar
@@ -42,6 +43,7 @@ class Actions:
     file : FileActions
     undo, redo, reset, bake, settings : QAction
     tools : dict of Tool to QAction
+    measure : MeasureActions
     select : SelectActions
     pose : PoseActions
     view : ViewActions
@@ -56,6 +58,7 @@ class Actions:
         self.file = FileActions(self._maker, commands)
         self._make_edit(commands.editing, commands.open_settings)
         self._make_tools(commands.take)
+        self.measure = MeasureActions(self._maker, commands.measure)
         self.select = SelectActions(self._maker, commands)
         self.pose = PoseActions(self._maker, commands)
         self.view = ViewActions(self._maker, commands)
@@ -134,7 +137,9 @@ class Actions:
         edit.addActions([self.reset, self.bake])
         edit.addSeparator()
         edit.addAction(self.settings)
-        bar.addMenu(tr("&Tools")).addActions(list(self.tools.values()))
+        tools = bar.addMenu(tr("&Tools"))
+        tools.addActions(list(self.tools.values()))
+        self.measure.fill(tools)
         self.select.fill(bar.addMenu(tr("&Select")))
         self.pose.fill(bar.addMenu(tr("H&andle")))
         self.view.fill(bar.addMenu(tr("&View")), self.looks)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.compare.compare_controller import Comparing
     from apd_viewer.ui.filing.file_commands import Filing
     from apd_viewer.ui.filing.file_requests import FileRequests
+    from apd_viewer.ui.measuring.measure_controller import MeasureController
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.target_controller import Targeting
@@ -34,6 +35,7 @@ class Commands:
     editing: Editing
     parts: PartCommands
     looks: Looks
+    measure: MeasureController
     findings: Health
     studies: Studies
     comparing: Comparing

@@ -1,4 +1,4 @@
-"""Bar of selection modes, shown for painting tools."""
+"""Bar of the modes of a tool, shown while it is in the hand."""
 
 from __future__ import annotations
 
@@ -24,12 +24,13 @@ class WayBar(QToolBar):
     Parameters
     ----------
     canvas : Viewport
+    title : str
     groups : sequence of sequences of QAction
         Parted by lines.
     """
 
-    def __init__(self, canvas: Viewport, groups: Sequence[Sequence[QAction]]) -> None:
-        super().__init__(tr("Selection tools"), canvas, objectName="ways")
+    def __init__(self, canvas: Viewport, title: str, groups: Sequence[Sequence[QAction]]) -> None:
+        super().__init__(title, canvas, objectName="ways")
         shield(self)
         self._canvas = canvas
         self.setOrientation(Qt.Orientation.Vertical)
@@ -42,16 +43,16 @@ class WayBar(QToolBar):
         self.hide()
         canvas.resized.connect(self._fit)
 
-    def show_for(self, paints: bool) -> None:
-        """Show the bar for painting tools only."""
-        self.setVisible(paints)
+    def show_for(self, on: bool) -> None:
+        """Show the bar for its tools only."""
+        self.setVisible(on)
         self._fit()
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the menu's chevron, black on any ground in the style."""
         more = cast(QToolButton, self.findChild(QToolButton, "qt_toolbar_ext_button"))
         more.setIcon(icon("unfolded", theme))
-        more.setToolTip(tr("More selection tools and operations"))
+        more.setToolTip(tr("More"))
 
     def _fit(self) -> None:
         """Shrink to the canvas, moving the last modes to a menu."""

@@ -12,6 +12,7 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.panel.area_section import AreaSection
+from apd_viewer.ui.panel.measure_section import MeasureSection
 from apd_viewer.ui.panel.method_section import MethodSection
 from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.panel.part_row import Swatch
@@ -90,7 +91,7 @@ class Panel(QScrollArea):
 
     Attributes
     ----------
-    area, volume, measures, target, method, handles, regions, paint
+    area, volume, measures, measure, target, method, handles, regions, paint
         The sections.
     """
 
@@ -106,10 +107,12 @@ class Panel(QScrollArea):
         self.method = MethodSection()
         self.handles = HandleSection()
         self.regions = RegionSection()
+        self.measure = MeasureSection()
         self.paint = PaintSection()
         self.sections: tuple[Section, ...] = (
             self.volume,
             self.measures,
+            self.measure,
             self.target,
             self.method,
             self.handles,

@@ -108,6 +108,7 @@ class Name(QLineEdit):
 _SAID = {
     "handle": (tr("Measurement of the handle"), tr("Remove this handle")),
     "region": (tr("Measurement of the region"), tr("Remove this region")),
+    "measurement": (tr("Measured value"), tr("Remove this measurement")),
 }
 
 

@@ -133,6 +133,11 @@ class Surface:
         """Positions (n, 3), also during a :meth:`blend`."""
         return self._given
 
+    @property
+    def is_blended(self) -> bool:
+        """True during a :meth:`blend`."""
+        return self._blend is not None
+
     def blend(self, rest: np.ndarray | None, share: float = 1.0) -> None:
         """Show the shape at ``share`` between ``rest`` (n, 3) and itself."""
         self._blend = None if rest is None or len(rest) != len(self._given) else (rest, share)

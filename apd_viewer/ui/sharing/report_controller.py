@@ -152,6 +152,7 @@ class Reporting:
             checks.found,
             checks.at_rest,
             datetime.now().astimezone(),
+            session.measuring.readings(state),
         )
         scale = self._scale(state)
         session.jobs.run(

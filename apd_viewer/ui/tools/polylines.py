@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+
+if TYPE_CHECKING:
+    from apd_viewer.ui.scene.camera import Camera
+
+_MARGIN = 0.06  # of a plane around the shape, in its extent
+_PLANE = 40 / 255  # opacity
 
 
 def stroke(
@@ -25,6 +33,37 @@ def translucent(colour: str | QColor, alpha: float = 0.65) -> QColor:
     clear = QColor(colour)
     clear.setAlphaF(alpha)
     return clear
+
+
+def axis_plane(U: np.ndarray, axis: int, height: float) -> np.ndarray:
+    """Corners (4, 3) of a rectangle around the shape ``U`` (n, 3), across an axis."""
+    low, high = U.min(axis=0), U.max(axis=0)
+    pad = _MARGIN * float((high - low).max())
+    low, high = low - pad, high + pad
+    j, k = (i for i in range(3) if i != axis)
+    corners = np.full((4, 3), height)
+    corners[:, j] = low[j], high[j], high[j], low[j]
+    corners[:, k] = low[k], low[k], high[k], high[k]
+    return corners
+
+
+def draw_plane(
+    painter: QPainter,
+    eye: Camera,
+    corners: np.ndarray,
+    colour: QColor,
+    halo: QColor,
+    style: Qt.PenStyle = Qt.PenStyle.SolidLine,
+) -> None:
+    """Draw a translucent polygon (k, 3), if all of it is before the camera."""
+    if (eye.depth(corners) <= 0.0).any():
+        return
+    shape = polygon(eye.project(corners))
+    painter.setBrush(translucent(colour, _PLANE))
+    painter.setPen(QPen(halo, 3.0))
+    painter.drawPolygon(shape)
+    painter.setPen(QPen(colour, 1.6, style))
+    painter.drawPolygon(shape)
 
 
 def polygon(points: np.ndarray) -> QPolygonF:

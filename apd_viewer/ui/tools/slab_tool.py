@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPen, QPolygonF
 
 from apd_viewer.ui.tools.gizmo_drag import along_axis
 from apd_viewer.ui.tools.gizmo_layout import GizmoFrame
+from apd_viewer.ui.tools.polylines import axis_plane, draw_plane
 from apd_viewer.ui.tools.selection_tool import Selector, act_of, begins
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 _PAUSE = 30  # ms between previews
 _SMALLEST = 3.0  # pixels; a shorter way of the cursor is a click
-_MARGIN = 0.06  # of the planes around the mesh, in its extent
 
 
 class SlabSelector(Selector):
@@ -121,29 +120,9 @@ class SlabSelector(Selector):
             ends = {float(self._here[self.axis])}
         else:
             return
-        fill = QColor(self._color)
-        fill.setAlpha(40)
         for height in sorted(ends):
-            corners = self._plane(height)
-            if (self._viewport.look.eye.depth(corners) <= 0.0).any():
-                continue
-            shape = QPolygonF([QPointF(x, y) for x, y in self._viewport.look.eye.project(corners)])
-            painter.setBrush(fill)
-            painter.setPen(QPen(self._halo, 3.0))
-            painter.drawPolygon(shape)
-            painter.setPen(QPen(self._color, 1.6, self._pen_style))
-            painter.drawPolygon(shape)
-
-    def _plane(self, height: float) -> np.ndarray:
-        """Corners (4, 3) of the drawn part of a plane."""
-        low, high = self._surface.U.min(axis=0), self._surface.U.max(axis=0)
-        pad = _MARGIN * float((high - low).max())
-        low, high = low - pad, high + pad
-        j, k = (i for i in range(3) if i != self.axis)
-        corners = np.full((4, 3), height)
-        corners[:, j] = low[j], high[j], high[j], low[j]
-        corners[:, k] = low[k], low[k], high[k], high[k]
-        return corners
+            corners = axis_plane(self._surface.U, self.axis, height)
+            draw_plane(painter, self._viewport.look.eye, corners, self._color, self._halo, self._pen_style)
 
     def _look(self, event: QMouseEvent) -> None:
         hit = self._surface.hit(event.position())

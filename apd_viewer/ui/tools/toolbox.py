@@ -50,6 +50,13 @@ class Tool(Enum):
         tr("Move and rotate a handle with arrows, squares and rings"),
         tr("drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, a click selects another handle"),
     )
+    MEASURE = _ToolWords(
+        tr("Measure"),
+        "Q",
+        "measure",
+        tr("Measure distances, angles, geodesics and sections"),
+        tr("click points on the mesh; Esc cancels"),
+    )
 
     @property
     def words(self) -> _ToolWords:

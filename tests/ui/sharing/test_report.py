@@ -16,6 +16,8 @@ from PySide6.QtGui import QImage
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
@@ -67,6 +69,7 @@ def twisted(qtbot, window, file):
     window.session.painting.set_part(Part(1, is_region=True), wanted, "Paint region")
     window.session.handles.move_by(TypedMotion.TWIST, "20", 0)
     window.session.handles.move_by(TypedMotion.MOVE_Y, "0.25", 0)
+    window.session.measurements.add(Kind.SECTION, plane=Plane((0.0, 1.0, 0.0), 10.0))
     idle(qtbot, window)
     qtbot.waitUntil(lambda: window.session.shape_checks.found is not None, timeout=30_000)
     return window
@@ -101,6 +104,9 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert size["Compactness"] == f"{shown.compact.text()}\n{shown._compact_change.text()}"
     assert size["Mass"] == shown.mass.text()
     assert size["Wall"] == "0.3mm, 1.38\u00a0g/cm³"
+    section, here = rows["Measurements"], panel.measure.list.rows[0].reading.text()
+    assert here.split("  ")[0] == section["Section 1, length"].split("\n")[0]
+    assert "cm² " in section["Section 1, enclosed area"].replace("\n", " ") + " "
     handle, held = state.document.handles[0].name, state.document.counts[HANDLE]
     details = panel.handles.list.rows[0].details.text()
     assert rows["Handles"][handle].startswith(

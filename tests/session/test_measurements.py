@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 from driven_session import BENT, VIEW
 
+from apd_viewer.__main__ import main
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.measuring.geodesics import geodesic_path, path_length
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.presentation import measurement_words as words
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 MIDDLE = (0.25, 0.5, 0.25)
@@ -79,7 +82,7 @@ def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
     assert distance.now.values == pytest.approx((np.linalg.norm(p - q),))
     assert geodesic.now.values == (None,)  # the old length would be wrong
     assert len(geodesic.now.segments)  # its path is carried along
-    session.handles.release("Move handle")
+    session.handles.release(0)
     session.settle()
     session.until(lambda: readings(session)[2].now.values[0] is not None)
     now = path_length(geodesic_path(session.U, mesh.joined_F, *POINTS[:2]))
@@ -134,3 +137,44 @@ def test_damaged_ones_are_a_sentence(session, tmp_path, damage):
             archive.writestr(name, content)
     with pytest.raises(InputError, match=r"is not a valid session"):
         open_session(path)
+
+
+def test_a_replay_reports_them(session, tmp_path):
+    measure_all(session)
+    session.drag(BENT)
+    session.settle()
+    path = tmp_path / "bar.apd"
+    save_session(path, session.store.state, VIEW, embed=True)
+    command = ["replay", str(path), "-o", str(tmp_path / "bar.obj"), "--report", str(tmp_path / "bar.json")]
+    assert main(command) == 0
+    said = json.loads((tmp_path / "bar.json").read_text())["measurements"]
+    assert [each["kind"] for each in said] == ["distance", "angle", "geodesic", "section"]
+    distance, angle, geodesic, section = said
+    p, q, r = positions(POINTS, session.U, session.store.state.document.mesh.F)
+    assert distance["length"] == pytest.approx(np.linalg.norm(p - q))
+    a, b = p - q, r - q
+    cosine = a @ b / np.linalg.norm(a) / np.linalg.norm(b)
+    assert angle["angle"] == pytest.approx(np.degrees(np.arccos(cosine)))
+    assert geodesic["length"] >= distance["length"]
+    assert (section["length_rest"], section["area_rest"]) == pytest.approx((8.0, 4.0))
+
+
+def test_words_tell_values_changes_and_what_is_missing(session):
+    measure_all(session)
+    session.measurements.add(Kind.SECTION, plane=Plane((0.0, 0.0, 1.0), 100.0))
+    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    session.drag(BENT)
+    session.settle()
+    said = readings(session)
+    assert words.short(said[2], Unit.MILLIMETRE) == "…"
+    assert "stops moving" in words.details(said[2], Unit.MILLIMETRE)
+    assert "misses" in words.details(said[4], Unit.NONE)
+    now, rest = said[3].now.values, said[3].rest.values
+    by = 100 * (now[1] / rest[1] - 1)
+    change = f"{by:+.2f} %".replace("-", "−")
+    assert words.details(said[3], Unit.MILLIMETRE).splitlines()[1] == (
+        f"Enclosed area: {now[1]:.4f}\N{NO-BREAK SPACE}mm², {change} from 4.0000\N{NO-BREAK SPACE}mm²"
+    )
+    rows = words.report_rows(said, Unit.NONE)
+    assert rows[2][:2] == ("Geodesic 1", "not measured yet")
+    assert "°" in rows[1][1]

@@ -1,0 +1,59 @@
+"""Actions of the tool Measure."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.ui.measuring.kind_words import KIND_WORDS
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QMenu
+
+    from apd_viewer.ui.actions.action_factory import ActionMaker
+    from apd_viewer.ui.measuring.measure_controller import MeasureController
+
+
+class MeasureActions:
+    """Actions of the kinds of measurements, and of all of them together.
+
+    Parameters
+    ----------
+    maker : ActionMaker
+    measure : MeasureController
+
+    Attributes
+    ----------
+    kinds : dict of Kind to QAction
+    copy, clear : QAction
+    """
+
+    def __init__(self, maker: ActionMaker, measure: MeasureController) -> None:
+        self.kinds = {
+            kind: maker.make(
+                f"measure_kind:{kind.name}",
+                words.title,
+                words.icon,
+                words.tip,
+                None,
+                partial(measure.choose_kind, kind),
+            )
+            for kind, words in KIND_WORDS.items()
+        }
+        maker.one_of(self.kinds.values())
+        self.kinds[measure.tool.kind].setChecked(True)
+        measure.kind_chosen.connect(lambda kind: self.kinds[kind].setChecked(True))
+        tip = tr("Copy the values of all measurements as text, for a spreadsheet")
+        self.copy = maker.make("copy_measurements", tr("&Copy measurements"), "copy", tip, None, measure.copy)
+        tip = tr("Remove all measurements")
+        title = tr("&Remove all measurements")
+        self.clear = maker.make("clear_measurements", title, "remove", tip, None, measure.clear)
+
+    def fill(self, menu: QMenu) -> None:
+        """Put all of them into the menu of the tools."""
+        menu.addSeparator()
+        own = menu.addMenu(tr("Me&asurements"))
+        own.addActions(list(self.kinds.values()))
+        own.addSeparator()
+        own.addActions([self.copy, self.clear])

@@ -1,0 +1,1 @@
+"""The tool Measure: picking, drawing and the list of measurements."""

@@ -1,0 +1,127 @@
+"""The tool Measure, its list and its drawing, in step with the session."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QGuiApplication
+
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.language import tr
+from apd_viewer.presentation import measurement_words as words
+from apd_viewer.ui.measuring.kind_words import KIND_WORDS
+from apd_viewer.ui.measuring.measure_tool import MeasureTool
+from apd_viewer.ui.measuring.measure_view import MeasureView
+from apd_viewer.ui.tools.toolbox import Tool
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.measure_section import MeasureSection
+    from apd_viewer.ui.tools.canvas import Canvas
+
+
+class MeasureController(QObject):
+    """Adds, lists, draws and copies measurements.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    section : MeasureSection
+        Of the panel.
+    session : Session
+    take : callable
+        Puts a tool into the hand.
+    tell : callable
+        Says a sentence to the user.
+
+    Attributes
+    ----------
+    tool : MeasureTool
+    view : MeasureView
+    kind_chosen : Signal(object)
+        Another Kind is to be measured.
+    """
+
+    kind_chosen = Signal(object)
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        section: MeasureSection,
+        session: Session,
+        take: Callable[[Tool], object],
+        tell: Callable[[str], object],
+    ) -> None:
+        super().__init__(canvas)
+        self._section, self._session, self._take, self._tell = section, session, take, tell
+        self._chosen = 0
+        self.tool = MeasureTool(canvas.viewport, canvas.surface)
+        self.view = MeasureView(canvas.viewport, canvas.surface, self.tool)
+        canvas.viewport.tools += [self.tool, self.view]
+        self.tool.picked.connect(self._add)
+        section.list.chosen.connect(self._choose)
+        section.list.renamed.connect(session.measurements.rename)
+        section.list.removed.connect(self._remove)
+        section.copy.clicked.connect(self.copy)
+        section.clear.clicked.connect(self.clear)
+        section.shown.toggled.connect(self._show_in_view)
+
+    @property
+    def hint(self) -> str:
+        """Hint for the status line."""
+        return KIND_WORDS[self.tool.kind].hint
+
+    def choose_kind(self, kind: Kind) -> None:
+        """Measure another kind, with the tool Measure."""
+        self.tool.kind = kind
+        self.kind_chosen.emit(kind)
+        self._take(Tool.MEASURE)
+
+    def follow(self) -> None:
+        """Show the measurements of the session's state."""
+        state = self._session.store.state
+        if state is None:
+            return
+        if not state.document.measurements and not self._section.list.rows:
+            return
+        unit, readings = self._session.store.unit, self._session.measuring.readings(state)
+        self._chosen = max(0, min(self._chosen, len(readings) - 1))
+        self._section.show_readings(readings, unit, self._chosen)
+        self.view.show_readings(readings, unit, self._chosen)
+
+    def copy(self) -> None:
+        """Copy all values to the clipboard, as text with tabs."""
+        state = self._session.store.state
+        if state is None or not state.document.measurements:
+            self._tell(tr("There are no measurements to copy; choose the tool Measure and click the mesh."))
+            return
+        readings = self._session.measuring.readings(state)
+        QGuiApplication.clipboard().setText(words.table(readings, self._session.store.unit))
+        self._tell(tr("Measurements copied; paste them into a text or a spreadsheet."))
+
+    def clear(self) -> None:
+        """Remove all measurements."""
+        if self._session.store.state is not None:
+            self._session.measurements.clear()
+
+    def _add(self, points: tuple[object, ...], plane: object) -> None:
+        state = self._session.store.state
+        if state is not None:
+            self._chosen = len(state.document.measurements)
+            self._session.measurements.add(self.tool.kind, points, plane)  # type: ignore[arg-type]
+            self._section.folded = False
+
+    def _choose(self, k: int) -> None:
+        self._chosen = k
+        self.follow()
+
+    def _remove(self, k: int) -> None:
+        if k < self._chosen:
+            self._chosen -= 1
+        self._session.measurements.remove(k)
+
+    def _show_in_view(self, on: bool) -> None:
+        self.view.shown = on

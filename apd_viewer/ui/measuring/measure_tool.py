@@ -1,0 +1,151 @@
+"""Picking of what to measure: points of the surface, or a plane through one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QObject, QPointF, Qt, Signal
+
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Plane
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.tools.selection_tool import begins
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QMouseEvent, QWheelEvent
+
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+
+class MeasureTool(MouseTool, QObject):
+    """Tool for clicks on the surface, as many as a measurement needs.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+
+    Attributes
+    ----------
+    enabled : bool
+    axis : int
+        0, 1 or 2: what the plane of a section is perpendicular to.
+    picked : Signal(object, object)
+        All is there: a tuple of SurfacePoint and None, or an empty one and a Plane.
+    axis_changed : Signal(int)
+    """
+
+    picked = Signal(object, object)
+    axis_changed = Signal(int)
+
+    def __init__(self, viewport: Viewport, surface: Surface) -> None:
+        super().__init__(viewport)
+        self._viewport, self._surface = viewport, surface
+        self._kind = Kind.DISTANCE
+        self._enabled = False
+        self._points: list[SurfacePoint] = []
+        self._under: SurfacePoint | None = None  # the cursor
+        self.axis = 1
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the next measurement."""
+        return self._kind
+
+    @kind.setter
+    def kind(self, kind: Kind) -> None:
+        self.cancel()
+        self._kind = kind
+
+    @property
+    def enabled(self) -> bool:
+        """True while the tool is in the hand."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, on: bool) -> None:
+        self.cancel()
+        self._enabled = on
+
+    @property
+    def points(self) -> np.ndarray:
+        """Positions (k, 3) of the clicked points, and of that under the cursor."""
+        skin = self._surface.touchable
+        places = [*self._points, *([] if self._under is None else [self._under])]
+        if skin is None or not places or not self._enabled:
+            return np.empty((0, 3))
+        return positions(places, self._surface.U, skin.F)
+
+    @property
+    def plane(self) -> Plane | None:
+        """Plane through the point under the cursor, if a section is to be measured."""
+        points = self.points
+        if self._kind is not Kind.SECTION or not len(points):
+            return None
+        x, y, z = np.eye(3)[self.axis].tolist()
+        return Plane((x, y, z), float(points[-1, self.axis]))
+
+    def press(self, event: QMouseEvent) -> bool:
+        """Show the point, which may still be dragged to its place."""
+        if not self._enabled or not begins(event):
+            return False
+        self._look(event.position())
+        return self._under is not None
+
+    def move(self, event: QMouseEvent) -> bool:
+        """Show the point under the cursor."""
+        if not self._enabled:
+            return False
+        self._look(event.position())
+        if self._under is not None:
+            self._viewport.setCursor(Qt.CursorShape.CrossCursor)
+        return self._under is not None
+
+    def release(self, event: QMouseEvent) -> None:
+        """Take the point, and tell all once there are enough."""
+        self._look(event.position())
+        if self._under is None:
+            return
+        if (plane := self.plane) is not None:
+            self.picked.emit((), plane)
+            return
+        self._points.append(self._under)
+        if len(self._points) == self._kind.points:
+            points, self._points = tuple(self._points), []
+            self.picked.emit(points, None)
+
+    def wheel(self, event: QWheelEvent) -> bool:
+        """Take another axis for the plane."""
+        if not self._enabled or self._kind is not Kind.SECTION:
+            return False
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            return False
+        if event.angleDelta().y() or event.angleDelta().x():
+            self.axis = (self.axis + (1 if event.angleDelta().y() < 0 else 2)) % 3
+            self._viewport.overlay.update()
+            self.axis_changed.emit(self.axis)
+        return True
+
+    def leave(self) -> None:
+        """Show no point under the cursor any more."""
+        if self._under is not None:
+            self._under = None
+            self._viewport.overlay.update()
+
+    def cancel(self) -> bool:
+        """Forget the points clicked so far; True if there were any."""
+        there, self._points = bool(self._points), []
+        self._under = None
+        self._viewport.overlay.update()
+        return there
+
+    def _look(self, position: QPointF) -> None:
+        hit = self._surface.hit(position)
+        self._under = None
+        if hit is not None:
+            a, b, c = self._surface.shares(hit).tolist()
+            self._under = SurfacePoint(hit.face, (a, b, c))
+        self._viewport.overlay.update()

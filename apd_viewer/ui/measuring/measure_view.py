@@ -1,0 +1,114 @@
+"""Measurements drawn over the shape."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtGui import QColor
+
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Measurement, measure
+from apd_viewer.geometry.measuring.surface_point import SurfacePoint, positions
+from apd_viewer.presentation import measurement_words as words
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.measuring.measure_drawing import draw_labels, draw_lines, draw_points
+from apd_viewer.ui.scene.mouse_tool import MouseTool
+from apd_viewer.ui.tools.polylines import axis_plane, draw_plane
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from PySide6.QtGui import QPainter
+
+    from apd_viewer.session.measurement_readings import MeasurementReading
+    from apd_viewer.ui.measuring.measure_tool import MeasureTool
+    from apd_viewer.ui.scene.surface import Surface
+    from apd_viewer.ui.scene.viewport import Viewport
+
+_PLANE = QColor("#2f6fde")
+# What is being picked is measured as a shape of its own.
+_TRIANGLE = np.array([[0, 1, 2]])
+_CORNERS = (
+    SurfacePoint(0, (1.0, 0.0, 0.0)),
+    SurfacePoint(0, (0.0, 1.0, 0.0)),
+    SurfacePoint(0, (0.0, 0.0, 1.0)),
+)
+
+
+class MeasureView(MouseTool):
+    """Draws measurements, and what is being picked.
+
+    Parameters
+    ----------
+    viewport : Viewport
+    surface : Surface
+    tool : MeasureTool
+
+    Attributes
+    ----------
+    shown : bool
+        Whether measurements are drawn.
+    """
+
+    def __init__(self, viewport: Viewport, surface: Surface, tool: MeasureTool) -> None:
+        self._viewport, self._surface, self._tool = viewport, surface, tool
+        self._readings: Sequence[MeasurementReading] = ()
+        self._unit = Unit.NONE
+        self._chosen = 0
+        self._shown = True
+
+    @property
+    def shown(self) -> bool:
+        """True if measurements are drawn."""
+        return self._shown
+
+    @shown.setter
+    def shown(self, on: bool) -> None:
+        self._shown = on
+        self._viewport.overlay.update()
+
+    def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, chosen: int) -> None:
+        """Draw other measurements, or others of the same."""
+        self._readings, self._unit, self._chosen = readings, unit, chosen
+        self._viewport.overlay.update()
+
+    def paint(self, painter: QPainter) -> None:
+        """Draw the measurements of the shape, unless a blend is on screen."""
+        self._draw_picking(painter)
+        if self._shown and not self._surface.is_blended:
+            self._draw_measurements(painter)
+
+    def _draw_measurements(self, painter: QPainter) -> None:
+        skin, eye, labels = self._surface.touchable, self._viewport.look.eye, []
+        if skin is None:
+            return
+        for k, reading in enumerate(self._readings):
+            chosen = k == self._chosen
+            draw_lines(painter, eye, reading.now, chosen)
+            draw_points(painter, eye, positions(reading.measurement.points, self._surface.U, skin.F), chosen)
+            labels.append((reading.now, self._label(reading), chosen))
+        draw_labels(painter, eye, labels)
+
+    def _label(self, reading: MeasurementReading) -> list[str]:
+        pairs = zip(words.now(reading, self._unit), words.changed(reading), strict=True)
+        return ["  ".join(filter(None, pair)) for pair in pairs]
+
+    def _draw_picking(self, painter: QPainter) -> None:
+        tool, eye = self._tool, self._viewport.look.eye
+        points = tool.points
+        if (plane := tool.plane) is not None:
+            corners = axis_plane(self._surface.U, tool.axis, plane.offset)
+            draw_plane(painter, eye, corners, _PLANE, QColor(255, 255, 255, 200))
+            return
+        draw_points(painter, eye, points, chosen=True)
+        if len(points) < 2:
+            return
+        kind = Kind.ANGLE if len(points) == 3 else Kind.DISTANCE
+        measured = measure(
+            Measurement("", kind, _CORNERS[: len(points)]), np.vstack([points, points[:1]])[:3], _TRIANGLE
+        )
+        draw_lines(painter, eye, measured, chosen=True)
+        if tool.kind is kind:
+            said = words.value(measured.values[0], kind.powers[0], self._unit)
+            draw_labels(painter, eye, [(measured, [said], True)])

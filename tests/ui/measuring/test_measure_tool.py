@@ -1,0 +1,145 @@
+"""The tool Measure in a window, with a real mouse: picking, the list, the drawing, undo and copy."""
+
+import numpy as np
+import pytest
+from driving import Mouse, document, on_screen
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication
+
+from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.surface_point import positions
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.tools.toolbox import Tool
+
+
+def front(window, height):
+    """A vertex in front, near a height in shares of the bottle."""
+    U = window.session.store.state.frame.U
+    eye = window.canvas.viewport.look.eye
+    near = np.abs(U[:, 1] - height * U[:, 1].max()) < 0.02 * U[:, 1].max()
+    return int(np.flatnonzero(near)[np.argmin(eye.depth(U[near]))])
+
+
+def click(window, vertex):
+    mouse = Mouse(window.canvas.viewport)
+    at = on_screen(window, vertex)
+    mouse.move(at)
+    mouse.press(at)
+    mouse.release(at)
+    return at
+
+
+def measured(window):
+    return document(window).measurements
+
+
+def readings(window):
+    return window.session.measuring.readings(window.session.store.state)
+
+
+@pytest.fixture
+def measuring(qtbot, bottle):
+    """The bottle, and the tool in the hand by its key."""
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    qtbot.keyClick(bottle.shell, Qt.Key.Key_Q)
+    assert bottle.canvas.tool is Tool.MEASURE
+    return bottle
+
+
+def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
+    window, section = measuring, measuring.panel.measure
+    view = window.canvas.viewport
+    assert window.kind_bar.isVisible()
+    assert "click two points" in window.status.currentMessage() + window.measure.hint
+    assert not section.empty.isHidden()
+    low, high = front(window, 0.3), front(window, 0.6)
+    click(window, low)
+    assert measured(window) == ()
+    qtbot.keyClick(view, Qt.Key.Key_Escape)  # the first point is taken back, and not the tool
+    assert window.canvas.tool is Tool.MEASURE
+    click(window, low)
+    click(window, high)
+    (distance,) = measured(window)
+    U = window.session.store.state.frame.U
+    found = positions(distance.points, U, document(window).mesh.F)
+    pixel = view.look.eye.world_per_pixel(U[low])
+    assert np.abs(found - U[[low, high]]).max() < 3 * pixel
+    assert section.list.rows[0].name.text() == "Distance 1"
+    window.measure.choose_kind(Kind.ANGLE)
+    for height in (0.3, 0.6, 0.5):
+        click(window, front(window, height))
+    window.measure.choose_kind(Kind.SECTION)
+    axis = window.measure.tool.axis
+    Mouse(view).wheel(on_screen(window, low), -1)
+    assert window.measure.tool.axis == (axis + 1) % 3
+    Mouse(view).wheel(on_screen(window, low), 1)
+    click(window, low)
+    assert measured(window)[2].plane.offset == pytest.approx(U[low, 1], abs=3 * pixel)
+    assert [each.kind for each in measured(window)] == [Kind.DISTANCE, Kind.ANGLE, Kind.SECTION]
+    assert not section.list.rows[2].details.isHidden()  # the newest is the chosen one
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert [row.name.text() for row in section.list.rows] == ["Distance 1", "Angle 1"]
+    section.list.rows[0].remove.click()
+    assert [each.name for each in measured(window)] == ["Angle 1"]
+    section.clear.click()
+    assert measured(window) == ()
+    assert not section.empty.isHidden()
+    assert not section.copy.isVisible()
+
+
+def test_values_follow_shape_and_unit_and_are_copied(qtbot, measuring):
+    window, section = measuring, measuring.panel.measure
+    click(window, front(window, 0.3))
+    click(window, front(window, 0.7))
+    window.measure.choose_kind(Kind.SECTION)
+    click(window, front(window, 0.6))
+    window._choose_unit(Unit.MILLIMETRE)
+    row = section.list.rows[0]
+    assert row.reading.text().endswith("mm")
+    assert "%" not in row.reading.text()
+    window.session.gestures.begin()
+    pose = np.eye(4)
+    pose[:3, 3] = 1.0, 2.0, 0.0
+    window.session.handles.drag(pose)
+    rest = document(window).mesh.V
+    qtbot.waitUntil(lambda: window.session.store.state.frame.U is not rest, timeout=30_000)
+    qtbot.waitUntil(lambda: row.reading.text().endswith("%"), timeout=5_000)
+    reading = readings(window)[0]
+    now, was = reading.now.values[0], reading.rest.values[0]
+    said = row.reading.text().replace("\N{MINUS SIGN}", "-").split("  ")[1]
+    assert float(said.removesuffix("%")) == pytest.approx(100 * (now / was - 1), abs=0.006)
+    window.session.gestures.cancel()
+    check_copy(window, section, row)
+    check_drawing(window, section)
+
+
+def check_copy(window, section, row):
+    section.copy.click()
+    lines = [line.split("\t") for line in QGuiApplication.clipboard().text().splitlines()]
+    assert [line[0] for line in lines] == [
+        "Measurement",
+        "Distance 1",
+        "Section 1, length",
+        "Section 1, enclosed area",
+    ]
+    assert lines[1][1] == row.reading.text()
+    assert lines[3][1].endswith("mm²")
+
+
+def check_drawing(window, section):
+    view = window.canvas.viewport
+    window.tools.take(Tool.ORBIT)  # they stay when another tool is taken
+    assert not window.kind_bar.isVisible()
+
+    def drawn():
+        return view.overlay.grab().toImage()
+
+    shown = drawn()
+    section.shown.setChecked(False)
+    assert drawn() != shown
+    section.shown.setChecked(True)
+    assert drawn() == shown
+    clicks = len(measured(window))
+    click(window, front(window, 0.5))
+    assert len(measured(window)) == clicks
