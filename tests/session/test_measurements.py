@@ -19,6 +19,7 @@ from apd_viewer.session.storage.session_file import open_session, save_session
 
 MIDDLE = (0.25, 0.5, 0.25)
 POINTS = SurfacePoint(3, MIDDLE), SurfacePoint(40, MIDDLE), SurfacePoint(61, MIDDLE)
+COLD = 120.0  # s; the process may have to compile its kernels
 HALF = Plane((0.0, 0.0, 1.0), 2.5)
 
 
@@ -69,7 +70,7 @@ def test_there_is_a_limit(session):
 
 def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
     measure_all(session)
-    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
     mesh = session.store.state.document.mesh
     rest = geodesic_path(mesh.V, mesh.joined_F, *POINTS[:2])
     assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
@@ -84,7 +85,7 @@ def test_values_follow_the_shape_and_geodesics_wait_until_it_rests(session):
     assert len(geodesic.now.segments)  # its path is carried along
     session.handles.release(0)
     session.settle()
-    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
     now = path_length(geodesic_path(session.U, mesh.joined_F, *POINTS[:2]))
     assert readings(session)[2].now.values == pytest.approx((now,))
     assert readings(session)[2].rest.values == pytest.approx((path_length(rest),))
@@ -162,7 +163,7 @@ def test_a_replay_reports_them(session, tmp_path):
 def test_words_tell_values_changes_and_what_is_missing(session):
     measure_all(session)
     session.measurements.add(Kind.SECTION, plane=Plane((0.0, 0.0, 1.0), 100.0))
-    session.until(lambda: readings(session)[2].now.values[0] is not None)
+    session.until(lambda: readings(session)[2].now.values[0] is not None, COLD)
     session.drag(BENT)
     session.settle()
     said = readings(session)

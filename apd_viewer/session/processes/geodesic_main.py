@@ -36,7 +36,8 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     ):
         F = np.frombuffer(triangles, dtype=np.int32).reshape(-1, 3).astype(np.int64)
         points = [SurfacePoint(int(face), (a, b, c)) for face, a, b, c in np.frombuffer(ends).reshape(-1, 4)]
-        found = _found(np.frombuffer(positions).reshape(-1, 3), F, *points)
+        U = np.frombuffer(positions).reshape(-1, 3).copy()  # not read-only: as the kernels are cached for
+        found = _found(U, F, *points)
         array_pipe.write(sink, found.corners.astype(np.int64).tobytes())
         array_pipe.write(sink, found.weights.tobytes())
 
