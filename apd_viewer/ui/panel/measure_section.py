@@ -1,4 +1,4 @@
-"""Section of the panel with the measurements: distances, angles, geodesics, sections."""
+"""Section of the panel with distances, angles, geodesics and sections."""
 
 from __future__ import annotations
 
