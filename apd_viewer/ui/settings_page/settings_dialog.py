@@ -87,12 +87,17 @@ class SettingsDialog(QDialog):
         self.shortcuts.clicked.connect(self._show_shortcuts)
         self.restore.clicked.connect(lambda: self._values.restore(PREFERENCES))
         self.close_.clicked.connect(self.close)
+        self._values.changed.connect(self._offer_restore)
+        self._offer_restore()
         row = QHBoxLayout(spacing=8)
         row.addWidget(self.shortcuts)
         row.addWidget(self.restore)
         row.addStretch(1)
         row.addWidget(self.close_)
         return row
+
+    def _offer_restore(self) -> None:
+        self.restore.setEnabled(any(self._values[row] != row.default for row in PREFERENCES))
 
     def _show_shortcuts(self) -> None:
         self.close()

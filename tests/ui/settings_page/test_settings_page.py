@@ -83,6 +83,7 @@ def opened(qtbot, window, folder, name):
 
 def test_each_setting_does_what_it_says_and_is_kept(qtbot, window, page, settings, tmp_path, chosen_language):
     assert set(OTHER) == {preference.name for preference in table.PREFERENCES}
+    assert not page.restore.isEnabled(), "all are at their defaults"
     for preference in table.PREFERENCES:
         choose(page, preference, OTHER[preference.name])
     assert window.shell.theme is DARK
@@ -111,6 +112,7 @@ def test_each_setting_does_what_it_says_and_is_kept(qtbot, window, page, setting
         assert window.memory.values[preference] == preference.default
         assert settings.value(preference.name) is None
     assert control(page, table.UNDO_MEMORY).currentText() == "512 MiB"
+    assert not page.restore.isEnabled()
     assert control(page, table.BRUSH_RADIUS).value() == window.canvas.painter.size.radius == 24.0
     assert not chosen_language.exists()
     opened(qtbot, window, tmp_path, "newer.obj")
