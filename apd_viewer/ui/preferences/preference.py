@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
 
-class Option(NamedTuple, Generic[T]):
+@dataclass(frozen=True)
+class Option(Generic[T]):
     """An allowed value, how it is stored, and its title."""
 
     stored: str
