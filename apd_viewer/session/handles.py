@@ -14,6 +14,7 @@ from apd_viewer.session.model.handle_paths import without_last_digits
 from apd_viewer.session.model.named_parts import IDENTITY
 from apd_viewer.session.posing.motion_plan import MotionPlan, planned
 from apd_viewer.session.posing.motion_titles import title_between
+from apd_viewer.session.posing.symmetry import moved, placed
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from apd_viewer.session.listener import Listener
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.motions import TypedMotion
+    from apd_viewer.session.model.named_parts import Handle
     from apd_viewer.session.store import Store
 
 
@@ -44,7 +46,7 @@ class Handles:
         """Move a handle on to a pose (4, 4), relative to its grip, within a gesture."""
         state = self._store.required()
         if self._gestures.before is not None:  # another mesh may have ended the drag
-            self._store.solve(state.document.moved(which, pose))
+            self._store.solve(moved(state.document, which, pose))
 
     def release(self, which: int = 0) -> None:
         """End the drag of a handle; the shape of a winding path is solved anew along it.
@@ -59,7 +61,7 @@ class Handles:
 
     def pose(self, pose: np.ndarray, which: int, gesture: str, repeats: bool = False) -> None:
         """Move a handle on to a pose (4, 4) as one step, or as part of the last."""
-        self._go(self._gestures.alone().document.moved(which, pose), which, gesture, repeats)
+        self.go(moved(self._gestures.alone().document, which, pose), gesture, repeats)
 
     def plan(
         self, motion: TypedMotion, text: str, which: int, line: np.ndarray | None = None, to: bool = False
@@ -77,25 +79,29 @@ class Handles:
         self._gestures.cancel()
         plan = self.plan(motion, text, which, line, to)
         end = plan.end()
-        self._go(end, which, plan.title(end, self._store.unit))
+        self.go(end, plan.title(end, self._store.unit))
 
     def reset(self, which: int) -> None:
         """Reset one handle to its grip; the mesh follows."""
         document = self._gestures.alone().document
-        self._go(document.with_pose(which, IDENTITY), which, tr("Reset handle"))
+        self.go(placed(document, which, document.handles[which].at(IDENTITY)), tr("Reset handle"))
 
-    def _go(self, document: Document, which: int, gesture: str, repeats: bool = False) -> None:
-        """Go on to a document with another pose of one handle, as one step."""
+    def go(self, document: Document, gesture: str, repeats: bool = False) -> None:
+        """Go on to a document with other poses of its handles, as one step."""
         state = self._store.required()
-        before, after = state.document.handles[which], document.handles[which]
+        pairs = zip(state.document.handles, document.handles, strict=True)
         if state.document.problem:
             self._listener.failed(state.document.problem)
-        elif not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints):
+        elif any(_differ(before, after) for before, after in pairs):
             self._gestures.record(gesture, state, repeats)
-            if document.winds:
-                self._walk(document)
-            else:
-                self._store.solve(document)
+            self.advance(document)
+
+    def advance(self, document: Document) -> None:
+        """Solve a document, along the paths of its handles if they wind."""
+        if document.winds:
+            self._walk(document)
+        else:
+            self._store.solve(document)
 
     def _walk(self, document: Document) -> None:
         """Solve a document along its winding paths, and say once what may come of it."""
@@ -119,3 +125,7 @@ class Handles:
             return
         self._gestures.record(tr("Move pivot"), state)
         self._store.set_document(state.document.with_handle(which, replace(handle, pivot=point)))
+
+
+def _differ(before: Handle, after: Handle) -> bool:
+    return not np.array_equal(before.pose, after.pose) or len(before.waypoints) != len(after.waypoints)

@@ -9,6 +9,7 @@ import numpy as np
 
 from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smoothed
 from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.posing.symmetry import mirror_plane
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.painted_part import Part
@@ -19,10 +20,8 @@ Reshape: TypeAlias = "Callable[[State, np.ndarray], np.ndarray]"
 
 def _mirrored_along(axis: int) -> Reshape:
     def reshape(state: State, member: np.ndarray) -> np.ndarray:
-        # At rest: a bent mesh has no mirror plane.
-        V, named = state.document.mesh.V, state.skin.named
-        centre = (V[named].min(axis=0) + V[named].max(axis=0)) / 2
-        return member | mirrored(state.skin.start, state.skin.neighbour, V, member, axis, centre)
+        mesh, skin = state.document.mesh, state.skin
+        return member | mirrored(skin.start, skin.neighbour, mesh.V, member, mirror_plane(mesh, axis))
 
     return reshape
 

@@ -25,6 +25,7 @@ from apd_viewer.session.settings import Settings
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.store import Activity, Store
 from apd_viewer.session.target_shapes import TargetShapes
+from apd_viewer.session.symmetric_posing import SymmetricPosing
 from apd_viewer.session.typed_values import TypedValues
 
 
@@ -43,6 +44,7 @@ class Session:
         Steps of undo.
     painting : Painting
     handles : Handles
+    symmetric : SymmetricPosing
     parts : Parts
     settings : Settings
     measurements : Measurements
@@ -65,6 +67,7 @@ class Session:
         self.gestures = gestures = Gestures(store, listener)
         self.painting = Painting(store, gestures, listener)
         self.handles = Handles(store, gestures, listener)
+        self.symmetric = SymmetricPosing(store, gestures, self.handles, listener)
         self.parts = Parts(store, gestures, listener)
         self.settings = Settings(store, gestures, listener)
         self.measurements = Measurements(store, gestures, listener)

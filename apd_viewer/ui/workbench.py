@@ -33,6 +33,7 @@ from apd_viewer.ui.panel.measurements_controller import Measuring
 from apd_viewer.ui.panel.target_controller import Targeting
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_preview import MotionPreview
+from apd_viewer.ui.posing.symmetry_controller import SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.session_signals import SessionSignals
 from apd_viewer.ui.settings_page.preference_effects import (
@@ -113,6 +114,9 @@ class Workbench(QObject):
         self.filing = Filing(shell, memory, session, self._view, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
         self.preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
+        self.symmetry = SymmetryController(
+            self.panel.handles.symmetry, session, self.parts, self.editing.give_up
+        )
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.notice.stand_above(self.editing.typed.cards)
         self.studies = Studies(shell, memory, self._studied, notice.fail)
@@ -148,6 +152,7 @@ class Workbench(QObject):
             filing=self.filing,
             editing=self.editing,
             parts=PartCommands(self.canvas, self.session, self.parts, self.editing.give_up),
+            symmetry=self.symmetry,
             looks=self.looks,
             measure=self.measure,
             findings=self.health,
@@ -266,6 +271,8 @@ class Workbench(QObject):
             if old is None or old.document.mesh.F is not document.mesh.F:
                 self._show_opened(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
+        self.symmetry.follow()
+        self.actions_.pose.show_symmetry(document.mirror is not None)
         self.plots.follow()
         self.health.follow()
         before = None if old is None else old.document

@@ -88,11 +88,11 @@ class Driven(Session):
         self.stroke(base, BASE)
         self.stroke(handle, HANDLE)
 
-    def drag(self, *poses: np.ndarray) -> None:
+    def drag(self, *poses: np.ndarray, which: int = 0) -> None:
         self.gestures.begin()
         for pose in poses:
-            self.handles.drag(pose)
-        self.handles.release()
+            self.handles.drag(pose, which)
+        self.handles.release(which)
 
     @property
     def U(self) -> np.ndarray:

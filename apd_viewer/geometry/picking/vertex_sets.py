@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from scipy.spatial import KDTree
 
+from apd_viewer.geometry.picking.mirror_images import nearest_to_images
 from apd_viewer.geometry.picking.vertex_paths import _walk
+from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 # Smoothing changes nothing beyond this many rings from the border.
 RINGS = 5
@@ -109,7 +110,7 @@ def _mean_around(start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, share:
 
 
 def mirrored(
-    start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, axis: int, centre: np.ndarray
+    start: np.ndarray, neighbour: np.ndarray, U: np.ndarray, member: np.ndarray, plane: MirrorPlane
 ) -> np.ndarray:
     """Vertices nearest to the mirror images of a set.
 
@@ -121,10 +122,7 @@ def mirrored(
         As for :func:`grown`.
     U : (n, 3) float array
     member : (n,) bool array
-    axis : int
-        The plane is perpendicular to it: 0, 1 or 2.
-    centre : (3,) float array
-        A point of the plane.
+    plane : MirrorPlane
 
     Returns
     -------
@@ -132,17 +130,9 @@ def mirrored(
     """
     named, out = np.diff(start) > 0, np.zeros(len(U), dtype=bool)
     mine = np.flatnonzero(member & named)
-    if not len(mine):
-        return out
-    images = U[mine]
-    images[:, axis] = 2.0 * centre[axis] - images[:, axis]
     reach = 0.5 * _mean_edge(start, neighbour, U, mine)
-    low, high = images.min(axis=0) - reach.max(), images.max(axis=0) + reach.max()
-    others = np.flatnonzero(named & ((low <= U) & (high >= U)).all(axis=1))
-    # Neither balanced nor compact: not worth it for a single query.
-    tree = KDTree(U[others], balanced_tree=False, compact_nodes=False)
-    distance, which = tree.query(images, workers=-1)
-    out[others[which[distance <= reach]]] = True
+    found = nearest_to_images(U, mine, named, plane, reach)
+    out[found[found >= 0]] = True
     return out
 
 

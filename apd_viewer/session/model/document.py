@@ -72,6 +72,8 @@ class Document:
         The target shape of a session that was not found again.
     convergence : Convergence
         What ends the iterations.
+    mirror : int or None
+        Axis along which handles are moved symmetrically, 0, 1 or 2; None moves each by itself.
     """
 
     mesh: Mesh = field(metadata=FACTORED)
@@ -95,6 +97,7 @@ class Document:
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
     missing_target: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
     convergence: Convergence = field(default=DEFAULT_CONVERGENCE, metadata=NOT_FACTORED)
+    mirror: int | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it
 

@@ -6,17 +6,22 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.language import tr
 from apd_viewer.session.posing.motion_titles import names_of_moved, title_of
+from apd_viewer.session.posing.symmetry import moved
 from apd_viewer.session.posing.typed_motion import amount_of, pose_after, poses_along, still_to_go
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.motions import TypedMotion
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
 
+_ROUNDING = 1e-9  # of a pose; of the diagonal of the mesh for its translation
 _ARC = math.radians(5.0)  # between two documents on the way: arcs drawn through them look round
 
 
@@ -46,7 +51,7 @@ class MotionPlan:
         """The document at ``part`` of the motion: 0 is the start, 1 the end."""
         amount = part * self.amount
         pose = pose_after(self.start, self.which, self.motion, amount, self.line)
-        return self.start.moved(self.which, pose)
+        return moved(self.start, self.which, pose)
 
     def on_the_way(self) -> list[Document]:
         """The document along a motion of at most a turn, with its end; else the last turn.
@@ -64,10 +69,20 @@ class MotionPlan:
 
     def end(self) -> Document:
         """The document after the motion; raises InputError if it is impossible."""
-        document = self.start
+        document, pose = self.start, self.start.handles[self.which].pose
         for pose in poses_along(self.start, self.which, self.motion, self.amount, self.line):
-            document = document.moved(self.which, pose)
+            document = moved(document, self.which, pose)
+        if self._is_same(document.handles[self.which].pose) and not self._is_same(pose):
+            name = self.start.handles[self.which].name
+            sentence = tr("“{name}” is its own mirror image and cannot move out of the mirror plane.")
+            raise InputError(sentence.format(name=name))
         return document
+
+    def _is_same(self, pose: np.ndarray) -> bool:
+        """True if the handle is at a pose (4, 4) before the motion, to rounding."""
+        before, size = self.start.handles[self.which].pose, diagonal(self.start.mesh.V)
+        away = np.abs(pose - before)
+        return bool(away[:, :3].max() <= _ROUNDING and away[:, 3].max() <= _ROUNDING * size)
 
     def title(self, end: Document, unit: Unit) -> str:
         """Name in the undo history, with the end of the motion."""

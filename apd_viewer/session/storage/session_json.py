@@ -39,6 +39,7 @@ _MOST_WAYPOINTS = 10_000  # of a handle
 _MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
 _NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
 _POINTS = ("position", "focal", "up")
+_AXES = "xyz"
 _NO_OVERLAY = "none"
 
 
@@ -59,6 +60,7 @@ def document_said(document: Document) -> dict[str, Any]:
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
         **({"base": _flags_said(document.base)} if document.base != NO_FLAGS else {}),
         **measurements_said(document.measurements),
+        **({} if document.mirror is None else {"mirror": _AXES[document.mirror]}),
     }
 
 
@@ -133,8 +135,15 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),
+        mirror=_axis(said.text("mirror")) if said.says("mirror") else None,
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))
+
+
+def _axis(name: str) -> int:
+    if len(name) != 1 or name not in _AXES:
+        raise ValueError(tr("its “mirror” is unknown"))
+    return _AXES.index(name)
 
 
 def _staying(said: Fields, document: Document, shape: np.ndarray) -> tuple[int, ...]:

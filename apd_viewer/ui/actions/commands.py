@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.target_controller import Targeting
+    from apd_viewer.ui.posing.symmetry_controller import SymmetryController
     from apd_viewer.ui.sharing.report_controller import Reporting
     from apd_viewer.ui.studies.studies import Studies
     from apd_viewer.ui.tools.canvas import Canvas
@@ -34,6 +35,7 @@ class Commands:
     filing: Filing
     editing: Editing
     parts: PartCommands
+    symmetry: SymmetryController
     looks: Looks
     measure: MeasureController
     findings: Health

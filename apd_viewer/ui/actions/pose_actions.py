@@ -43,7 +43,7 @@ class PoseActions:
     ----------
     parts, pivots, nudges : list of QAction
     along : dict of Along to QAction
-    typed, put_back, pause, compare, sweep : QAction
+    typed, put_back, symmetric, pause, compare, sweep : QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
@@ -90,6 +90,14 @@ class PoseActions:
             tr("Return the active handle to its rest position"),
             "Shift+M",
             editing.put_back,
+        )
+        self.symmetric = maker.switch(
+            "symmetric",
+            tr("Sy&mmetric"),
+            "mirror",
+            tr("Move each handle together with its mirror image"),
+            "Shift+S",
+            commands.symmetry.switch,
         )
         self.compare = make(
             "compare_methods",
@@ -160,11 +168,17 @@ class PoseActions:
     def _align(self, along: Along) -> None:
         self._gizmo.along = along
 
+    def show_symmetry(self, on: bool) -> None:
+        """Show whether handles are moved symmetrically."""
+        self.symmetric.blockSignals(True)
+        self.symmetric.setChecked(on)
+        self.symmetric.blockSignals(False)
+
     def fill(self, menu: QMenu) -> None:
         """Put all of them into a menu."""
         menu.addActions(self.parts)
         menu.addSeparator()
-        menu.addActions([self.typed, self.put_back, *self.pivots])
+        menu.addActions([self.typed, self.put_back, self.symmetric, *self.pivots])
         self.nudge = menu.addMenu(tr("N&udge"))
         self.nudge.addActions(self.nudges)
         menu.addSeparator()

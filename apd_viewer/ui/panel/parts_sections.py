@@ -15,6 +15,7 @@ from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.panel.motion_field import MotionField
 from apd_viewer.ui.panel.part_list import PartList
 from apd_viewer.ui.panel.part_row import PartRow
+from apd_viewer.ui.panel.symmetry_row import SymmetryRow
 from apd_viewer.ui.widgets.fields import Check, Number, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon
@@ -36,6 +37,7 @@ class HandleSection(Section):
     ----------
     list : PartList
     motion : MotionField
+    symmetry : SymmetryRow
     falloff : Dial
         In percent of the longest side.
     added, reset_asked, put_back_asked : Signal()
@@ -52,6 +54,8 @@ class HandleSection(Section):
         self.column.addWidget(self.list)
         self.motion = MotionField()
         self.column.addWidget(self.motion)
+        self.symmetry = SymmetryRow()
+        self.column.addWidget(self.symmetry)
         tip = tr(
             "Distance over which the surface around the active handle moves with it, decreasing "
             "outwards; in percent of the longest side"

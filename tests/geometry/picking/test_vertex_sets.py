@@ -16,6 +16,7 @@ from apd_viewer.geometry.mesh.operators import vertex_neighbours
 from apd_viewer.geometry.picking.surface_index import Skin
 from apd_viewer.geometry.picking.vertex_paths import border_loop, inside, piece_of
 from apd_viewer.geometry.picking.vertex_sets import RINGS, grown, mirrored, shrunk, smoothed
+from apd_viewer.geometry.pose.mirror import MirrorPlane
 
 N = 9  # vertices of the triangles that hypothesis makes up
 triangles = st.lists(st.tuples(*[st.integers(0, N - 1)] * 3), min_size=1, max_size=14).map(
@@ -150,11 +151,11 @@ def test_the_mirror_image_of_a_set_on_a_symmetric_mesh(axis):
     graph, middle = vertex_neighbours(F, len(V)), np.array([2.0, 1.0, 3.0])
     rng = np.random.default_rng(axis)
     for member in rng.random((5, len(V))) < 0.2:
-        image = mirrored(*graph, V, member, axis, middle)
+        image = mirrored(*graph, V, member, MirrorPlane(axis, middle[axis]))
         flipped = V[member] + (2 * (middle - V[member])) * (np.arange(3) == axis)
         assert sorted(map(tuple, V[image])) == sorted(map(tuple, flipped))
-        np.testing.assert_array_equal(mirrored(*graph, V, image, axis, middle), member)
-    assert not mirrored(*graph, V, np.zeros(len(V), dtype=bool), axis, middle).any()
+        np.testing.assert_array_equal(mirrored(*graph, V, image, MirrorPlane(axis, middle[axis])), member)
+    assert not mirrored(*graph, V, np.zeros(len(V), dtype=bool), MirrorPlane(axis, middle[axis])).any()
 
 
 def test_a_vertex_without_a_counterpart_has_no_mirror_image():
@@ -162,22 +163,21 @@ def test_a_vertex_without_a_counterpart_has_no_mirror_image():
     V, F = np.vstack([V, [[0.0, 0.0, 9.0], [4.0, 0.0, 9.0]]]), F.astype(np.int32)
     graph = vertex_neighbours(F, len(V))
     everything = np.ones(len(V), dtype=bool)
-    centre = np.array([2.0, 0.0, 0.0])
     # Nobody names the last two; those at x = 4 are mirrored to x = -0.5, and to x = -0.7, too far away.
-    np.testing.assert_array_equal(mirrored(*graph, V, everything, 0, centre)[:-2], True)
-    assert not mirrored(*graph, V, everything, 0, centre)[-2:].any()
+    np.testing.assert_array_equal(mirrored(*graph, V, everything, MirrorPlane(0, 2.0))[:-2], True)
+    assert not mirrored(*graph, V, everything, MirrorPlane(0, 2.0))[-2:].any()
     right = V[:, 0] == 4.0
-    assert mirrored(*graph, V, right, 0, centre - [0.25, 0, 0])[:-2].sum() == 3
-    assert not mirrored(*graph, V, right, 0, centre - [0.35, 0, 0]).any()
-    assert not mirrored(*graph, V, right, 0, centre - 100.0).any()
-    ends = mirrored(*graph, V, right | (V[:, 0] == 0.0), 0, centre - [0.35, 0, 0])
+    assert mirrored(*graph, V, right, MirrorPlane(0, 1.75))[:-2].sum() == 3
+    assert not mirrored(*graph, V, right, MirrorPlane(0, 1.65)).any()
+    assert not mirrored(*graph, V, right, MirrorPlane(0, -98.0)).any()
+    ends = mirrored(*graph, V, right | (V[:, 0] == 0.0), MirrorPlane(0, 1.65))
     np.testing.assert_array_equal(ends[:-2], V[:-2, 0] == 3.0)
 
 
 def test_mirror_images_at_seams_are_named():
     V, F = box(2, 2, 2)
     U, skin, where = joined(V, F)
-    image = mirrored(skin.start, skin.neighbour, U, U[:, 0] > 1.5, 0, np.ones(3))
+    image = mirrored(skin.start, skin.neighbour, U, U[:, 0] > 1.5, MirrorPlane(0, 1.0))
     assert set(np.flatnonzero(image)) <= set(skin.joined.ravel())
     assert sorted(where[image]) == np.flatnonzero(V[:, 0] < 0.5).tolist()
 
@@ -333,6 +333,6 @@ def test_read_only_arrays_are_welcome():
     member.setflags(write=False)
     graph, opposite = (skin.start, skin.neighbour), opposite_corners(skin.joined, len(U))
     assert smoothed(*graph, U, member).any()
-    assert mirrored(*graph, U, member, 2, np.zeros(3)).any()
+    assert mirrored(*graph, U, member, MirrorPlane(2, 0.0)).any()
     assert filled(skin.joined, opposite, U, 0, 4.0).all()
     assert piece_of(*graph, 5).all()

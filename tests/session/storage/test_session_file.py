@@ -587,6 +587,13 @@ def test_loose_parts_of_an_older_session_at_rest_go_along(session, tmp_path):
     assert open_session(path)[0].document.staying == ()
 
 
+@pytest.mark.parametrize("mirror", ["w", "", "xy", 0])
+def test_an_unknown_axis_of_symmetry_is_refused(mirror, saved):
+    rewritten(saved, lambda said: said.update(mirror=mirror))
+    with pytest.raises(InputError, match="mirror"):
+        open_session(saved)
+
+
 @pytest.mark.parametrize("staying", ["all", [-1], [0.5], [10_000], [True]])
 def test_parts_that_are_not_there_cannot_stay(staying, session, tmp_path):
     path = tmp_path / "a.apd"

@@ -1,0 +1,80 @@
+"""Symmetric posing: switched on and off, and a handle painted for the other side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
+from apd_viewer.language import tr
+from apd_viewer.session.model.named_parts import Handle
+from apd_viewer.session.model.names import next_name
+from apd_viewer.session.model.painted_part import Part
+from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.part_operations import reshaped
+from apd_viewer.session.posing.symmetry import mirror_image
+
+if TYPE_CHECKING:
+    from apd_viewer.session.gestures import Gestures
+    from apd_viewer.session.handles import Handles
+    from apd_viewer.session.listener import Listener
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.store import Store
+
+_MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z
+
+
+class SymmetricPosing:
+    """Moves handles together with their mirror images, or each by itself.
+
+    Parameters
+    ----------
+    store : Store
+    gestures : Gestures
+    handles : Handles
+    listener : Listener
+    """
+
+    def __init__(self, store: Store, gestures: Gestures, handles: Handles, listener: Listener) -> None:
+        self._store = store
+        self._gestures = gestures
+        self._handles = handles
+        self._listener = listener
+
+    def mirror_along(self, axis: int | None) -> None:
+        """Move handles symmetrically along an axis, 0, 1 or 2; None moves each by itself."""
+        state = self._gestures.alone()
+        if axis != state.document.mirror:
+            self._gestures.record(tr("Change symmetry"), state)
+            self._store.set_document(replace(state.document, mirror=axis))
+
+    def paint_partner(self, k: int) -> None:
+        """Paint a handle on the mirror image of handle ``k``, and move it to the mirrored place."""
+        state = self._gestures.alone()
+        document = state.document
+        ids = _unpainted_image(state, k)
+        if len(document.handles) >= MOST_HANDLES:
+            sentence = tr("The limit is {most} handles; remove one first.").format(most=MOST_HANDLES)
+            self._listener.failed(sentence)
+        elif not len(ids):
+            self._listener.failed(
+                tr("The other side has no free vertices there; choose another axis or erase paint.")
+            )
+        else:
+            handle = document.handles[k]
+            name = next_name(tr("Handle"), [each.name for each in document.handles])
+            partner = mirror_image(document, handle, Handle(name, falloff=handle.falloff))
+            self._gestures.record(tr("Paint mirror handle"), state)
+            document = document.with_handle(len(document.handles), partner)
+            self._handles.advance(document.painted(ids, HANDLE + len(document.handles) - 1))
+
+
+def _unpainted_image(state: State, k: int) -> np.ndarray:
+    """Free vertices at the mirror image of handle ``k``."""
+    document, part = state.document, Part(HANDLE + k)
+    if document.mirror is None:
+        return np.empty(0, dtype=int)
+    both = reshaped(state, part, _MIRRORS[document.mirror])
+    return np.flatnonzero(both & ~part.of(document))

@@ -1,0 +1,80 @@
+"""Symmetric posing in the window: its switches, and what is said of the partner."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+from apd_viewer.session.posing.symmetry import partner_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.model.document import Document
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.symmetry_row import SymmetryRow
+    from apd_viewer.ui.tools.active_parts import ActiveParts
+
+# Of the vertices of two handles: fewer that are mirror images are worth mentioning.
+_ALIKE = 0.98
+
+
+class SymmetryController:
+    """Connects the switches of symmetric posing with the session.
+
+    Parameters
+    ----------
+    row : SymmetryRow
+    session : Session
+    parts : ActiveParts
+    give_up : callable
+        Takes back the drag that is under way.
+    """
+
+    def __init__(
+        self, row: SymmetryRow, session: Session, parts: ActiveParts, give_up: Callable[[], object]
+    ) -> None:
+        self._row, self._session, self._parts = row, session, parts
+        self._give_up = give_up
+        row.chosen.connect(self._choose)
+        row.paint_asked.connect(self._paint)
+        parts.changed.connect(self.follow)
+
+    def switch(self, on: bool) -> None:
+        """Move handles symmetrically, or each by itself."""
+        self._row.box.setChecked(on)
+
+    def follow(self) -> None:
+        """Show the settings and the partner of the active handle."""
+        state = self._session.store.state
+        # While a stroke goes on, handles are not what they will be, and a search takes a while.
+        if state is not None and self._session.gestures.before is None:
+            document, k = state.document, self._parts.handle
+            searched = document.mirror is not None and document.centre(k) is not None
+            partner = partner_of(document, k) if searched else None
+            self._row.show_settings(
+                document.mirror, _sentence(document, k) if searched else "", searched and partner is None
+            )
+
+    def _choose(self, axis: int | None) -> None:
+        if self._session.store.state is not None:
+            self._give_up()
+            self._session.symmetric.mirror_along(axis)
+
+    def _paint(self) -> None:
+        self._give_up()
+        self._session.symmetric.paint_partner(self._parts.handle)
+
+
+def _sentence(document: Document, k: int) -> str:
+    """What moves along with handle ``k``."""
+    partner = partner_of(document, k)
+    if partner is None:
+        return tr("No handle is painted at its mirror image, so it moves alone.")
+    name = document.handles[partner.number].name
+    if partner.number == k:
+        return tr("This handle is its own mirror image: it moves within the mirror plane.")
+    if partner.share < _ALIKE:
+        said = tr("“{name}” moves along; {share:.0f} % of the two are mirror images.")
+        return said.format(name=name, share=100.0 * partner.share)
+    return tr("“{name}” moves along, mirrored.").format(name=name)
