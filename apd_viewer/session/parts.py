@@ -13,6 +13,7 @@ from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.names import new_name, next_name
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.posing.named_poses import with_handle_renamed
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -65,7 +66,8 @@ class Parts:
             state = self._gestures.alone()
             self._gestures.record(tr("Rename"), state)
             handle = state.document.handles[k]
-            self._store.set_document(state.document.with_handle(k, replace(handle, name=name)))
+            document = with_handle_renamed(state.document, handle.name, name)
+            self._store.set_document(document.with_handle(k, replace(handle, name=name)))
 
     def add_region(self) -> int:
         """Add a region without vertices; returns its number, or the last at the limit."""

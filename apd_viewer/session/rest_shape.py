@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.baking import baked
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.status_text import about_baking
+from apd_viewer.session.posing.named_poses import rebased
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -54,4 +56,10 @@ class RestShape:
             self._store.jump(at_rest)
             self._listener.told(about_baking(shown.frame.area, shown.inspection.area, self._store.unit))
 
-        self._jobs.run(tr("Measuring the new rest shape"), lambda: baked(shown), done)
+        self._jobs.run(tr("Measuring the new rest shape"), lambda: _baked(shown), done)
+
+
+def _baked(state: State) -> State:
+    """The state with its shape as the rest shape, and its named poses from there."""
+    at_rest = baked(state)
+    return replace(at_rest, document=replace(at_rest.document, poses=rebased(state.document)))

@@ -18,6 +18,7 @@ from apd_viewer.session.measurement_readings import MeasurementReadings
 from apd_viewer.session.measurements import Measurements
 from apd_viewer.session.painting import Painting
 from apd_viewer.session.parts import Parts
+from apd_viewer.session.poses import Poses
 from apd_viewer.session.processes.worker import Worker
 from apd_viewer.session.rest_shape import RestShape
 from apd_viewer.session.saved_work import SavedWork
@@ -45,6 +46,7 @@ class Session:
     painting : Painting
     handles : Handles
     symmetric : SymmetricPosing
+    poses : Poses
     parts : Parts
     settings : Settings
     measurements : Measurements
@@ -68,6 +70,7 @@ class Session:
         self.painting = Painting(store, gestures, listener)
         self.handles = Handles(store, gestures, listener)
         self.symmetric = SymmetricPosing(store, gestures, self.handles, listener)
+        self.poses = Poses(store, gestures, self.handles, listener)
         self.parts = Parts(store, gestures, listener)
         self.settings = Settings(store, gestures, listener)
         self.measurements = Measurements(store, gestures, listener)

@@ -33,6 +33,7 @@ from apd_viewer.ui.panel.measurements_controller import Measuring
 from apd_viewer.ui.panel.target_controller import Targeting
 from apd_viewer.ui.plots.plots import Plots
 from apd_viewer.ui.posing.motion_preview import MotionPreview
+from apd_viewer.ui.posing.pose_controller import PoseController
 from apd_viewer.ui.posing.symmetry_controller import SymmetryController
 from apd_viewer.ui.preferences.unit_button import Units
 from apd_viewer.ui.session_signals import SessionSignals
@@ -117,6 +118,7 @@ class Workbench(QObject):
         self.symmetry = SymmetryController(
             self.panel.handles.symmetry, session, self.parts, self.editing.give_up
         )
+        self.poses = PoseController(self.panel.poses, session, self.editing.give_up)
         self.looks.cards.stand_above(self.editing.typed.cards)
         self.notice.stand_above(self.editing.typed.cards)
         self.studies = Studies(shell, memory, self._studied, notice.fail)
@@ -153,6 +155,7 @@ class Workbench(QObject):
             editing=self.editing,
             parts=PartCommands(self.canvas, self.session, self.parts, self.editing.give_up),
             symmetry=self.symmetry,
+            poses=self.poses,
             looks=self.looks,
             measure=self.measure,
             findings=self.health,
@@ -272,6 +275,8 @@ class Workbench(QObject):
                 self._show_opened(new)
         self.panel.show_state(old, new, self.parts.handle, self.parts.region)
         self.symmetry.follow()
+        if old is None or old.document is not document:
+            self.poses.follow()
         self.actions_.pose.show_symmetry(document.mirror is not None)
         self.plots.follow()
         self.health.follow()

@@ -32,6 +32,7 @@ from apd_viewer.session.model.named_parts import (
     NO_FLAGS,
     DocumentFlags,
     Handle,
+    NamedPose,
     NamedRegion,
     PartFlags,
 )
@@ -72,6 +73,7 @@ class Document:
         The target shape of a session that was not found again.
     convergence : Convergence
         What ends the iterations.
+    poses : tuple of NamedPose
     mirror : int or None
         Axis along which handles are moved symmetrically, 0, 1 or 2; None moves each by itself.
     """
@@ -97,6 +99,7 @@ class Document:
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)
     missing_target: MissingMesh | None = field(default=None, metadata=NOT_FACTORED)
     convergence: Convergence = field(default=DEFAULT_CONVERGENCE, metadata=NOT_FACTORED)
+    poses: tuple[NamedPose, ...] = field(default=(), metadata=NOT_FACTORED)
     mirror: int | None = field(default=None, metadata=NOT_FACTORED)
 
     # What follows from it

@@ -12,6 +12,7 @@ from apd_viewer.geometry.pose.constraints import BASE, HANDLE, transform
 from apd_viewer.geometry.pose.winding import extended, rotation_vector, winds
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
 
+MOST_POSES = 100
 IDENTITY = frozen(np.eye(4))
 
 
@@ -112,6 +113,38 @@ class Handle:
         """The handle gripped at its current pose."""
         pivot = None if self.pivot is None else frozen(transform(self.pose, self.pivot[None])[0])
         return replace(self, pose=IDENTITY, waypoints=(), pivot=pivot)
+
+
+class Placement(NamedTuple):
+    """Place of a handle.
+
+    Attributes
+    ----------
+    handle : str
+        Its name.
+    pose : (4, 4) float array
+        Its motion from the rest shape, read-only.
+    waypoints : tuple of (4, 4) float arrays
+        On the way there; see :class:`Handle`.
+    """
+
+    handle: str
+    pose: np.ndarray
+    waypoints: tuple[np.ndarray, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class NamedPose:
+    """Places of the handles, kept under a name.
+
+    Attributes
+    ----------
+    name : str
+    placements : tuple of Placement
+    """
+
+    name: str
+    placements: tuple[Placement, ...]
 
 
 @dataclass(frozen=True, eq=False)

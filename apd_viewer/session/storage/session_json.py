@@ -16,7 +16,6 @@ from apd_viewer.files.selections.selection import MOST_REGIONS
 from apd_viewer.files.storage.json_fields import Fields
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.geometry.pose.frame import Frame
@@ -24,7 +23,7 @@ from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Converge
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
-from apd_viewer.session.model.named_parts import NO_FLAGS, Handle, NamedRegion, PartFlags
+from apd_viewer.session.model.named_parts import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.up_axis import UpAxis
 from apd_viewer.session.model.view import Point, Standpoint, View
@@ -32,11 +31,20 @@ from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.measurements_json import measurements_of, measurements_said
+from apd_viewer.session.storage.part_json import (
+    LEAST,
+    MOST,
+    flags_of,
+    flags_said,
+    handle_of,
+    handle_said,
+    number_said,
+    percent_of,
+    pose_of,
+    pose_said,
+    region_of,
+)
 
-_MOST = 1e9  # of a weight or a percentage
-_LEAST = 1e-12  # of what is more than zero
-_MOST_WAYPOINTS = 10_000  # of a handle
-_MOTIONLESS = [0.0, 0.0, 0.0, 1.0]  # the last row of a motion's matrix
 _NUMBERS = ("tolerance", "stiffness", "area_stiffness", "shear_stiffness", "area")
 _POINTS = ("position", "focal", "up")
 _AXES = "xyz"
@@ -46,20 +54,22 @@ _NO_OVERLAY = "none"
 def document_said(document: Document) -> dict[str, Any]:
     """All of a document but for its mesh and its arrays."""
     return {
-        "handles": [_handle_said(handle) for handle in document.handles],
+        "handles": [handle_said(handle) for handle in document.handles],
         "regions": [
-            {"name": part.name, "area": _number(part.area), **_flags_said(part.flags)}
+            {"name": part.name, "area": number_said(part.area), **flags_said(part.flags)}
             for part in document.regions
         ],
         "method": document.method,
-        **{name: _number(getattr(document, name)) for name in _NUMBERS},
+        **{name: number_said(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": _number(document.volume),
         **_convergence_said(document.convergence),
+        "volume": number_said(document.volume),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
-        **({"base": _flags_said(document.base)} if document.base != NO_FLAGS else {}),
         **measurements_said(document.measurements),
+        **({"base": flags_said(document.base)} if document.base != NO_FLAGS else {}),
+        **({"poses": [pose_said(pose) for pose in document.poses]} if document.poses else {}),
         **({} if document.mirror is None else {"mirror": _AXES[document.mirror]}),
     }
 
@@ -108,8 +118,8 @@ def _number(value: float | None) -> float | None:
 
 def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
-    handles = tuple(_handle(part) for part in said.parts("handles", MOST_HANDLES))
-    regions = tuple(_region(part) for part in said.parts("regions", MOST_REGIONS))
+    handles = tuple(handle_of(part) for part in said.parts("handles", MOST_HANDLES))
+    regions = tuple(region_of(part) for part in said.parts("regions", MOST_REGIONS))
     labels, member, method = arrays["labels"], arrays["member"], said.text("method")
     if not handles or labels.max() >= HANDLE + len(handles):
         raise ValueError(tr("“labels” in it refer to a handle that does not exist"))
@@ -125,16 +135,19 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         handles,
         regions,
         method,
-        tolerance=said.number("tolerance", _LEAST, _MOST),
-        stiffness=said.number("stiffness", 0.0, _MOST),
-        area_stiffness=said.number("area_stiffness", 0.0, _MOST),
-        shear_stiffness=said.number("shear_stiffness", 0.0, _MOST),
-        area=said.number("area", _LEAST, _MOST),
+        tolerance=said.number("tolerance", LEAST, MOST),
+        stiffness=said.number("stiffness", 0.0, MOST),
+        area_stiffness=said.number("area_stiffness", 0.0, MOST),
+        shear_stiffness=said.number("shear_stiffness", 0.0, MOST),
+        area=said.number("area", LEAST, MOST),
         hold_area=said.flag("hold_area"),
         volume=_percent(said, "volume"),
         base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),
+        volume=percent_of(said, "volume"),
+        base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
+        poses=tuple(pose_of(each) for each in said.parts("poses", MOST_POSES)) if said.says("poses") else (),
         mirror=_axis(said.text("mirror")) if said.says("mirror") else None,
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))
@@ -155,26 +168,6 @@ def _staying(said: Fields, document: Document, shape: np.ndarray) -> tuple[int, 
             raise ValueError(tr("“staying” in it refers to a vertex that does not exist"))
         return staying
     return () if shape is document.mesh.V else tuple(part.first for part in document.loose_parts)
-
-
-def _handle(said: Fields) -> Handle:
-    pose = frozen(said.numbers("pose", 4, 4))
-    waypoints = tuple(map(frozen, said.stack("waypoints", _MOST_WAYPOINTS, 4, 4)))
-    if any(not np.array_equal(each[3], _MOTIONLESS) for each in (pose, *waypoints)):
-        raise ValueError(
-            tr("the “pose” of a handle is not an affine transform: its last row must be 0 0 0 1")
-        )
-    pivot = frozen(said.numbers("pivot", 3)) if said.says("pivot") else None
-    falloff = said.number("falloff", 0.0, _MOST) if said.says("falloff") else 0.0
-    return Handle(said.text("name"), pose, pivot, falloff, waypoints, _flags(said))
-
-
-def _region(said: Fields) -> NamedRegion:
-    return NamedRegion(said.text("name"), _percent(said, "area"), _flags(said))
-
-
-def _percent(said: Fields, key: str) -> float | None:
-    return said.number(key, _LEAST, _MOST) if said.says(key) else None
 
 
 def frame_said(frame: Frame) -> dict[str, Any]:
@@ -241,9 +234,9 @@ def view_of(said: Fields) -> View:
     camera = said.part("camera")
     position, focal, up = (camera.numbers(name, 3) for name in _POINTS)
     across = np.linalg.norm(np.cross(focal - position, up))
-    if not across > _LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
+    if not across > LEAST * np.linalg.norm(focal - position) * np.linalg.norm(up):
         raise ValueError(tr("its “camera” has no direction"))
-    angle = camera.number("angle", _LEAST, np.pi - _LEAST)
+    angle = camera.number("angle", LEAST, np.pi - LEAST)
     return View(Standpoint(_point(position), _point(focal), _point(up), angle), unit, wall, overlay, up_axis)
 
 

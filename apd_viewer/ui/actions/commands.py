@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.target_controller import Targeting
+    from apd_viewer.ui.posing.pose_controller import PoseController
     from apd_viewer.ui.posing.symmetry_controller import SymmetryController
     from apd_viewer.ui.sharing.report_controller import Reporting
     from apd_viewer.ui.studies.studies import Studies
@@ -36,6 +37,7 @@ class Commands:
     editing: Editing
     parts: PartCommands
     symmetry: SymmetryController
+    poses: PoseController
     looks: Looks
     measure: MeasureController
     findings: Health

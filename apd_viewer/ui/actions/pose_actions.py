@@ -41,7 +41,7 @@ class PoseActions:
 
     Attributes
     ----------
-    parts, pivots, nudges : list of QAction
+    parts, pivots, nudges, named : list of QAction
     along : dict of Along to QAction
     typed, put_back, symmetric, pause, compare, sweep : QAction
     """
@@ -99,6 +99,32 @@ class PoseActions:
             "Shift+S",
             commands.symmetry.switch,
         )
+        self.named = [
+            make(
+                "keep_pose",
+                tr("&Keep pose"),
+                "add",
+                tr("Keep the present places of all handles under a name"),
+                "Ctrl+K",
+                commands.poses.keep,
+            ),
+            make(
+                "next_pose",
+                tr("&Next pose"),
+                "redo",
+                tr("Move the handles to the next pose kept"),
+                ".",
+                partial(commands.poses.step, 1),
+            ),
+            make(
+                "previous_pose",
+                tr("&Previous pose"),
+                "undo",
+                tr("Move the handles to the previous pose kept"),
+                ",",
+                partial(commands.poses.step, -1),
+            ),
+        ]
         self.compare = make(
             "compare_methods",
             tr("&Compare methods…"),
@@ -181,6 +207,8 @@ class PoseActions:
         menu.addActions([self.typed, self.put_back, self.symmetric, *self.pivots])
         self.nudge = menu.addMenu(tr("N&udge"))
         self.nudge.addActions(self.nudges)
+        self.poses = menu.addMenu(tr("P&oses"))
+        self.poses.addActions(self.named)
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()

@@ -17,6 +17,7 @@ from apd_viewer.ui.panel.method_section import MethodSection
 from apd_viewer.ui.panel.part_buttons import PartButtons
 from apd_viewer.ui.panel.part_row import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
+from apd_viewer.ui.panel.pose_section import PoseSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
@@ -106,6 +107,7 @@ class Panel(QScrollArea):
         self.target = TargetSection()
         self.method = MethodSection()
         self.handles = HandleSection()
+        self.poses = PoseSection()
         self.regions = RegionSection()
         self.measure = MeasureSection()
         self.paint = PaintSection()
@@ -116,6 +118,7 @@ class Panel(QScrollArea):
             self.target,
             self.method,
             self.handles,
+            self.poses,
             self.regions,
             self.paint,
         )

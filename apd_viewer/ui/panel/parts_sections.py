@@ -96,7 +96,7 @@ class HandleSection(Section):
     def show_settings(self, state: State, unit: Unit, active: int) -> None:
         """Show the handles, and how the active one was moved."""
         document = state.document
-        self.list.show_parts([handle.name for handle in document.handles], active)
+        self.list.show_names([handle.name for handle in document.handles], active)
         for k, row in enumerate(self.list.rows):
             count = document.counts[HANDLE + k]
             said = trn("{n:,} vertex", "{n:,} vertices", int(count)).format(n=count)
@@ -164,7 +164,7 @@ class RegionSection(Section):
         """Show the regions and their targets."""
         document = state.document
         regions, only_measured = document.regions, document.traits.keeps_only_total_area
-        self.list.show_parts([region.name for region in regions], active)
+        self.list.show_names([region.name for region in regions], active)
         for k, (region, row) in enumerate(zip(regions, self.list.rows, strict=True), 1):
             row.show_flags(region.flags, bool(state.region_counts[k]))
             if isinstance(row.details, Keep):

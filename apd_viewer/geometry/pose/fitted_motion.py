@@ -1,0 +1,24 @@
+"""Motion that fits two sets of points best."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.pose.transforms import linear_about, shifted
+
+
+def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Rotation, translation and scale (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
+
+    [Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns]. Points
+    that coincide are only translated.
+    """
+    centre, target = X.mean(axis=0), Y.mean(axis=0)
+    x, y = X - centre, Y - target
+    left, sizes, right = np.linalg.svd(y.T @ x)
+    signs = np.array([1.0, 1.0, np.linalg.det(left @ right)])
+    spread = float((x * x).sum())
+    scale = float(sizes @ signs) / spread if spread > 0.0 else 1.0
+    linear = (left * signs) @ right
+    fitted: np.ndarray = shifted(target - centre) @ linear_about(centre, (scale or 1.0) * linear)
+    return fitted

@@ -1,0 +1,132 @@
+"""Named poses: the places of the handles from the rest shape, kept and returned to.
+
+From the rest shape, for what the handles were gripped at changes with every stroke and every reset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.session.model.memo import once
+from apd_viewer.session.model.named_parts import IDENTITY, Handle, NamedPose, Placement
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from apd_viewer.session.model.document import Document
+
+# Of a matrix and of an angle in radians; of the diagonal of the mesh for translations.
+_SAME = 1e-7
+
+
+@once
+def _grip_motion(V: np.ndarray, grip: np.ndarray, labels: np.ndarray, label: int) -> np.ndarray:
+    """Motion (4, 4) that brought the vertices of a label from rest to their grip."""
+    mine = labels == label
+    if grip is V or np.array_equal(V[mine], grip[mine]):
+        return IDENTITY
+    return frozen(fitted_motion(V[mine], grip[mine]))
+
+
+@once
+def _size(V: np.ndarray) -> float:
+    """Diagonal of the bounding box."""
+    return diagonal(V)
+
+
+def _gripped(document: Document, k: int) -> np.ndarray:
+    return _grip_motion(document.mesh.V, document.grip, document.labels, HANDLE + k)
+
+
+def placements(document: Document) -> tuple[Placement, ...]:
+    """Present places of all handles with vertices."""
+    return tuple(
+        Placement(
+            handle.name,
+            frozen(handle.pose @ _gripped(document, k)),
+            tuple(frozen(waypoint @ _gripped(document, k)) for waypoint in handle.waypoints),
+        )
+        for k, handle in enumerate(document.handles)
+        if document.counts[HANDLE + k]
+    )
+
+
+def _targets(document: Document, pose: NamedPose) -> Iterator[tuple[int, Handle]]:
+    """Handles that a named pose places and the document has, each in its place."""
+    numbers = {handle.name: k for k, handle in enumerate(document.handles) if document.counts[HANDLE + k]}
+    for placement in pose.placements:
+        k = numbers.get(placement.handle)
+        if k is not None:
+            back = np.linalg.inv(_gripped(document, k))
+            waypoints = tuple(frozen(waypoint @ back) for waypoint in placement.waypoints)
+            yield k, document.handles[k].at(placement.pose @ back, waypoints)
+
+
+def posed(document: Document, pose: NamedPose) -> Document:
+    """The document with its handles in a named pose; others stay where they are."""
+    for k, handle in _targets(document, pose):
+        document = document.with_handle(k, handle)
+    return document
+
+
+def missing(document: Document, pose: NamedPose) -> list[str]:
+    """Names of the handles that a named pose places and the document has not."""
+    found = {document.handles[k].name for k, _ in _targets(document, pose)}
+    return [placement.handle for placement in pose.placements if placement.handle not in found]
+
+
+def is_at(document: Document, pose: NamedPose) -> bool:
+    """True if the handles are in a named pose, as far as they are there."""
+    size, there = _size(document.mesh.V), list(_targets(document, pose))
+    return bool(there) and all(_alike(document.handles[k], handle, size) for k, handle in there)
+
+
+def _alike(one: Handle, other: Handle, size: float) -> bool:
+    apart = np.abs(one.pose - other.pose)
+    if max(apart[:, :3].max(), apart[:, 3].max() / size) > _SAME:
+        return False
+    return bool(np.abs(one.rotation - other.rotation).max() <= _SAME)
+
+
+def with_handle_renamed(document: Document, before: str, after: str) -> Document:
+    """The document with a handle called otherwise in its named poses."""
+    poses = tuple(
+        replace(
+            pose,
+            placements=tuple(
+                each._replace(handle=after) if each.handle == before else each for each in pose.placements
+            ),
+        )
+        for pose in document.poses
+    )
+    return replace(document, poses=poses)
+
+
+def rebased(document: Document) -> tuple[NamedPose, ...]:
+    """Named poses from the present places of the handles, which become those at rest."""
+    present = {each.handle: each for each in placements(document)}
+    return tuple(
+        replace(
+            pose,
+            placements=tuple(
+                _rebased(each, present[each.handle]) if each.handle in present else each
+                for each in pose.placements
+            ),
+        )
+        for pose in document.poses
+    )
+
+
+def _rebased(placement: Placement, present: Placement) -> Placement:
+    """Placement from another one: back along its path, and then along that of the placement."""
+    back = np.linalg.inv(present.pose)
+    handle = Handle(placement.handle)
+    for pose in (*reversed(present.waypoints), IDENTITY, *placement.waypoints, placement.pose):
+        handle = handle.moved(pose @ back)
+    return Placement(handle.name, handle.pose, handle.waypoints)

@@ -1,0 +1,101 @@
+"""Section of the named poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QPushButton
+
+from apd_viewer.language import tr, trc
+from apd_viewer.ui.panel.named_rows import NamedList, NamedRow
+from apd_viewer.ui.widgets.fields import small_button
+from apd_viewer.ui.widgets.folding_section import Section, quiet
+from apd_viewer.ui.widgets.icons import icon
+from apd_viewer.ui.widgets.theme import Theme
+
+
+class PoseRow(NamedRow):
+    """Row of a named pose.
+
+    Attributes
+    ----------
+    update_pose : QToolButton
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, tr("Remove this pose"))
+        self.setToolTip(tr("Click to move the handles there, double-click or F2 to rename, Delete to remove"))
+        tip = tr("Update this pose: keep the present places of all handles under its name")
+        self.update_pose = small_button(tr("Update this pose"), tip)
+        line = QHBoxLayout(self, spacing=4)
+        line.setContentsMargins(8, 3, 4, 3)
+        line.addWidget(self.name, 1)
+        line.addWidget(self.update_pose)
+        line.addWidget(self.remove)
+
+    def set_active(self, on: bool) -> None:
+        """Show whether the handles are there: then there is nothing to update."""
+        super().set_active(on)
+        self.update_pose.setVisible(not on)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.update_pose.setIcon(icon("save", theme))
+
+
+class PoseList(NamedList[PoseRow]):
+    """The rows of the named poses.
+
+    Attributes
+    ----------
+    updated : Signal(int)
+    """
+
+    updated = Signal(int)
+
+    def _made(self, k: int, name: str) -> PoseRow:
+        row = PoseRow(name)
+        row.update_pose.clicked.connect(lambda: self.updated.emit(k))
+        return row
+
+
+class PoseSection(Section):
+    """Named poses of all handles, to go to and fro between.
+
+    Attributes
+    ----------
+    list : PoseList
+    kept : Signal()
+        The present pose is to be kept under a new name.
+    """
+
+    kept = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("Poses"))
+        self.empty = quiet(tr("About poses"))
+        self.empty.setText(tr("Keep where all handles are now, and return to it with a click."))
+        self.list = PoseList()
+        self.add = QPushButton(
+            tr("Keep pose"), toolTip=tr("Keep the present places of all handles under a name")
+        )
+        self.add.clicked.connect(self.kept)
+        for part in (self.empty, self.list):
+            self.column.addWidget(part)
+        self.column.addSpacing(4)
+        self.column.addWidget(self.add)
+        self.show_poses((), None)
+
+    def show_poses(self, names: Sequence[str], active: int | None) -> None:
+        """Show the poses, and the one that the handles are in."""
+        self.list.show_names(names, active)
+        self.empty.setVisible(not names)
+        self.heading.say(f"{len(names)}" if names else trc("poses", "none"), only_folded=True)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icons."""
+        super().set_theme(theme)
+        self.list.set_theme(theme)
+        self.add.setIcon(icon("add", theme))

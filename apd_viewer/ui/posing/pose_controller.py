@@ -1,0 +1,59 @@
+"""Named poses in the window: the list in the panel, and the keys."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.session.posing.named_poses import is_at
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from apd_viewer.session.session import Session
+    from apd_viewer.ui.panel.pose_section import PoseSection
+
+
+class PoseController:
+    """Connects the list of named poses with the session; does nothing without a document.
+
+    Parameters
+    ----------
+    section : PoseSection
+    session : Session
+    give_up : callable
+        Takes back the drag that is under way; True if there was one.
+    """
+
+    def __init__(self, section: PoseSection, session: Session, give_up: Callable[[], bool]) -> None:
+        self._section, self._session, self._give_up = section, session, give_up
+        poses = session.poses
+        section.kept.connect(self.keep)
+        section.list.chosen.connect(self._go)
+        section.list.renamed.connect(poses.rename)
+        section.list.updated.connect(poses.update)
+        section.list.removed.connect(poses.remove)
+
+    def keep(self) -> None:
+        """Keep the present places of all handles."""
+        if self._may_begin():
+            self._session.poses.keep()
+
+    def step(self, by: int) -> None:
+        """Go to the next pose, 1, or the previous one, -1."""
+        if self._may_begin():
+            self._session.poses.step(by)
+
+    def follow(self) -> None:
+        """Show the poses, and the one that the handles are in."""
+        state = self._session.store.state
+        if state is not None:
+            document = state.document
+            at = (k for k, pose in enumerate(document.poses) if is_at(document, pose))
+            self._section.show_poses([pose.name for pose in document.poses], next(at, None))
+
+    def _go(self, k: int) -> None:
+        if self._may_begin():
+            self._session.poses.go(k)
+
+    def _may_begin(self) -> bool:
+        return self._session.store.state is not None and not self._give_up()
