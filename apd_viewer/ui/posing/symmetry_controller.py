@@ -67,7 +67,7 @@ class SymmetryController:
 
 
 def _sentence(document: Document, k: int) -> str:
-    """What moves along with handle ``k``."""
+    """Sentence on the mirror partner of handle ``k``."""
     partner = partner_of(document, k)
     if partner is None:
         return tr("No handle is painted at its mirror image, so it moves alone.")
