@@ -25,8 +25,8 @@ from apd_viewer.session.saved_work import SavedWork
 from apd_viewer.session.settings import Settings
 from apd_viewer.session.shape_checks import ShapeChecks
 from apd_viewer.session.store import Activity, Store
-from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.symmetric_posing import SymmetricPosing
+from apd_viewer.session.target_shapes import TargetShapes
 from apd_viewer.session.typed_values import TypedValues
 
 

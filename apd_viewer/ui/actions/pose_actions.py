@@ -207,7 +207,7 @@ class PoseActions:
         menu.addActions([self.typed, self.put_back, self.symmetric, *self.pivots])
         self.nudge = menu.addMenu(tr("N&udge"))
         self.nudge.addActions(self.nudges)
-        self.poses = menu.addMenu(tr("P&oses"))
+        self.poses = menu.addMenu(tr("Name&d poses"))
         self.poses.addActions(self.named)
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
