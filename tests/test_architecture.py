@@ -39,6 +39,7 @@ ROOMS = [
     "session/studies",
     "session/processes",
     "session/storage",
+    "session/selecting",
     "session/posing",
     "session/model",
     "session/jobs",

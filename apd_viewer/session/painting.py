@@ -10,7 +10,7 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import cleared, with_next_region
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.status_text import about_lock
-from apd_viewer.session.part_operations import reshaped
+from apd_viewer.session.selecting.part_operations import reshaped
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures

@@ -1,4 +1,4 @@
-"""Named poses: kept, gone to, renamed, updated and removed; each is a step of undo."""
+"""Named poses, kept, gone to, renamed, updated and removed as steps of undo."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Poses:
             self._set(tr("Keep pose"), (*document.poses, NamedPose(name, placements(document))))
 
     def go(self, k: int) -> None:
-        """Bring the handles to pose ``k``; those that it does not place stay where they are."""
+        """Bring the handles to pose ``k``; any others stay where they are."""
         document = self._gestures.alone().document
         pose = document.poses[k]
         gone = missing(document, pose)

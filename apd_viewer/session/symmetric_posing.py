@@ -13,8 +13,8 @@ from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.names import next_name
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.part_operation import PartOperation
-from apd_viewer.session.part_operations import reshaped
 from apd_viewer.session.posing.symmetry import mirror_image
+from apd_viewer.session.selecting.part_operations import reshaped
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -51,7 +51,7 @@ class SymmetricPosing:
             self._store.set_document(replace(state.document, mirror=axis))
 
     def paint_partner(self, k: int) -> None:
-        """Paint a handle on the mirror image of handle ``k``, and move it to the mirrored place."""
+        """Paint a handle on the mirror image of handle ``k``, in the mirrored pose."""
         state = self._gestures.alone()
         document = state.document
         ids = _unpainted_image(state, k)

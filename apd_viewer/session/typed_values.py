@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.vertex_expression import chosen, place
+from apd_viewer.session.selecting.vertex_expression import chosen, place
 
 if TYPE_CHECKING:
     import numpy as np

@@ -18,7 +18,7 @@ from apd_viewer.session.model.named_parts import Handle, PartFlags
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.part_operations import reshaped
+from apd_viewer.session.selecting.part_operations import reshaped
 from apd_viewer.session.storage.session_file import open_session, save_session
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]

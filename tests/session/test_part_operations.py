@@ -19,7 +19,7 @@ from apd_viewer.session.model.named_parts import NamedRegion
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
-from apd_viewer.session.part_operations import reshaped
+from apd_viewer.session.selecting.part_operations import reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]
 MIRRORS = PartOperation.MIRROR_X, PartOperation.MIRROR_Y, PartOperation.MIRROR_Z

@@ -10,7 +10,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.session.vertex_expression import chosen
+from apd_viewer.session.selecting.vertex_expression import chosen
 
 STATE = opened(Mesh(*box(2, 3, 5)))
 V = STATE.document.mesh.V

@@ -8,7 +8,7 @@ from apd_viewer.geometry.pose.transforms import linear_about, shifted
 
 
 def fitted_motion(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
-    """Rotation, translation and scale (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
+    """Similarity transform (4, 4) from ``X`` (k, 3) to ``Y`` by least squares.
 
     [Umeyama 1991, Least-squares estimation of transformation parameters between two point patterns]. Points
     that coincide are only translated.

@@ -1,4 +1,4 @@
-"""Named poses: the places of the handles from the rest shape, kept and returned to.
+"""Named poses: places of the handles from the rest shape, to be returned to.
 
 From the rest shape, for what the handles were gripped at changes with every stroke and every reset.
 """
@@ -124,7 +124,7 @@ def rebased(document: Document) -> tuple[NamedPose, ...]:
 
 
 def _rebased(placement: Placement, present: Placement) -> Placement:
-    """Placement from another one: back along its path, and then along that of the placement."""
+    """Placement from another one: back along its path, then along its own."""
     back = np.linalg.inv(present.pose)
     handle = Handle(placement.handle)
     for pose in (*reversed(present.waypoints), IDENTITY, *placement.waypoints, placement.pose):

@@ -91,7 +91,7 @@ def partner_of(document: Document, k: int) -> Partner | None:
 
 
 def moved(document: Document, k: int, pose: np.ndarray) -> Document:
-    """The document with handle ``k`` moved on to ``pose`` (4, 4), and its partner along.
+    """The document with handle ``k`` and its partner moved on to ``pose`` (4, 4).
 
     A handle that is its own mirror image moves only within the mirror plane.
     """
@@ -103,7 +103,7 @@ def moved(document: Document, k: int, pose: np.ndarray) -> Document:
 
 
 def placed(document: Document, k: int, handle: Handle) -> Document:
-    """The document with handle ``k`` in another place, and its partner in the mirrored one."""
+    """The document with handle ``k`` and its partner in other places."""
     partner = partner_of(document, k)
     document = document.with_handle(k, handle)
     if partner is None or partner.number == k:
@@ -113,7 +113,7 @@ def placed(document: Document, k: int, handle: Handle) -> Document:
 
 
 def mirror_image(document: Document, handle: Handle, other: Handle) -> Handle:
-    """The ``other`` handle in the mirrored place of a handle, reached on the mirrored path."""
+    """The ``other`` handle in the mirrored place, reached on the mirrored path."""
     assert document.mirror is not None
     plane = mirror_plane(document.mesh, document.mirror)
     return other.at(plane.mirrored(handle.pose), tuple(map(plane.mirrored, handle.waypoints)))

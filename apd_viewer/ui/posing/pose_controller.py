@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class PoseController:
-    """Connects the list of named poses with the session; does nothing without a document.
+    """Connects the list of named poses with the session, if a document is open.
 
     Parameters
     ----------

@@ -1,0 +1,1 @@
+"""Selections computed from a part or from typed text."""
