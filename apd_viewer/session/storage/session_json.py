@@ -62,9 +62,8 @@ def document_said(document: Document) -> dict[str, Any]:
         "method": document.method,
         **{name: number_said(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
-        "volume": _number(document.volume),
-        **_convergence_said(document.convergence),
         "volume": number_said(document.volume),
+        **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
         **measurements_said(document.measurements),
@@ -95,27 +94,6 @@ def _convergence(said: Fields) -> Convergence:
     return found
 
 
-def _handle_said(handle: Handle) -> dict[str, Any]:
-    pivot = None if handle.pivot is None else handle.pivot.tolist()
-    said = {"name": handle.name, "pose": handle.pose.tolist(), "pivot": pivot, **_flags_said(handle.flags)}
-    if handle.waypoints:
-        said["waypoints"] = [each.tolist() for each in handle.waypoints]
-    return {**said, "falloff": _number(handle.falloff)} if handle.falloff else said
-
-
-def _flags_said(flags: PartFlags) -> dict[str, bool]:
-    """The flags that are set: older programs ignore what they do not know."""
-    return {name: on for name, on in flags._asdict().items() if on}
-
-
-def _flags(said: Fields) -> PartFlags:
-    return PartFlags(**{name: said.says(name) and said.flag(name) for name in PartFlags._fields})
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
-
-
 def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Document:
     """Document from its JSON, its mesh and ``labels``, ``member`` and ``grip``."""
     handles = tuple(handle_of(part) for part in said.parts("handles", MOST_HANDLES))
@@ -141,12 +119,10 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         shear_stiffness=said.number("shear_stiffness", 0.0, MOST),
         area=said.number("area", LEAST, MOST),
         hold_area=said.flag("hold_area"),
-        volume=_percent(said, "volume"),
-        base=_flags(said.part("base")) if said.says("base") else NO_FLAGS,
-        convergence=_convergence(said),
-        measurements=measurements_of(said, len(mesh.F)),
         volume=percent_of(said, "volume"),
         base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
+        convergence=_convergence(said),
+        measurements=measurements_of(said, len(mesh.F)),
         poses=tuple(pose_of(each) for each in said.parts("poses", MOST_POSES)) if said.says("poses") else (),
         mirror=_axis(said.text("mirror")) if said.says("mirror") else None,
     )
