@@ -28,6 +28,7 @@ ROOMS = [
     "ui/measuring",
     "ui/posing",
     "ui/panel",
+    "ui/part_lists",
     "ui/overlays",
     "ui/filing",
     "ui/tools",

@@ -17,7 +17,7 @@ from apd_viewer.ui.tools.toolbox import Tool, Way
 if TYPE_CHECKING:
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
-    from apd_viewer.ui.panel.part_list import PartList
+    from apd_viewer.ui.part_lists.part_list import PartList
     from apd_viewer.ui.tools.active_parts import ActiveParts
     from apd_viewer.ui.tools.canvas import Canvas
 

@@ -14,13 +14,13 @@ from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.panel.area_section import AreaSection
 from apd_viewer.ui.panel.measure_section import MeasureSection
 from apd_viewer.ui.panel.method_section import MethodSection
-from apd_viewer.ui.panel.part_buttons import PartButtons
-from apd_viewer.ui.panel.part_row import Swatch
 from apd_viewer.ui.panel.parts_sections import HandleSection, RegionSection
 from apd_viewer.ui.panel.pose_section import PoseSection
 from apd_viewer.ui.panel.size_section import SizeSection
 from apd_viewer.ui.panel.target_section import TargetSection
 from apd_viewer.ui.panel.volume_section import VolumeSection
+from apd_viewer.ui.part_lists.part_buttons import PartButtons
+from apd_viewer.ui.part_lists.part_row import Swatch
 from apd_viewer.ui.preferences.shortcut_hints import name_keys
 from apd_viewer.ui.widgets.folding_section import Section
 from apd_viewer.ui.widgets.slider_field import Dial

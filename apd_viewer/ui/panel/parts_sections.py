@@ -13,9 +13,9 @@ from apd_viewer.language import tr, trc, trn
 from apd_viewer.presentation import readings
 from apd_viewer.presentation.palette import HANDLE_COLORS, REGION_COLORS
 from apd_viewer.ui.panel.motion_field import MotionField
-from apd_viewer.ui.panel.part_list import PartList
-from apd_viewer.ui.panel.part_row import PartRow
 from apd_viewer.ui.panel.symmetry_row import SymmetryRow
+from apd_viewer.ui.part_lists.part_list import PartList
+from apd_viewer.ui.part_lists.part_row import PartRow
 from apd_viewer.ui.widgets.fields import Check, Number, percent_field
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon

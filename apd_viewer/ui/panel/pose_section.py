@@ -8,7 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QPushButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.ui.panel.named_rows import NamedList, NamedRow
+from apd_viewer.ui.part_lists.named_rows import NamedList, NamedRow
 from apd_viewer.ui.widgets.fields import small_button
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon

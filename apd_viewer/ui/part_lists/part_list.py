@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import Signal
 
-from apd_viewer.ui.panel.named_rows import NamedList
-from apd_viewer.ui.panel.part_row import PartRow
+from apd_viewer.ui.part_lists.named_rows import NamedList
+from apd_viewer.ui.part_lists.part_row import PartRow
 
 
 class PartList(NamedList[PartRow]):

@@ -1,0 +1,1 @@
+"""Lists of named rows: parts with their buttons, and what else has names."""
