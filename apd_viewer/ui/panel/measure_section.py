@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation import measurement_words as words
 from apd_viewer.session.quantities.units import Unit
-from apd_viewer.ui.panel.part_list import PartList
-from apd_viewer.ui.panel.part_row import PartRow
+from apd_viewer.ui.part_lists.part_list import PartList
+from apd_viewer.ui.part_lists.part_row import PartRow
 from apd_viewer.ui.widgets.fields import Check
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.icons import icon
@@ -66,7 +66,7 @@ class MeasureSection(Section):
 
     def show_readings(self, readings: Sequence[MeasurementReading], unit: Unit, active: int) -> None:
         """Show other measurements, or other values of the same."""
-        self.list.show_parts([reading.measurement.name for reading in readings], active)
+        self.list.show_names([reading.measurement.name for reading in readings], active)
         for reading, row in zip(readings, self.list.rows, strict=True):
             assert isinstance(row.details, QLabel)
             row.reading.setText(words.short(reading, unit))
