@@ -192,6 +192,7 @@ class Workbench(QObject):
         signals.measured.connect(self.measuring.show)
         for change in (signals.changed, signals.measured):
             change.connect(self.measure.follow)
+        self.looks.cut.measure_asked.connect(self.measure.add_section)
         self.parts.changed.connect(self._show_parts)
         connect_settings(self.panel, self.session)
         connect_parts(self.panel, self.session, self.parts)

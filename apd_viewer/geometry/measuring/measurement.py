@@ -140,8 +140,9 @@ def _section(plane: Plane, U: np.ndarray, F: np.ndarray) -> Measured:
     if not len(cut.segments):
         return Measured((float("nan"), float("nan")), cut.segments)
     A, B, C = U[F[cut.faces]].transpose(1, 0, 2)
-    # To the right of the most: beside the shape, and not in the way of it.
-    at = cut.segments[int(np.argmax(cut.segments[:, 0] @ (np.ones(3) - normal)))][0]
+    # Far along the axes of the plane: beside the shape, not in its way.
+    aside = 1.0 - normal.sum() * normal
+    at = cut.segments[int(np.argmax(cut.segments[:, 0] @ aside))][0]
     within = cut.segments.mean(axis=(0, 1))
     return Measured((cut.length, cut.area), cut.segments, np.cross(B - A, C - A), at, within)
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QGuiApplication
 
 from apd_viewer.geometry.measuring.kinds import Kind
+from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.language import tr
 from apd_viewer.presentation import measurement_words as words
 from apd_viewer.ui.measuring.kind_words import KIND_WORDS
@@ -18,6 +20,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from apd_viewer.geometry.measuring.surface_point import SurfacePoint
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.measure_section import MeasureSection
     from apd_viewer.ui.tools.canvas import Canvas
@@ -58,10 +61,11 @@ class MeasureController(QObject):
         super().__init__(canvas)
         self._section, self._session, self._take, self._tell = section, session, take, tell
         self._chosen = 0
+        self._F: np.ndarray | None = None
         self.tool = MeasureTool(canvas.viewport, canvas.surface)
         self.view = MeasureView(canvas.viewport, canvas.surface, self.tool)
         canvas.viewport.tools += [self.tool, self.view]
-        self.tool.picked.connect(self._add)
+        self.tool.picked.connect(lambda points, plane: self._add(points, plane, self.tool.kind))
         section.list.chosen.connect(self._choose)
         section.list.renamed.connect(session.measurements.rename)
         section.list.removed.connect(self._remove)
@@ -85,6 +89,9 @@ class MeasureController(QObject):
         state = self._session.store.state
         if state is None:
             return
+        if state.document.mesh.F is not self._F:
+            self._F = state.document.mesh.F
+            self.tool.cancel()  # points clicked on another mesh
         if not state.document.measurements and not self._section.list.rows:
             return
         unit, readings = self._session.store.unit, self._session.measuring.readings(state)
@@ -107,11 +114,16 @@ class MeasureController(QObject):
         if self._session.store.state is not None:
             self._session.measurements.clear()
 
-    def _add(self, points: tuple[object, ...], plane: object) -> None:
+    def add_section(self, point: np.ndarray, normal: np.ndarray) -> None:
+        """Measure the section in the plane through a point (3,) with a unit normal (3,)."""
+        x, y, z = normal.tolist()
+        self._add((), Plane((x, y, z), float(point @ normal)), Kind.SECTION)
+
+    def _add(self, points: tuple[SurfacePoint, ...], plane: Plane | None, kind: Kind) -> None:
         state = self._session.store.state
         if state is not None:
             self._chosen = len(state.document.measurements)
-            self._session.measurements.add(self.tool.kind, points, plane)  # type: ignore[arg-type]
+            self._session.measurements.add(kind, points, plane)
             self._section.folded = False
 
     def _choose(self, k: int) -> None:

@@ -35,12 +35,15 @@ class CuttingPlane(QFrame):
     Attributes
     ----------
     dismissed : Signal()
+    measure_asked : Signal(object, object)
+        Point and normal (3,) of the plane, whose section is to be measured.
     slider : Slider
     axes : tuple of QToolButton
-    flip : QToolButton
+    flip, measure : QToolButton
     """
 
     dismissed = Signal()
+    measure_asked = Signal(object, object)
 
     def __init__(self, canvas: Canvas) -> None:
         super().__init__(objectName="card", accessibleName=tr("Section"))
@@ -56,6 +59,8 @@ class CuttingPlane(QFrame):
         self.flip = small_button(tr("Flip"), tr("Show the other side of the plane"))
         self.flip.setCheckable(True)
         self.flip.toggled.connect(self._cut)
+        self.measure = small_button(tr("Measure section"), tr("Measure length and area of this section"))
+        self.measure.clicked.connect(lambda: self.measure_asked.emit(*self.plane))
         self.slider = Slider(_WAY)
         self.slider.setValue(_STEPS // 2)
         self.slider.neutral_asked.connect(lambda: self.slider.setValue(_STEPS // 2))
@@ -64,7 +69,7 @@ class CuttingPlane(QFrame):
         self._place = QLabel()
         self.close_button = small_button(tr("Close section"), tr("Show the whole shape"))
         self.close_button.clicked.connect(self.dismissed)
-        for button in (self.close_button, self.flip, *self.axes):
+        for button in (self.close_button, self.flip, self.measure, *self.axes):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._lay_out()
         self.set_theme(LIGHT)
@@ -79,7 +84,7 @@ class CuttingPlane(QFrame):
 
     def _lay_out(self) -> None:
         row = QHBoxLayout(spacing=4)
-        for button in (*self.axes, self.flip):
+        for button in (*self.axes, self.flip, self.measure):
             row.addWidget(button)
         row.addStretch(1)
         row.addWidget(self._place)
@@ -125,6 +130,7 @@ class CuttingPlane(QFrame):
         """Redraw the icons."""
         self.close_button.setIcon(icon("cancel", theme))
         self.flip.setIcon(icon("mirror", theme))
+        self.measure.setIcon(icon("measure", theme))
 
     def _cut(self) -> None:
         point, normal = self.plane

@@ -86,6 +86,16 @@ def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
     assert measured(window) == ()
     assert not section.empty.isHidden()
     assert not section.copy.isVisible()
+    window.actions_.looks.switches["cut"].trigger()
+    window.looks.cut.measure.click()
+    point, normal = window.looks.cut.plane
+    assert measured(window)[0].plane.offset == pytest.approx(point @ normal)
+    click(window, low)  # one of two points
+    with qtbot.waitSignal(window.signals.changed):
+        window.session.files.open_sample("duck")
+    qtbot.waitUntil(lambda: document(window).mesh.name.startswith("duck"), timeout=30_000)
+    assert not len(window.measure.tool.points)
+    assert section.list.rows == []
 
 
 def test_values_follow_shape_and_unit_and_are_copied(qtbot, measuring):
