@@ -17,7 +17,7 @@ from matplotlib.colors import LinearSegmentedColormap
 
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.presentation.color_maps import DIVERGING
-from apd_viewer.ui.scene.shading import headlight, shade
+from apd_viewer.ui.appearance.shading import headlight, shade
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 
 from apd_viewer.language import tr
 from apd_viewer.ui.actions.camera_actions import CameraActions
-from apd_viewer.ui.scene.shading import Shading
+from apd_viewer.ui.appearance.shading import Shading
 
 if TYPE_CHECKING:
     from PySide6.QtGui import QAction

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from apd_viewer.presentation.scales import Measure, Scale
+from apd_viewer.ui.appearance.shading import AMBER
 from apd_viewer.ui.overlays.before_after import BeforeAfter
 from apd_viewer.ui.overlays.card_stack import Cards
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
@@ -13,7 +14,6 @@ from apd_viewer.ui.overlays.deviation_overlay import HeatMap
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
-from apd_viewer.ui.scene.shading import AMBER
 from apd_viewer.ui.tools.turntable import Turntable
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import pyvista as pv
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.mesh.normals import vertex_normals
+from apd_viewer.ui.appearance.shading import GLASS, TINTED_GLASS
 from apd_viewer.ui.scene.rest_actor import RestActor
-from apd_viewer.ui.scene.shading import GLASS, TINTED_GLASS
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -24,7 +24,7 @@ class Ghost(RestActor):
     ----------
     viewport : Viewport
     glass : str
-        Shader: one of those of :mod:`apd_viewer.ui.scene.shading`.
+        Shader: one of those of :mod:`apd_viewer.ui.appearance.shading`.
     """
 
     def __init__(self, viewport: Viewport, glass: str = GLASS) -> None:

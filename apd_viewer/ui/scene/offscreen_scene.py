@@ -11,9 +11,9 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QImage
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
+from apd_viewer.ui.appearance.shading import Shading
 from apd_viewer.ui.scene.coloring import colors_of
 from apd_viewer.ui.scene.scene_picture import scene_picture
-from apd_viewer.ui.scene.shading import Shading
 from apd_viewer.ui.scene.surface import Surface
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.ui.scene.shading import Shading, headlight, match_view, scale_heat, shade
-from apd_viewer.ui.scene.surface_arrays import SurfaceArrays
+from apd_viewer.ui.appearance.shading import Shading, headlight, match_view, scale_heat, shade
+from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF

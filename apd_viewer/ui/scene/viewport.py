@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QNativeGestureEvent
 from pyvistaqt import QtInteractor
 
-from apd_viewer.ui.scene.antialiasing import Antialiasing
+from apd_viewer.ui.appearance.antialiasing import Antialiasing
 from apd_viewer.ui.scene.look import Look
 from apd_viewer.ui.scene.mouse_dispatcher import MouseDispatcher
 from apd_viewer.ui.scene.navigation import Navigation

@@ -1,0 +1,1 @@
+"""Appearance of drawn surfaces: shading, arrays, antialiasing."""
