@@ -76,7 +76,7 @@ LIBRARIES = {
     "ui": SCREEN | {"numpy"},
     "presentation": {"numpy"},
     "session": {"numpy"},
-    "files": {"numpy", "trimesh"},
+    "files": {"numpy", "trimesh", "PIL"},
     "geometry": {"numpy", "scipy", "numba", "cholespy", "fast_simplification", "ipctk", "potpourri3d"},
     "log": {"platformdirs"},
     "redaction": set(),
@@ -100,7 +100,7 @@ DRAWS = {
 }
 CONFINED = {
     "cholespy": {"geometry/linalg/linear_solver.py"},
-    "PIL": {"figures/films.py"},
+    "PIL": {"figures/films.py", "files/formats/texture_images.py"},
     "imageio_ffmpeg": {"figures/films.py"},
     "fast_simplification": {"geometry/mesh/decimation.py"},
     "ipctk": {"geometry/analysis/self_intersections.py"},

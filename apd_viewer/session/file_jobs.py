@@ -89,7 +89,8 @@ class Files:
         def parsed() -> State | tuple[State, View]:
             found = work()
             state = found[0] if isinstance(found, tuple) else found
-            _ = state.document.mesh.colors  # seconds in a large text file, kept from now on
+            # Seconds in a large file; kept from now on.
+            _ = state.document.mesh.colors, state.document.mesh.texture
             return found
 
         self._jobs.run(title, parsed, lambda found: self._opened(found, name, path, saved))
@@ -104,7 +105,11 @@ class Files:
         self._store.jump(state)
         if view is not None:
             self._listener.viewed(view)
-        about = about_findings(state.inspection.findings), about_missing_target(state.document)
+        about = (
+            about_findings(state.inspection.findings),
+            about_missing_target(state.document),
+            state.document.mesh.texture[1],
+        )
         if any(about):
             self._listener.told(" ".join(sentence for sentence in about if sentence))
 

@@ -289,7 +289,7 @@ class Workbench(QObject):
         mesh = state.document.mesh
         self.notice.hide()
         self.actions_.view.follow()
-        self.actions_.looks.switches["file_colors"].setEnabled(mesh.colors is not None)
+        self.actions_.looks.follow(mesh)
         self.tools.take(Tool.BASE if state.document.problem else Tool.MOVE)
         self.session.store.unit = self.panel.unit = self.units.of(mesh)
         self.panel.handles.motion.clear()

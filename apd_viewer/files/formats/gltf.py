@@ -25,10 +25,12 @@ from apd_viewer.files.formats.gltf_arrays import (
     triangles_of,
 )
 from apd_viewer.files.formats.gltf_scene import a_list, carried, one, parts, placed, whole
+from apd_viewer.files.formats.gltf_textures import Piece, texture_of
 from apd_viewer.files.formats.json_spans import spans
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.files.formats.vertex_colors import encoded
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
@@ -54,6 +56,7 @@ class GltfFile:
     document: dict[str, Any]
     buffers: list[bytes]
     blocks: list[_Block]
+    pieces: list[Piece]
 
     @property
     def extras(self) -> tuple[str, ...]:
@@ -93,6 +96,10 @@ class GltfFile:
                 N[block.first : block.first + len(own)] = own @ inverse
                 found = True
         return (N, mesh.F) if found else None
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Base-colour textures of the materials."""
+        return texture_of(self.document, self.buffers, self.pieces, mesh)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3), their bounds and turned normals."""
@@ -207,6 +214,7 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
         for k in range(len(a_list(document, "buffers")))
     ]
     V, F, blocks, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
+    pieces: list[Piece] = []
     for node, matrix in sorted(
         placed(document).items(), key=lambda item: (_mesh_of(document, item[0]), item[0])
     ):
@@ -225,7 +233,8 @@ def read_gltf(content: bytes, path: Path) -> Parsed:
                 V.append(carried(matrix, local))
                 count += len(local)
             F.append(triangles_of(document, buffers, part, mode) + first[position])
-    file = GltfFile(content, path.suffix.lower(), text, document, buffers, blocks)
+            pieces.append(Piece(first[position], len(F[-1]), part))
+    file = GltfFile(content, path.suffix.lower(), text, document, buffers, blocks, pieces)
     return Parsed(np.vstack(V), np.vstack(F), file)
 
 

@@ -19,7 +19,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6  # the modes of a primitive
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 
 
-_NAMES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+_NAMES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 
 
 def document_of(said: bytes) -> tuple[str, dict[str, Any]]:

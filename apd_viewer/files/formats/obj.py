@@ -14,16 +14,20 @@ from itertools import chain
 import numpy as np
 
 from apd_viewer.files.formats.obj_faces import faces_of
+from apd_viewer.files.formats.obj_materials import images_of
 from apd_viewer.files.formats.parsed import Parsed, turned
 from apd_viewer.files.formats.text import Edits, numbers, plain
+from apd_viewer.files.formats.texture_images import read_image, textured
 from apd_viewer.files.formats.vertex_colors import guessed
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 _GAP = rb"(?:[ \t]|\\\r?\n)+"
 # Searching for a preceding line end is much faster than for a line start.
 _VECTOR = rb"\n[ \t]*%s" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)" + _GAP + rb"(\S+)"
 _POSITION, _NORMAL = (re.compile(_VECTOR % word) for word in (b"v", b"vn"))
+_TEXTURE = re.compile(rb"\n[ \t]*vt" + 2 * (_GAP + rb"(\S+)"))
 _COLORED = re.compile(rb"\n[ \t]*v" + 3 * (_GAP + rb"\S+") + 3 * (_GAP + rb"([^\s#]+)"))
 _ANY_POSITION = re.compile(rb"\n[ \t]*v[ \t\r\n\\]")
 _EXTRAS = (
@@ -68,6 +72,21 @@ class ObjFile:
         words = [word for row in _NORMAL.findall(text) for word in row]
         N = numbers(words).reshape(-1, 3)
         return (N, _normal_of(text, mesh, len(N))) if words else None
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Texture by its material files beside the mesh."""
+        text = _lines(self.content)
+        words = [word for row in _TEXTURE.findall(text) for word in row]
+        if not words or mesh.path is None:
+            return None
+        faces = faces_of(text)
+        paths, image_of = images_of(text, mesh.path.parent, faces)
+        each = np.repeat(image_of, np.maximum(np.diff(faces.polygons.start) - 2, 0))
+        if not (each >= 0).any():
+            return None
+        images = [read_image(path, path.name) for path in paths]
+        uv_of = faces.texture[faces.polygons.split(mesh.V)]
+        return textured(numbers(words).reshape(-1, 2), uv_of, each, images)
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""

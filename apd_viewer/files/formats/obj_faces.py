@@ -17,10 +17,14 @@ _CORNER, _NUMBER = re.compile(rb"\d+(?:/\d*){0,2}"), re.compile(rb"\d+")
 
 
 class Faces(NamedTuple):
-    """Polygons, and the normals (c,) of their corners from 0; -1 for missing ones."""
+    """Polygons, with the normals and texture coordinates (c,) of their corners.
+
+    Numbers from 0; -1 for missing ones.
+    """
 
     polygons: Polygons
     normal: np.ndarray
+    texture: np.ndarray
 
 
 def faces_of(text: bytes) -> Faces:
@@ -35,8 +39,8 @@ def faces_of(text: bytes) -> Faces:
     if alike is not None:
         return alike
     corners = list(_corners(text))
-    normal = [k for _, own in corners for k in own]
-    return Faces(Polygons.of([face for face, _ in corners]), np.array(normal, dtype=np.int64))
+    normal, texture = (np.array([k for face in corners for k in face[at]], dtype=np.int64) for at in (1, 2))
+    return Faces(Polygons.of([face[0] for face in corners]), normal, texture)
 
 
 def _faces_alike(text: bytes) -> Faces | None:
@@ -52,30 +56,30 @@ def _faces_alike(text: bytes) -> Faces | None:
     joined = b"".join(faces).replace(b"/", b" ").replace(b"\nf", b"")
     # Overflowing numbers become the largest one, and no file has that many vertices.
     values = np.fromstring(joined, np.int64, sep=" ").reshape(-1, len(_NUMBER.findall(corners[0]))) - 1
-    has_normal = len(corners[0].split(b"/")) == 3 and not corners[0].endswith(b"/")
-    normal = values[:, -1] if has_normal else np.full(len(values), -1)
-    return Faces(Polygons.alike(values[:, 0].reshape(-1, len(corners))), normal)
+    words, none = corners[0].split(b"/"), np.full(len(values), -1)
+    normal = values[:, -1] if len(words) == 3 and words[2] else none
+    texture = values[:, 1] if len(words) > 1 and words[1] else none
+    return Faces(Polygons.alike(values[:, 0].reshape(-1, len(corners))), normal, texture)
 
 
-def _corners(text: bytes) -> Iterator[tuple[list[int], list[int]]]:
-    """Vertices and normals from 0 of all face corners; -1 for missing ones."""
-    positions = normals = 0
+def _corners(text: bytes) -> Iterator[tuple[list[int], list[int], list[int]]]:
+    """Vertices, normals and texture coordinates of each face, from 0; -1 is none."""
+    counts = {"v": 0, "vn": 0, "vt": 0}
     for number, line in _statements(text[1:].decode("utf-8", errors="replace")):
         kind, _, rest = line.partition(" ")
-        if kind == "v":
-            positions += 1
-        elif kind == "vn":
-            normals += 1
+        if kind in counts:
+            counts[kind] += 1
         elif kind == "f":
             try:
                 words = [word.split("/") for word in rest.split()]
-                corners = [_index(word[0], positions) for word in words]
-                own = [_index(word[2], normals) if len(word) > 2 and word[2] else -1 for word in words]
+                corners = [_index(word[0], counts["v"]) for word in words]
+                normals = [_index(word[2], counts["vn"]) if word[2:] and word[2] else -1 for word in words]
+                texture = [_index(word[1], counts["vt"]) if word[1:] and word[1] else -1 for word in words]
             except ValueError as error:
                 raise ValueError(
                     tr("line {line} is not valid: {text}").format(line=number, text=line[:60])
                 ) from error
-            yield corners, own
+            yield corners, normals, texture
 
 
 def _statements(text: str) -> Iterator[tuple[int, str]]:

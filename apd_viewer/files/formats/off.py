@@ -44,6 +44,9 @@ class OffFile:
     def normals(self, _: Mesh) -> None:
         """None: those of the faces follow from the positions."""
 
+    def texture(self, _: Mesh) -> None:
+        """None: the format has no textures."""
+
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""
         edits = Edits(self.content)

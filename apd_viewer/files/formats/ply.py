@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from dataclasses import dataclass
 
@@ -22,11 +23,14 @@ from apd_viewer.files.formats.ply_rows import (
 )
 from apd_viewer.files.formats.polygons import Polygons
 from apd_viewer.files.formats.text import Edits, numbers
+from apd_viewer.files.formats.texture_images import read_image, textured
 from apd_viewer.files.formats.vertex_colors import eight_bit
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.language import tr
 
 _AXES, _NORMAL, _COLORS = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
+_UV = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
 _EXTRAS = {
     "red": tr("colours"),
     "nx": tr("normals"),
@@ -68,6 +72,18 @@ class PlyFile:
         at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
         scalars = {name for name, length, _ in self.elements[at].properties if not length}
         return (self.columns(at, _NORMAL), mesh.F) if set(_NORMAL) <= scalars else None
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Texture of an image named in a comment, by vertex coordinates."""
+        named = re.search(rb"[\r\n]comment TextureFile[ \t]+([^\r\n]+)", self.content[: self.starts[0]])
+        at = next(k for k, element in enumerate(self.elements) if element.name == "vertex")
+        scalars = {name for name, length, _ in self.elements[at].properties if not length}
+        uv = next((names for names in _UV if set(names) <= scalars), None)
+        if named is None or uv is None or mesh.path is None:
+            return None
+        name = named[1].decode("utf-8", errors="replace").strip()
+        image = read_image(mesh.path.parent / name, name)
+        return textured(self.columns(at, uv), mesh.F, np.zeros(len(mesh.F), dtype=np.int64), [image])
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3) and turned normals."""

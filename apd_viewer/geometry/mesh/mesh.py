@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.mesh.normals import CornerNormals
+from apd_viewer.geometry.mesh.texture import Texture
 from apd_viewer.geometry.mesh.weld import Weld
 from apd_viewer.language import tr
 
@@ -38,6 +40,12 @@ class Origin(Protocol):
         """Normals (k, 3), and which of them each corner of ``mesh`` has, (m, 3).
 
         -1 is none. None without normals; ValueError if they are damaged.
+        """
+
+    def texture(self, mesh: Mesh) -> Texture | None:
+        """Texture of ``mesh``, if it has one.
+
+        ValueError if it is damaged, InputError if an image cannot be read.
         """
 
     def rewritten(self, mesh: Mesh, U: np.ndarray) -> bytes:
@@ -130,6 +138,18 @@ class Mesh:
         return None
 
     @cached_property
+    def texture(self) -> tuple[Texture | None, str | None]:
+        """Texture of the file, if any, and a sentence if it cannot be shown."""
+        if isinstance(self.origin, Baked):
+            return self.origin.mesh.texture
+        try:
+            return (None if self.origin is None else self.origin.texture(self)), None
+        except InputError as error:
+            return None, str(error)
+        except ValueError:  # the mesh is usable without it
+            return None, None
+
+    @cached_property
     def joined_F(self) -> np.ndarray:
         """Triangles with each vertex replaced by the first at its position."""
         return self.weld.first[self.weld.inverse[self.F]]
@@ -184,6 +204,10 @@ class Baked:
     def normals(self, _: Mesh) -> tuple[np.ndarray, np.ndarray] | None:
         """Normals of the file, for the mesh as it was read."""
         return self.origin.normals(self.mesh)
+
+    def texture(self, _: Mesh) -> Texture | None:
+        """Texture of the file."""
+        return self.mesh.texture[0]
 
     def rewritten(self, _: Mesh, U: np.ndarray) -> bytes:
         """File content with positions ``U`` (n, 3); unmoved vertices as written."""

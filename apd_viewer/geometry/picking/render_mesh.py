@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numba import njit
@@ -78,6 +78,19 @@ class RenderMesh:
         F, copied, leading, source = map(frozen, (F, copied, leading, source))
         return RenderMesh(F, copied, self.joined, leading, source, self.used)
 
+    def with_seams(self, group: np.ndarray) -> RenderMesh:
+        """The mesh with vertices repeated where corners (m, 3) differ in their number.
+
+        Normals stay continuous there.
+        """
+        n, before = len(self.used), len(self.used) + len(self.copied)
+        F, copied, _ = _split(self.F, group.ravel(), before)
+        source = self.source if len(self.source) else np.arange(before, dtype=np.int32)
+        vertex = np.append(np.arange(n), self.copied)
+        arrays = F, np.append(self.copied, vertex[copied]), np.append(source, source[copied])
+        F, copied, source = (frozen(array.astype(np.int32)) for array in arrays)
+        return replace(self, F=F, copied=copied, source=source)
+
     def drape(
         self, U: np.ndarray, origin: np.ndarray, points: np.ndarray, normals: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -100,7 +113,7 @@ class RenderMesh:
         kept = self.joined, self.leading, self.copied, self.source, self.used
         _drape(U, *kept, origin, points, normals, low, high)
         if len(self.local):
-            _turn(points, self.F, self.local, normals)
+            _turn(points, self.leading, self.source, self.local, normals)
         return low, high
 
 
@@ -222,7 +235,9 @@ def _drape(
 
 
 @njit(cache=True, nogil=True)
-def _turn(points: np.ndarray, F: np.ndarray, local: np.ndarray, normals: np.ndarray) -> None:
+def _turn(
+    points: np.ndarray, F: np.ndarray, source: np.ndarray, local: np.ndarray, normals: np.ndarray
+) -> None:
     """Turn the normals ``local`` with their triangles, as far as these have area."""
     P, turned, across = points, np.zeros(normals.shape, dtype=np.float32), np.empty(3)
     for t in range(len(F)):
@@ -246,3 +261,6 @@ def _turn(points: np.ndarray, F: np.ndarray, local: np.ndarray, normals: np.ndar
         length = np.sqrt(x * x + y * y + z * z)
         if length > 0.0:
             normals[v, 0], normals[v, 1], normals[v, 2] = x / length, y / length, z / length
+    for v in range(source.shape[0]):
+        for c in range(3):
+            normals[v, c] = normals[source[v], c]

@@ -12,8 +12,13 @@ from apd_viewer.presentation.scales import Measure
 from apd_viewer.ui.preferences.shortcut_hints import name_keys
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.overlays.display_options import Looks
+
+
+_COLORS = tr("Show the vertex colours of the file under the paint")
+_TEXTURES = tr("Show the textures of the file under the paint")
 
 
 class LookActions:
@@ -82,7 +87,6 @@ class LookActions:
         compare = tr("Drag a slider to see the path from the rest shape")
         cut = tr("Cut the mesh with a plane to see inside")
         ground = tr("Show the axes and a ground grid in the unit of length")
-        colors = tr("Show the vertex colours of the file under the paint")
         turntable = tr("Rotate the camera around the mesh until you use the mouse")
         self.switches = {
             name: maker.switch(name, title, name, tip, key, command, on)
@@ -102,14 +106,26 @@ class LookActions:
                 (
                     "file_colors",
                     tr("Co&lours of the file"),
-                    colors,
+                    _COLORS,
                     None,
                     looks.show_file_colors,
                     looks.file_colors,
                 ),
+                ("textures", tr("Te&xtures"), _TEXTURES, None, looks.show_textures, looks.textures),
                 ("turntable", tr("&Turntable"), turntable, "Shift+T", looks.turn, False),
             )
         }
+
+    def follow(self, mesh: Mesh) -> None:
+        """Offer what the file of a mesh has."""
+        for name, has, tip, lack in (
+            ("file_colors", mesh.colors is not None, _COLORS, tr("The file has no vertex colours")),
+            ("textures", mesh.texture[0] is not None, _TEXTURES, tr("The file has no texture")),
+        ):
+            switch, said = self.switches[name], tip if has else lack
+            switch.setEnabled(has)
+            switch.setStatusTip(said)
+            switch.setToolTip(said)
 
     def _follow(self) -> None:
         """Check the action of the overlay shown, and name equivalent keys."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from enum import Enum
 
-from vtkmodules.vtkRenderingCore import vtkActor, vtkLight
+import numpy as np
+import pyvista as pv
+from vtkmodules.vtkRenderingCore import vtkActor, vtkLight, vtkTexture
 
 from apd_viewer.presentation.color_maps import ColorMap
 from apd_viewer.presentation.palette import FREE_COLOR
@@ -62,6 +64,14 @@ _HEAT = """
   diffuseColor = line * mix(diffuseColor, paint, painted);
 """
 
+# Of the file's image; what is painted lies over it.
+_TEXTURE = """
+  vec3 paint = vertexColorVSOutput.rgb;
+  vec3 away = paint - FREE;
+  float painted = clamp(50.0 * dot(away, away) - 0.125, 0.0, 1.0);
+  diffuseColor = LINE * mix(texture(actortexture, tcoordVCVSOutput).rgb, paint, painted);
+"""
+
 # Edges of triangles, by which VTK has darkened the paint, darken the colours too.
 _LINE = "clamp(dot(diffuseColor, vec3(1.0)) / max(dot(paint, vec3(1.0)), 0.01), 0.0, 1.0)"
 
@@ -88,24 +98,42 @@ _INSIDE = """
 
 
 def shade(actor: vtkActor, heat: ColorMap | None = None, inside: bool = False) -> None:
-    """Give ``actor`` its shader, for the given heat colours and edge state.
+    """Give ``actor`` its shader, for the given heat colours, its edges and texture.
 
     With ``heat`` the opacities of its vertices are values on a scale; with ``inside`` its back is darker.
     """
     code = _SHADING.replace("OPACITY", "opacity" if heat is None else "1.0")
     if inside:
         code = _INSIDE + code
-    if heat is not None:
-        code = _HEAT + code
-        free = "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR))
-        line = _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0"
-        values = {"COLORS": heat.glsl("place"), "FREE": free, "LINE": line}
-        for name, value in values.items():
-            code = code.replace(name, value)
+    textured = actor.GetTexture() is not None
+    code = (_HEAT if heat is not None else _TEXTURE if textured else "") + code
+    values = {
+        "COLORS": "" if heat is None else heat.glsl("place"),
+        "FREE": "vec3({:.5f}, {:.5f}, {:.5f})".format(*(c / 255.0 for c in FREE_COLOR)),
+        "LINE": _LINE if actor.GetProperty().GetEdgeVisibility() else "1.0",
+    }
+    for name, value in values.items():
+        code = code.replace(name, value)
     shader = actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, code, False)
+    if textured:
+        # VTK would multiply the light by it, and the paint too.
+        shader.AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, "", False)
     match_view(actor, False, math.pi / 6.0)
+
+
+def texture_of(image: np.ndarray) -> vtkTexture:
+    """Texture of an image (h, w, 3) uint8, repeated beyond its border."""
+    data = pv.ImageData(dimensions=(image.shape[1], image.shape[0], 1))
+    data.point_data["rgb"] = image[::-1].reshape(-1, 3)
+    data.set_active_scalars("rgb")
+    texture = vtkTexture()
+    texture.SetInputData(data)
+    texture.InterpolateOn()
+    texture.MipmapOn()
+    texture.RepeatOn()
+    return texture
 
 
 def scale_heat(actor: vtkActor, neutral: float) -> None:

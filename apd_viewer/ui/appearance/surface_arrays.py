@@ -8,6 +8,7 @@ import numpy as np
 import pyvista as pv
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.mesh.texture import Texture
     from apd_viewer.geometry.picking.preview_surface import Sketch
     from apd_viewer.geometry.picking.render_mesh import RenderMesh
 
@@ -23,9 +24,13 @@ class SurfaceArrays:
     rendered : RenderMesh or Sketch
     rgba : (n, 4) uint8 array
         Of the vertices; see :meth:`Surface.wear` for the opacities.
+    texture : Texture, optional
+        With seams where vertices of ``rendered`` are repeated.
     """
 
-    def __init__(self, rendered: RenderMesh | Sketch, rgba: np.ndarray) -> None:
+    def __init__(
+        self, rendered: RenderMesh | Sketch, rgba: np.ndarray, texture: Texture | None = None
+    ) -> None:
         self._rendered, self._count = rendered, len(rgba)
         copied = rendered.copied
         points = np.zeros((self._count + len(copied), 3), dtype=np.float32)
@@ -33,6 +38,11 @@ class SurfaceArrays:
         self.data.point_data["Normals"] = np.zeros_like(self.data.points)
         self.data.point_data["rgba"] = np.vstack([rgba, rgba[copied]]) if len(copied) else rgba.copy()
         self.data.GetPointData().SetActiveNormals("Normals")
+        if texture is not None:
+            uv = np.zeros((len(points), 2), dtype=np.float32)
+            uv[rendered.F] = texture.uv[texture.uv_of]
+            self.data.point_data["uv"] = uv
+            self.data.GetPointData().SetActiveTCoords("uv")
 
     def drape(self, U: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Follow the shape ``U`` (n, 3); see :meth:`RenderMesh.drape`."""

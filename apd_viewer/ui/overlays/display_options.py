@@ -19,6 +19,7 @@ from apd_viewer.ui.tools.turntable import Turntable
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
+    from apd_viewer.geometry.mesh.texture import Texture
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -49,10 +50,13 @@ class Looks:
     turntable : Turntable
     file_colors : bool
         Whether the vertex colours of the file are shown.
+    textures : bool
+        Whether its textures are.
     """
 
     def __init__(self, canvas: Canvas, memory: Preferences, below: Sequence[QWidget]) -> None:
         self._canvas, self._memory = canvas, memory
+        self._texture: Texture | None = None
         self.cards = Cards(canvas.viewport, below)
         self.before_after, self.cut, self.legend = BeforeAfter(canvas), CuttingPlane(canvas), Legend()
         self.cards.add(self.before_after)
@@ -87,6 +91,12 @@ class Looks:
         self._canvas.coloring.show_file(on)
         self._keep()
 
+    def show_textures(self, on: bool) -> None:
+        """Show the texture of the file under the paint, or hide it."""
+        self.textures = on
+        self._canvas.surface.texture = self._texture if on else None
+        self._keep()
+
     def turn(self, on: bool) -> None:
         """Start or stop the turntable."""
         self.turntable.on = on
@@ -97,6 +107,8 @@ class Looks:
         for part in (self.ghost, self.ground, self.before_after, self.cut):
             part.follow(mesh)
         self.heat.follow(mesh, target)
+        self._texture = mesh.texture[0]
+        self.show_textures(self.textures)
         self.target_ghost.follow(None if target is None else target.mesh)
 
     def measure_in(self, unit: Unit) -> None:
@@ -122,18 +134,20 @@ class Looks:
         self.target_ghost.on = looks.get("target_ghost", "on") == "on"
         self.ground.on = looks.get("ground") == "on"
         self.file_colors = looks.get("file_colors") == "on"
+        self.textures = looks.get("textures") == "on"
         self._canvas.coloring.show_file(self.file_colors)
 
     def _keep(self) -> None:
         """Store the options, except the plane's place on this mesh."""
         measure = self.heat.measure
-        self._canvas.coloring.cover(measure is not None)
+        self._canvas.coloring.cover(measure is not None or self._canvas.surface.texture is not None)
         looks = {
             "overlay": "" if measure is None else measure.value,
             "ghost": "on" if self.ghost.on else "",
             "target_ghost": "on" if self.target_ghost.on else "",
             "ground": "on" if self.ground.on else "",
             "file_colors": "on" if self.file_colors else "",
+            "textures": "on" if self.textures else "",
         }
         for scale in self.heat.scales.values():
             if scale.travels:

@@ -9,12 +9,13 @@ from vtkmodules.vtkCommonDataModel import vtkPlane
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from apd_viewer.geometry.picking.preview_surface import Sketch
-from apd_viewer.ui.appearance.shading import Shading, headlight, match_view, scale_heat, shade
+from apd_viewer.ui.appearance.shading import Shading, headlight, match_view, scale_heat, shade, texture_of
 from apd_viewer.ui.appearance.surface_arrays import SurfaceArrays
 
 if TYPE_CHECKING:
     from PySide6.QtCore import QPointF
 
+    from apd_viewer.geometry.mesh.texture import Texture
     from apd_viewer.geometry.picking.surface_index import Skin
     from apd_viewer.presentation.color_maps import ColorMap
     from apd_viewer.ui.scene.viewport import Viewport
@@ -67,6 +68,7 @@ class Surface:
         self._boxes: np.ndarray | None = None  # for picking; made when the first ray needs them
         self._arrays = SurfaceArrays(_NOTHING, np.zeros((1, 4), dtype=np.uint8))
         self._shading = Shading.FILE
+        self._texture: Texture | None = None
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetScalarModeToUsePointFieldData()
         self._mapper.SelectColorArray("rgba")
@@ -95,6 +97,8 @@ class Surface:
         U : (n, 3) float array
         rgba : (n, 4) uint8 array
         """
+        if skin is not self.skin:
+            self.skin = self.texture = None
         self.skin, self._blend = skin, None
         # Far from the origin single precision is coarser than the mesh.
         self._origin = np.array([x.mean() for x in U.T])
@@ -104,8 +108,12 @@ class Surface:
         self.set_points(U)
 
     def _arrange(self, skin: Skin | Sketch, rgba: np.ndarray) -> None:
+        texture = self._texture
         sharp = self._shading in (Shading.SHARP, Shading.FILE)
-        self._arrays = SurfaceArrays(skin.rendered(sharp, self._shading is Shading.FILE), rgba)
+        drawn = skin.rendered(sharp, self._shading is Shading.FILE)
+        if texture is not None and not isinstance(drawn, Sketch):
+            drawn = drawn.with_seams(texture.uv_of)
+        self._arrays = SurfaceArrays(drawn, rgba, texture)
         self._mapper.SetInputData(self._arrays.data)
 
     def set_points(self, U: np.ndarray) -> None:
@@ -229,6 +237,22 @@ class Surface:
             self._arrange(self.skin, self._arrays.rgba)
             self.set_points(self._given)
 
+    @property
+    def texture(self) -> Texture | None:
+        """Texture under the paint."""
+        return self._texture
+
+    @texture.setter
+    def texture(self, texture: Texture | None) -> None:
+        if texture is self._texture:
+            return
+        self._texture = texture
+        self._actor.SetTexture(None if texture is None else texture_of(texture.image))  # type: ignore[arg-type]
+        self._shade()
+        if self.skin is not None and self._arrays is not None:
+            self._arrange(self.skin, self._arrays.rgba)
+            self.set_points(self._given)
+
     def _match_view(self) -> None:
         camera = self._viewport.renderer.GetActiveCamera()
         match_view(self._actor, self._viewport.dark, np.deg2rad(camera.GetViewAngle()))
@@ -244,7 +268,7 @@ class Surface:
         if skin is None:
             return None
         origin, direction = self._viewport.look.eye.ray(position.x(), position.y())
-        near, far = self._uncut(origin, direction)
+        near, far = _uncut(self._cut, origin, direction)
         origin = origin + near * direction
         face, distance, b1, b2 = skin.hit(origin, direction, self.U, self.boxes)
         if face < 0 or distance > far - near:
@@ -262,17 +286,6 @@ class Surface:
         weights = np.linalg.lstsq(np.column_stack([b - a, c - a]), hit.point - a, rcond=None)[0]
         shares: np.ndarray = np.clip([1.0 - weights.sum(), *weights], 0.0, 1.0)
         return shares / shares.sum()
-
-    def _uncut(self, origin: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
-        """Interval of a ray in front of the cutting plane."""
-        if self._cut is None:
-            return 0.0, np.inf
-        point, normal = self._cut
-        height, slope = float((origin - point) @ normal), float(direction @ normal)
-        if slope == 0.0:
-            return (0.0, np.inf) if height >= 0.0 else (0.0, -1.0)
-        meets = -height / slope
-        return (max(meets, 0.0), np.inf) if slope > 0.0 else (0.0, meets)
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Distances (k,) of rays to the surface; infinite for misses.
@@ -303,3 +316,17 @@ class Surface:
         """Point of the surface seen at a position in the viewport."""
         hit = self.hit(position)
         return None if hit is None else hit.point
+
+
+def _uncut(
+    plane: tuple[np.ndarray, np.ndarray] | None, origin: np.ndarray, direction: np.ndarray
+) -> tuple[float, float]:
+    """Interval of a ray in front of a cutting plane."""
+    if plane is None:
+        return 0.0, np.inf
+    point, normal = plane
+    height, slope = float((origin - point) @ normal), float(direction @ normal)
+    if slope == 0.0:
+        return (0.0, np.inf) if height >= 0.0 else (0.0, -1.0)
+    meets = -height / slope
+    return (max(meets, 0.0), np.inf) if slope > 0.0 else (0.0, meets)

@@ -1,0 +1,98 @@
+"""Images of textures, and several of them in one."""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.texture import Texture
+from apd_viewer.language import tr
+
+# Pixels along each side: what graphics cards of the last ten years take, at a quarter of their memory.
+_LARGEST = 8192
+_BARE = np.full((1, 1, 3), 255, dtype=np.uint8)
+
+
+def read_image(source: Path | bytes, name: str) -> np.ndarray:
+    """Image (h, w, 3) uint8 of a file or its content, scaled down if too large.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read; ``name`` is that of the image.
+    """
+    from PIL import Image  # only where a file has textures: it takes a tenth of a second to load
+
+    try:
+        with Image.open(io.BytesIO(source) if isinstance(source, bytes) else source) as image:
+            image.draft("RGB", (_LARGEST, _LARGEST))
+            image.thumbnail((_LARGEST, _LARGEST))
+            return np.array(image.convert("RGB"))
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise InputError(
+            tr(
+                "The texture {name} is missing or cannot be read; put it beside the mesh and open that again."
+            ).format(name=name)
+        ) from error
+
+
+def textured(
+    uv: np.ndarray, uv_of: np.ndarray, image_of: np.ndarray, images: list[np.ndarray]
+) -> Texture | None:
+    """Texture of triangles with one image each; None if no triangle has one.
+
+    Several images become one, in which none is repeated.
+
+    Parameters
+    ----------
+    uv : (k, 2) float array
+    uv_of : (m, 3) int array
+        Which of them each corner has; -1 is none.
+    image_of : (m,) int array
+        Which of ``images`` each triangle has; -1 is none.
+    images : list of (h, w, 3) uint8 arrays
+    """
+    good = np.isfinite(uv).all(axis=1)
+    valid = ((uv_of >= 0) & (uv_of < len(uv))).all(axis=1) & (image_of >= 0)
+    valid[valid] = good[uv_of[valid]].all(axis=1)
+    if not valid.any():
+        return None
+    if valid.all() and len(images) == 1:
+        return Texture(*map(frozen, (uv.astype(np.float32), uv_of.astype(np.int32), images[0])))
+    cell = np.where(valid, image_of, len(images))
+    pairs, corner = np.unique(
+        np.where(valid[:, None], uv_of, 0) + len(uv) * cell[:, None], return_inverse=True
+    )
+    image, places = _joined([*images, _BARE])
+    inside = np.nan_to_num(uv[pairs % len(uv)])
+    inside = np.where((inside < 0.0) | (inside > 1.0), inside - np.floor(inside), inside)
+    low, size = places[pairs // len(uv)].reshape(-1, 2, 2).transpose(1, 0, 2)
+    corner = corner.reshape(uv_of.shape).astype(np.int32)
+    return Texture(*map(frozen, ((low + inside * size).astype(np.float32), corner, image)))
+
+
+def _joined(images: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """One image of several, and the lower corner and size of each in it, (k, 4)."""
+    columns = math.ceil(math.sqrt(len(images)))
+    rows = math.ceil(len(images) / columns)
+    side = min(max(max(image.shape[:2]) for image in images), _LARGEST // columns)
+    whole = np.full((rows * side, columns * side, 3), 255, dtype=np.uint8)
+    places = []
+    for k, image in enumerate(images):
+        top, left = side * (k // columns), side * (k % columns)
+        whole[top : top + side, left : left + side] = _resized(image, side)
+        # Half a pixel from the border nothing of the neighbour is blended in.
+        x, y = (left + 0.5) / whole.shape[1], 1.0 - (top + side - 0.5) / whole.shape[0]
+        places.append((x, y, (side - 1) / whole.shape[1], (side - 1) / whole.shape[0]))
+    return whole, np.array(places)
+
+
+def _resized(image: np.ndarray, side: int) -> np.ndarray:
+    """The nearest pixels of an image, (side, side, 3)."""
+    down, along = (np.arange(side) * n // side for n in image.shape[:2])
+    return image[down[:, None], along]
