@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.scene.surface import Surface
     from apd_viewer.ui.scene.viewport import Viewport
 
-_PLANE = QColor("#2f6fde")
+_PLANE, _HALO = QColor("#2f6fde"), QColor(255, 255, 255, 200)
 # What is being picked is measured as a shape of its own.
 _TRIANGLE = np.array([[0, 1, 2]])
 _CORNERS = (
@@ -75,9 +75,10 @@ class MeasureView(MouseTool):
 
     def paint(self, painter: QPainter) -> None:
         """Draw the measurements of the shape, unless a blend is on screen."""
-        self._draw_picking(painter)
+        self._draw_plane(painter)
         if self._shown and not self._surface.is_blended:
             self._draw_measurements(painter)
+        self._draw_picking(painter)
 
     def _draw_measurements(self, painter: QPainter) -> None:
         skin, eye, labels = self._surface.touchable, self._viewport.look.eye, []
@@ -94,12 +95,15 @@ class MeasureView(MouseTool):
         pairs = zip(words.now(reading, self._unit), words.changed(reading), strict=True)
         return ["  ".join(filter(None, pair)) for pair in pairs]
 
+    def _draw_plane(self, painter: QPainter) -> None:
+        if (plane := self._tool.plane) is not None:
+            corners = axis_plane(self._surface.U, self._tool.axis, plane.offset)
+            draw_plane(painter, self._viewport.look.eye, corners, _PLANE, _HALO)
+
     def _draw_picking(self, painter: QPainter) -> None:
         tool, eye = self._tool, self._viewport.look.eye
         points = tool.points
-        if (plane := tool.plane) is not None:
-            corners = axis_plane(self._surface.U, tool.axis, plane.offset)
-            draw_plane(painter, eye, corners, _PLANE, QColor(255, 255, 255, 200))
+        if tool.kind is Kind.SECTION:
             return
         draw_points(painter, eye, points, chosen=True)
         if len(points) < 2:
