@@ -109,5 +109,5 @@ def test_what_the_lines_cannot_say_is_refused(session):
         python_script(document.painted(np.arange(len(document.labels)), HANDLE))
     session.show_now(bar())
     session.paint_ends()
-    with pytest.raises(InputError, match="in no file"):
+    with pytest.raises(InputError, match="not in a file"):
         python_script(session.store.state.document)

@@ -32,6 +32,8 @@ class PreferenceValues(QObject):
         super().__init__()
         self._settings = settings
         self._values: dict[Preference[Any], Any] = {}
+        # Not connected to the signal, which would keep the window that they belong to for ever.
+        self._followers: list[tuple[Preference[Any], Callable[[Any], object]]] = []
 
     def __getitem__(self, preference: Preference[T]) -> T:
         if preference not in self._values:
@@ -54,6 +56,9 @@ class PreferenceValues(QObject):
         self._settings.setValue(preference.name, preference.allowed.written(value))  # type: ignore[arg-type]
         if value != self[preference]:
             self._values[preference] = value
+            for followed, use in self._followers:
+                if followed is preference:
+                    use(value)
             self.changed.emit(preference)
 
     def restore(self, preferences: Iterable[Preference[Any]]) -> None:
@@ -64,5 +69,9 @@ class PreferenceValues(QObject):
 
     def follow(self, preference: Preference[T], use: Callable[[T], object]) -> None:
         """Use the value, now and whenever it changes."""
-        self.changed.connect(lambda one: use(self[preference]) if one is preference else None)
+        self.on_change(preference, use)
         use(self[preference])
+
+    def on_change(self, preference: Preference[T], use: Callable[[T], object]) -> None:
+        """Use the value whenever it changes."""
+        self._followers.append((preference, use))

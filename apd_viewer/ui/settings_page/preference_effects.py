@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from PySide6.QtGui import QAction
 
     from apd_viewer.session.session import Session
-    from apd_viewer.ui.preferences.preference import Preference
     from apd_viewer.ui.preferences.preference_values import PreferenceValues
     from apd_viewer.ui.tools.brush_size import BrushSize
     from apd_viewer.ui.tools.tool_choice import ToolChoice
@@ -57,12 +56,11 @@ def connect_menu(values: PreferenceValues, schemes: dict[Qt.ColorScheme, QAction
 def connect_language(values: PreferenceValues, failed: Callable[[str], object]) -> None:
     """Have the next start use the chosen language; ``failed`` says a sentence."""
 
-    def keep(changed: Preference[object]) -> None:
-        if changed is LANGUAGE:
-            try:
-                choose_language(values[LANGUAGE])
-            except OSError as error:
-                reason = error.strerror or str(error)
-                failed(tr("The language cannot be stored ({reason}).").format(reason=reason))
+    def keep(name: str) -> None:
+        try:
+            choose_language(name)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            failed(tr("The language cannot be stored ({reason}).").format(reason=reason))
 
-    values.changed.connect(keep)
+    values.on_change(LANGUAGE, keep)
