@@ -398,7 +398,7 @@ def test_what_cannot_be_written_leaves_the_file_as_it_was(saved, bar, monkeypatc
     def full(descriptor):
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(InputError, match=r"use the ending \.apd"):
+    with pytest.raises(InputError, match=r"use \.apd"):
         save_session(saved.with_suffix(".zip"), state, VIEW)
     with pytest.raises(InputError, match="cannot be written"):
         save_session(saved.parent / "gone" / "a.apd", state, VIEW)
