@@ -34,6 +34,7 @@ class TargetSection(Section):
         super().__init__(tr("Target shape"))
         self._unit, self._size = Unit.NONE, 1.0
         self._found: TargetDistance | None = None
+        self._shown: tuple[object, ...] = (None, None, None)
         self._name = quiet(tr("File of the target shape"))
         self.column.addWidget(self._name)
         self._grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
@@ -72,6 +73,10 @@ class TargetSection(Section):
     def show_settings(self, document: Document) -> None:
         """Show the name of the target shape, or why it is missing."""
         target, missing = document.target, document.missing_target
+        shown = target, missing, document.mesh.F
+        if all(new is old for new, old in zip(shown, self._shown, strict=True)):
+            return  # comparing all triangles takes too long for every pose of a drag
+        self._shown = shown
         self.setVisible(target is not None or missing is not None)
         if target is not None:
             self._name.setText(target.mesh.name)
