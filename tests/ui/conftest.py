@@ -8,10 +8,15 @@ import pytest
 import trimesh
 from choosing import Theatre
 from driving import Mouse, grey, idle, settle, show
+from meshes import sample_bottle
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QMainWindow
 
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.picking.surface_index import Skin
+from apd_viewer.session.model.state import opened
 from apd_viewer.ui.application import HARMLESS, make_application
 from apd_viewer.ui.filing import unsaved_question
 from apd_viewer.ui.filing.unsaved_question import Answer
@@ -91,9 +96,27 @@ def window(qtbot, settings, monkeypatch):
     qtbot.wait(10)
 
 
+@pytest.fixture(scope="session")
+def painted_bottle(tmp_path_factory):
+    """State of the sample bottle with a quarter of its vertices, painted."""
+    V, F, labels = sample_bottle(edge=2.0)
+    path = tmp_path_factory.mktemp("sample") / "bottle.obj"
+    save_mesh(Mesh(V, F), V, path)
+    return opened(open_mesh(path), labels)
+
+
 @pytest.fixture
-def bottle(qtbot, window):
-    """A window on the sample bottle, painted."""
+def bottle(qtbot, window, painted_bottle):
+    """A window on the bottle, painted."""
+    window.session.files.open_with("bottle", lambda: painted_bottle)
+    idle(qtbot, window)
+    qtbot.wait(50)
+    return window
+
+
+@pytest.fixture
+def sample(qtbot, window):
+    """A window on the sample bottle itself, painted."""
     window.session.files.open_sample("bottle")
     idle(qtbot, window)
     qtbot.wait(50)

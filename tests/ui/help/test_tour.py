@@ -16,6 +16,12 @@ from apd_viewer.ui.tools.toolbox import Tool
 
 
 @pytest.fixture
+def bottle(sample):
+    """The sample itself: the tour is about no other mesh."""
+    return sample
+
+
+@pytest.fixture
 def toured(qtbot, bottle):
     """The bottle, with the tour at its first step."""
     bottle.actions_.help[1].trigger()

@@ -164,6 +164,8 @@ def test_samples_and_meshes_without_a_file_begin_without_a_unit(qtbot, bottle, s
         units.choose(Mesh(V, F, path=path), MM)
     assert units.of(Mesh(V, F)) is NONE
     assert units.of(Mesh(V, F, path=resource("duck.obj"))) is NONE
+    bottle.filing.open_sample("duck")
+    idle(qtbot, bottle)
     choose(bottle, M)
     assert set(Preferences(settings).units.values()) == {MM}
     bottle.filing.open_sample("bottle")
