@@ -99,10 +99,11 @@ class StatusBar(QStatusBar):
         self._show_pause(activity)
         self.progress.follow(state.frame if state else None, activity.value == _SOLVING)
         iteration = state.frame.iteration if state else 0
-        pace = tr("iteration {iteration:,}, {pace:.1f} ms per iteration").format(
-            iteration=iteration, pace=1e3 * session.store.seconds_per_iteration
-        )
-        self._pace.setText(pace if iteration else "")
+        pace = 1e3 * session.store.seconds_per_iteration
+        # A shape that was opened or restored came without iterations here.
+        measured = tr("iteration {iteration:,}, {pace:.1f} ms per iteration")
+        words = measured if pace else tr("iteration {iteration:,}")
+        self._pace.setText(words.format(iteration=iteration, pace=pace) if iteration else "")
 
     def _show_pause(self, activity: Activity) -> None:
         paused = activity.value == _PAUSED
