@@ -35,6 +35,8 @@ def title_between(before: Document, after: Document, k: int, unit: Unit) -> str:
     """
     old, new, names = before.handles[k], after.handles[k], names_of_moved(before, after)
     by = new.pose @ np.linalg.inv(old.pose)
+    if not np.isfinite(by).all():
+        return tr("Move handle ({handle})").format(handle=names)
     factor = float(np.cbrt(np.linalg.det(by[:3, :3])))
     if np.abs(by[:3, :3] - factor * np.eye(3)).max() <= _SAME * abs(factor):
         if abs(factor - 1.0) > _SAME:
