@@ -496,7 +496,7 @@ def test_a_wrong_output(out, words, bar, refused):
         ("--volume", "-10", "The target of the volume must be a percentage from 1 to 1000"),
         ("--region", "lid", "--region takes a name, a file"),
         ("--unknown", "1", "unrecognized arguments: --unknown 1"),
-        ("--picture", "picture.jpg", "use the ending .png"),
+        ("--picture", "picture.jpg", "use .png"),
     ],
 )
 def test_a_wrong_option(option, value, words, refused):

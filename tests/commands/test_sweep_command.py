@@ -158,7 +158,7 @@ WRONG = {
     "both": (lambda bar: [*bar, "--twist", "9", "--transform", bar[0].parent / "bent.def"], "not both"),
     "a film of another kind": (
         lambda bar: [*bar, "--twist", "9", "--animation", "a.webm"],
-        "use the ending .gif or",
+        "use .gif or",
     ),
     "an angle that is none": (lambda bar: [*bar, "--twist", "9mm"], "unit of length"),
     "a method that is none": (

@@ -66,5 +66,5 @@ def test_a_ply_has_the_shape_the_selection_and_all_scalars(tmp_path):
 
 
 def test_another_kind_of_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"use \.csv or \.ply"):
+    with pytest.raises(InputError, match=r"use the ending \.csv or \.ply"):
         write_scalars(tmp_path / "s.obj", MESH, U, SCALARS)

@@ -102,7 +102,7 @@ def painted_bottle(tmp_path_factory):
     V, F, labels = sample_bottle(edge=2.0)
     path = tmp_path_factory.mktemp("sample") / "bottle.obj"
     save_mesh(Mesh(V, F), V, path)
-    return opened(open_mesh(path), labels)
+    return opened(open_mesh(path), labels.astype(np.uint8))
 
 
 @pytest.fixture

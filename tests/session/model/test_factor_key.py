@@ -16,7 +16,7 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
-from apd_viewer.session.model.named_parts import Handle, NamedRegion, PartFlags
+from apd_viewer.session.model.named_parts import Handle, NamedPose, NamedRegion, PartFlags
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.requests import alike, factored_for
 
@@ -45,6 +45,8 @@ OF_DOCUMENT = {
     "volume": lambda said: replace(said, volume=80.0),
     "staying": lambda said: replace(said, staying=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
+    "mirror": lambda said: replace(said, mirror=0),
+    "poses": lambda said: replace(said, poses=(NamedPose("Open", ()),)),
     "measurements": lambda said: replace(said, measurements=(Measurement("Width", Kind.DISTANCE),)),
     "target": lambda said: replace(said, target=TargetShape(said.mesh)),
     "missing_target": lambda said: replace(said, missing_target=MissingMesh({}, "It is gone.")),

@@ -302,7 +302,7 @@ def test_keys_that_the_window_needs_are_refused(qtbot, active, sheet):
 def test_back_to_the_standard_for_one_and_for_all(qtbot, active, sheet, again):
     assert not sheet.back.isEnabled()
     press(qtbot, sheet, "frame", Qt.Key.Key_6)
-    press(qtbot, sheet, "export", Qt.Key.Key_K, CTRL)
+    press(qtbot, sheet, "export", Qt.Key.Key_J, CTRL)
     press(qtbot, sheet, "edges", Qt.Key.Key_Delete)
     rows = sheet.rows
     assert [row.back.isVisible() for row in (rows["frame"], rows["export"], rows["open"])] == [
