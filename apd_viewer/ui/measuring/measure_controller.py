@@ -124,7 +124,7 @@ class MeasureController(QObject):
         if state is not None:
             self._chosen = len(state.document.measurements)
             self._session.measurements.add(kind, points, plane)
-            self._section.folded = False
+            self._section.reveal()
 
     def _choose(self, k: int) -> None:
         self._chosen = k

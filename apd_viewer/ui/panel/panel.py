@@ -1,4 +1,4 @@
-"""Side panel: area, volume, method, handles, regions, paint."""
+"""Side panel: area, volume, handles, method, measurements, paint."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Panel(QScrollArea):
 
     Attributes
     ----------
-    area, volume, measures, measure, target, method, handles, regions, paint
+    area, volume, measures, handles, poses, method, regions, measure, target, paint
         The sections.
     """
 
@@ -104,22 +104,23 @@ class Panel(QScrollArea):
         self.area = AreaSection()
         self.volume = VolumeSection()
         self.measures = SizeSection()
-        self.target = TargetSection()
-        self.method = MethodSection()
         self.handles = HandleSection()
         self.poses = PoseSection()
+        self.method = MethodSection()
         self.regions = RegionSection()
         self.measure = MeasureSection()
+        self.target = TargetSection()
         self.paint = PaintSection()
+        # What is used all the time first: the handles are seen without scrolling in a small window.
         self.sections: tuple[Section, ...] = (
             self.volume,
             self.measures,
-            self.measure,
-            self.target,
-            self.method,
             self.handles,
             self.poses,
+            self.method,
             self.regions,
+            self.measure,
+            self.target,
             self.paint,
         )
         body = QWidget(objectName="panel")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QRect, QSize, Qt
+from PySide6.QtCore import QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QFont, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFrame, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.ui.widgets.icons import icon
@@ -108,6 +108,18 @@ class Section(QWidget):
     @folded.setter
     def folded(self, on: bool) -> None:
         self.heading.setChecked(not on)
+
+    def reveal(self) -> None:
+        """Unfold, and scroll the panel to what was added."""
+        self.folded = False
+        QTimer.singleShot(0, self, self._scroll_into_view)  # once new rows have their places
+
+    def _scroll_into_view(self) -> None:
+        area = self.parentWidget()
+        while area is not None and not isinstance(area, QScrollArea):
+            area = area.parentWidget()
+        if area is not None:
+            area.ensureWidgetVisible(self)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""

@@ -66,6 +66,7 @@ def test_clicks_measure_and_undo_takes_back(qtbot, measuring):
     pixel = view.look.eye.world_per_pixel(U[low])
     assert np.abs(found - U[[low, high]]).max() < 3 * pixel
     assert section.list.rows[0].name.text() == "Distance 1"
+    qtbot.waitUntil(lambda: not section.list.rows[0].visibleRegion().isEmpty())  # the panel scrolls there
     window.measure.choose_kind(Kind.ANGLE)
     for height in (0.3, 0.6, 0.5):
         click(window, front(window, height))

@@ -341,3 +341,10 @@ def test_convergence_is_folded_and_shows_what_applies(qtbot, bottle):
     qtbot.keyClick(fields.most, Qt.Key.Key_Return)
     assert document(bottle) is before
     assert fields.most._error.isVisible()
+
+
+def test_the_handles_are_seen_without_scrolling(qtbot, bottle):
+    bottle.shell.resize(1280, 800)
+    qtbot.wait(20)
+    shown = bottle.panel.handles.motion.visibleRegion().boundingRect()
+    assert shown == bottle.panel.handles.motion.rect()
