@@ -47,6 +47,10 @@ class Choice(QComboBox):
         width = max(super().sizeHint().width(), longest + 40)
         return QSize(width, max(28, self.fontMetrics().height() + 12))
 
+    def minimumSizeHint(self) -> QSize:
+        """No entry is cut off."""
+        return self.sizeHint()
+
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the choice and a chevron."""
         room, ink = QRectF(self.rect()), self.palette().windowText().color()

@@ -4,7 +4,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-from apd_viewer.ui.widgets.fields import Number, percent_field
+from apd_viewer.ui.widgets.fields import Choice, Number, percent_field
 
 
 @pytest.fixture
@@ -107,3 +107,23 @@ def test_the_range_is_said_as_one_says_it(field, limits, said):
 def test_the_unit_may_be_typed_too(qtbot, field, text):
     enter(qtbot, field, text)
     assert field.value() == 5.0
+
+
+def test_no_entry_of_a_choice_is_cut_off_where_it_is_smallest(qtbot):
+    choice = Choice()
+    qtbot.addWidget(choice)
+    choice.addItems(["Bending", "Target: closest point"])
+    choice.setCurrentIndex(1)
+    words = choice.fontMetrics().horizontalAdvance(choice.currentText())
+    choice.resize(choice.minimumSizeHint())
+    picture = choice.grab().toImage()
+    wide = Choice()
+    qtbot.addWidget(wide)
+    wide.addItems(["Target: closest point"])
+    wide.resize(choice.width() + 50, choice.height())
+    other = wide.grab().toImage()
+    inner = range(6, 8 + words)
+    rows = range(4, choice.height() - 4)
+    assert [picture.pixel(x, y) for x in inner for y in rows] == [
+        other.pixel(x, y) for x in inner for y in rows
+    ]
