@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,8 +26,8 @@ from apd_viewer.geometry.solver.convergence import (
     check_convergence,
     step_gap,
 )
-from apd_viewer.geometry.solver.goal_projection import MET
-from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
+from apd_viewer.geometry.solver.goal_set import GoalSet
+from apd_viewer.geometry.solver.goals import Reading, Region
 from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.loose_parts import GO, LooseParts
 from apd_viewer.geometry.solver.methods import (
@@ -37,7 +36,6 @@ from apd_viewer.geometry.solver.methods import (
     DEFAULT_SHEAR_STIFFNESS,
     DEFAULT_TOLERANCE,
     check_method,
-    check_tolerance,
     material_of,
 )
 from apd_viewer.geometry.solver.restarts import minimizer
@@ -143,14 +141,13 @@ class Deformation:
         )
         self._handle_of = handle_of(handle, rest, self._solve_ids)
         self._traits = check_method(method, self._handle_of)
-        self.loose = LooseParts(rest, self._solve_ids, loose)
-        check_tolerance(tolerance)
-        self._tolerance = tolerance
+        self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose)
+        self._kept = GoalSet(rest, method, self._traits, tolerance)
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.shape.V)):
-            self._goals = self._goals_of(area, volume, regions)
+            self._kept.ask(area, volume, regions)
             started = time.perf_counter()
             self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
@@ -163,47 +160,22 @@ class Deformation:
     def _solver_of(self, elastic: Elastic, plain: bool) -> IterativeSolver:
         if self._traits.moves_handles:
             of = np.concatenate([self._handle_of, self._soft.handle + 1])
-            return LiHui(elastic, of, self._goals)
+            return LiHui(elastic, of, self._kept.goals)
         if plain or self._traits.plain_only:
-            return ConstrainedDescent(elastic, self._goals, plain=True)
-        return minimizer(elastic, self._goals)
-
-    def _goals_of(
-        self, area: float | None, volume: float | None, regions: Sequence[Region]
-    ) -> tuple[Goal, ...]:
-        if not isinstance(regions, Sequence):
-            raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
-        patches = [patch_of(self.rest, region) for region in regions]
-        if area is None and self._traits.keeps_total_area:
-            area = 100.0
-        others = volume is not None or any(region.area is not None for region in regions)
-        if others and self._traits.keeps_only_total_area:
-            raise InputError(
-                tr(
-                    "The method {method!r} keeps only the total area; "
-                    "choose 'exact' for a volume or a region."
-                ).format(method=self.method)
-            )
-        goals = make_goals(self.rest, area, volume, regions)
-        self._regions, self._patches = tuple(regions), patches
-        return self._with_tolerance(goals)
-
-    def _with_tolerance(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
-        return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
+            return ConstrainedDescent(elastic, self._kept.goals, plain=True)
+        return minimizer(elastic, self._kept.goals)
 
     @property
     def tolerance(self) -> float:
         """Relative error of the total area accepted by "paper"."""
-        return self._tolerance
+        return self._kept.tolerance
 
     @tolerance.setter
     def tolerance(self, tolerance: float) -> None:
-        check_tolerance(tolerance)
-        self._tolerance = tolerance
+        self._kept.tolerance = tolerance
         if self._traits.has_tolerance:
-            self._goals = self._with_tolerance(self._goals)
             with cores_for(len(self.rest.shape.V)):
-                self._solver.keep(self._goals)
+                self._solver.keep(self._kept.goals)
 
     @property
     def convergence(self) -> Convergence:
@@ -230,8 +202,8 @@ class Deformation:
             See the class.
         """
         with cores_for(len(self.rest.shape.V)):
-            self._goals = self._goals_of(area, volume, regions)
-            self._solver.keep(self._goals)
+            self._kept.ask(area, volume, regions)
+            self._solver.keep(self._kept.goals)
         self._begin()
 
     def aim(
@@ -314,7 +286,7 @@ class Deformation:
         solver, settled = self._solver, self.settled
         with cores_for(len(solver.U)):
             found = self.rest.measure(solver.U)
-            regions = tuple(patch.area(solver.U) for patch in self._patches)
+            regions = self._kept.region_areas(solver.U)
             energy = solver.energy
         return Frame(
             U=frozen(self._spread(solver.U)),
@@ -347,17 +319,11 @@ class Deformation:
 
     def readings(self, frame: Frame) -> tuple[Reading, ...]:
         """Readings of the regions in ``frame``."""
-        readings = []
-        for region, patch, area in zip(self._regions, self._patches, frame.regions, strict=True):
-            with cores_for(len(self.rest.shape.V)):
-                rest = patch.area(self.rest.shape.V)
-            target = None if region.area is None else rest * region.area / 100.0
-            readings.append(Reading(region.name, rest, area, target))
-        return tuple(readings)
+        return self._kept.readings(frame.regions)
 
     def target(self, name: str) -> float | None:
         """Target of "the area" or "the volume"; None without one."""
-        return next((goal.target for goal in self._goals if goal.name == name), None)
+        return self._kept.target(name)
 
     def _still(self) -> bool:
         if not self._steps:
@@ -381,15 +347,7 @@ class Deformation:
     @property
     def missed(self) -> str | None:
         """Goals not met by the last frame, and their values; None if all are met."""
-        # Li & Hui's method approaches the target round by round: a miss in between is no failure.
-        if self._traits.has_tolerance:
-            return None
-        missed = [
-            goal.shortfall(float(value))
-            for goal, value in zip(self._goals, self._solver.values, strict=True)
-            if abs(goal.miss(float(value))) > MET
-        ]
-        return ", ".join(missed) or None
+        return self._kept.missed(self._solver.values)
 
     def _unreached(self) -> str | None:
         missed = self.missed

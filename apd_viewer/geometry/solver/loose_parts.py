@@ -42,13 +42,22 @@ class LooseParts:
     rest : RestMesh
     held : (k,) int array
         Held vertices of the solve.
+    handle_of : (k,) int array
+        For each the number of its handle, from 1; 0 is base.
     loose : "go", "stay" or int array
         All parts go along, all stay at rest, or those with these vertices of the file stay.
     """
 
-    def __init__(self, rest: RestMesh, held: np.ndarray, loose: str | Sequence[int] | np.ndarray) -> None:
+    def __init__(
+        self,
+        rest: RestMesh,
+        held: np.ndarray,
+        handle_of: np.ndarray,
+        loose: str | Sequence[int] | np.ndarray,
+    ) -> None:
         self._rest = rest
         piece = rest.shape.piece
+        self._without_base = _without_base(piece, held, handle_of)
         self._is_held = np.zeros(len(piece), dtype=bool)
         self._is_held[piece[held]] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
@@ -75,15 +84,14 @@ class LooseParts:
 
     @property
     def warning(self) -> str | None:
-        """Sentence about parts with triangles; None if there are none."""
+        """Sentences about parts without base; None without such parts."""
         shape = self._rest.shape
-        if not len(self._vertices):
-            return None
         loose = np.zeros(len(shape.piece), dtype=bool)
         loose[shape.piece[shape.F[:, 0]]] = True
         loose &= ~self._is_held
         stay = int((loose & self._stays).sum())
-        return " ".join(filter(None, (_said_to_go(int(loose.sum()) - stay), _said_to_stay(stay)))) or None
+        said = _said_to_go(int(loose.sum()) - stay), _said_to_stay(stay), _said_of_handles(self._without_base)
+        return " ".join(filter(None, said)) or None
 
     def at_rest(self, U: np.ndarray) -> np.ndarray:
         """``U`` (n, 3) with all loose parts at rest."""
@@ -217,6 +225,18 @@ def _carry(
             out[v, 0], out[v, 1], out[v, 2] = after[0] + x, after[1] + y, after[2] + z
 
 
+def _without_base(piece: np.ndarray, held: np.ndarray, handle_of: np.ndarray) -> int:
+    """Number of parts with free vertices that one handle holds alone."""
+    if (handle_of > 0).all():
+        return 0
+    size = np.bincount(piece)
+    least, most = np.full(len(size), handle_of.max() + 1), np.zeros(len(size), dtype=np.int64)
+    np.minimum.at(least, piece[held], handle_of)
+    np.maximum.at(most, piece[held], handle_of)
+    is_free = np.bincount(piece[held], minlength=len(size)) < size
+    return int(((least == most) & (least > 0) & is_free).sum())
+
+
 def _said_to_go(n: int) -> str:
     said = trn(
         "{n:,} connected part without base or handle; it goes along with the nearest surface.",
@@ -230,6 +250,17 @@ def _said_to_stay(n: int) -> str:
     said = trn(
         "{n:,} connected part without base or handle; it stays where it is.",
         "{n:,} connected parts without base or handle; they stay where they are.",
+        n,
+    )
+    return said.format(n=n) if n else ""
+
+
+def _said_of_handles(n: int) -> str:
+    said = trn(
+        "{n:,} connected part with a handle but no base; it moves with its handle as a whole. "
+        "Paint base on it to deform it.",
+        "{n:,} connected parts with a handle but no base; they move with their handles as a whole. "
+        "Paint base on them to deform them.",
         n,
     )
     return said.format(n=n) if n else ""

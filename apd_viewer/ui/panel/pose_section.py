@@ -55,7 +55,10 @@ class PoseList(NamedList[PoseRow]):
 
     updated = Signal(int)
 
-    def _made(self, k: int, name: str) -> PoseRow:
+    def __init__(self) -> None:
+        super().__init__(self._row)
+
+    def _row(self, k: int, name: str) -> PoseRow:
         row = PoseRow(name)
         row.update_pose.clicked.connect(lambda: self.updated.emit(k))
         return row

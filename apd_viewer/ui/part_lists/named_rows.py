@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 from PySide6.QtCore import Qt, Signal
@@ -160,6 +160,11 @@ Row = TypeVar("Row", bound=NamedRow)
 class NamedList(QWidget, Generic[Row]):
     """Rows of a list, as many as there are names.
 
+    Parameters
+    ----------
+    make : callable
+        From a place and a name to a new row, connected to what only its kind has.
+
     Attributes
     ----------
     chosen, removed : Signal(int)
@@ -171,8 +176,9 @@ class NamedList(QWidget, Generic[Row]):
     removed = Signal(int)
     renamed = Signal(int, str)
 
-    def __init__(self) -> None:
+    def __init__(self, make: Callable[[int, str], Row]) -> None:
         super().__init__()
+        self._make = make
         self._theme = LIGHT
         self.rows: list[Row] = []
         self._column = QVBoxLayout(self, spacing=2)
@@ -186,14 +192,10 @@ class NamedList(QWidget, Generic[Row]):
             row.deleteLater()  # the row may own the pressed button
         for k, name in enumerate(names):
             if k == len(self.rows):
-                self._add(k, self._made(k, name))
+                self._add(k, self._make(k, name))
             self.rows[k].name.show_name(name)
             self.rows[k].set_active(k == active)
         self.setVisible(bool(self.rows))
-
-    def _made(self, k: int, name: str) -> Row:
-        """A new row at place ``k``, connected to what only its kind has."""
-        raise NotImplementedError
 
     def _add(self, k: int, row: Row) -> None:
         row.chosen.connect(lambda: self.chosen.emit(k))

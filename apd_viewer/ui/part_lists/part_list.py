@@ -34,12 +34,9 @@ class PartList(NamedList[PartRow]):
         colors: Sequence[tuple[int, int, int]],
         make: Callable[[int, str, tuple[int, int, int]], PartRow],
     ) -> None:
-        super().__init__()
-        self._colors = colors
-        self._make = make
+        super().__init__(lambda k, name: self._connected(k, make(k, name, colors[k % len(colors)])))
 
-    def _made(self, k: int, name: str) -> PartRow:
-        row = self._make(k, name, self._colors[k % len(self._colors)])
+    def _connected(self, k: int, row: PartRow) -> PartRow:
         row.buttons.hidden_asked.connect(lambda on: self.hidden.emit(k, on))
         row.buttons.locked_asked.connect(lambda on: self.locked.emit(k, on))
         row.buttons.clear_asked.connect(lambda: self.cleared.emit(k))

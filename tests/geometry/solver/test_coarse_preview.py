@@ -52,7 +52,7 @@ def test_what_is_asked_holds_in_every_preview(asked, factor):
         assert method.hides, "it is none of its own shapes"
         assert method.met
         assert np.array_equal(method.U[FIXED], targets(0.04 * k, (0, 0, 0)))
-        for goal in solver._goals:
+        for goal in solver._kept.goals:
             assert abs(goal.miss(goal.value(method.U))) <= (1e-9 if asked == "all" else 1e-10)
         assert not solver.frame().settled
 

@@ -103,6 +103,23 @@ def test_held_vertices_are_exact_and_the_parts_are_said(bent):
     )
 
 
+@pytest.mark.parametrize(("held", "is_said"), [(slice(0, 10), True), (slice(None), False)])
+def test_a_part_with_a_handle_alone_moves_as_a_whole_and_is_said(held, is_said):
+    own = np.arange(NAILS[0].start, NAILS[0].stop)[held]
+    fixed, targets = np.append(FIXED, own), np.vstack([TARGETS, V[own] + [1.0, 0.0, 0.0]])
+    result = deform(V, F, fixed, targets, "arap", 200, handle=[HANDLE, own])
+    np.testing.assert_allclose(pdist(result.U[NAILS[0]]), pdist(V[NAILS[0]]), rtol=0, atol=1e-6)
+    (warning,) = result.warnings
+    assert ("1 connected part with a handle but no base" in warning) is is_said
+
+
+def test_two_handles_on_a_part_without_base_are_not_said():
+    fixed = np.append(FIXED, [NAILS[0].start, NAILS[0].stop - 1])
+    handles = [HANDLE, fixed[-2:-1], fixed[-1:]]
+    (warning,) = deform(V, F, fixed, V[fixed], "arap", 1, handle=handles).warnings
+    assert "no base" not in warning
+
+
 def test_the_body_does_not_feel_the_parts():
     alone = run("arap", V[BODY], BODY_F, 20)
     assert np.abs(run("arap", iterations=20).U[BODY] - alone.U).max() <= 1e-12

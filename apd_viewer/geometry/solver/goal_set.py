@@ -1,0 +1,120 @@
+"""All goals of a solve, and the regions measured with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.solver.goal_projection import MET
+from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
+from apd_viewer.geometry.solver.methods import Method, check_tolerance
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+
+
+class GoalSet:
+    """Goals of the area, the volume and of regions.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    name : str
+        Of the method.
+    method : Method
+    tolerance : float
+        Relative error of the total area that "paper" accepts.
+
+    Attributes
+    ----------
+    goals : tuple of Goal
+    regions : tuple of Region
+    """
+
+    def __init__(self, rest: RestMesh, name: str, method: Method, tolerance: float) -> None:
+        check_tolerance(tolerance)
+        self._rest = rest
+        self._name = name
+        self._method = method
+        self._tolerance = tolerance
+        self.goals: tuple[Goal, ...] = ()
+        self.regions: tuple[Region, ...] = ()
+
+    def ask(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> None:
+        """Replace all goals by percentages of the values at rest.
+
+        Parameters
+        ----------
+        area, volume, regions
+            See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+
+        Raises
+        ------
+        InputError
+            If the method cannot keep them, a percentage is no target, or there is nothing to measure.
+        """
+        if not isinstance(regions, Sequence):
+            raise InputError(tr("Regions must be a list of Region(name, vertices), each with a name."))
+        patches = [patch_of(self._rest, region) for region in regions]
+        if area is None and self._method.keeps_total_area:
+            area = 100.0
+        others = volume is not None or any(region.area is not None for region in regions)
+        if others and self._method.keeps_only_total_area:
+            raise InputError(
+                tr(
+                    "The method {method!r} keeps only the total area; "
+                    "choose 'exact' for a volume or a region."
+                ).format(method=self._name)
+            )
+        self.goals = self._tolerant(make_goals(self._rest, area, volume, regions))
+        self.regions, self._patches = tuple(regions), patches
+
+    @property
+    def tolerance(self) -> float:
+        """Relative error of the total area accepted by "paper"."""
+        return self._tolerance
+
+    @tolerance.setter
+    def tolerance(self, tolerance: float) -> None:
+        check_tolerance(tolerance)
+        self._tolerance = tolerance
+        self.goals = self._tolerant(self.goals)
+
+    def _tolerant(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
+        return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
+
+    def region_areas(self, U: np.ndarray) -> tuple[float, ...]:
+        """Areas of the regions at ``U`` (n, 3), the vertices of the solve."""
+        return tuple(patch.area(U) for patch in self._patches)
+
+    def readings(self, areas: Sequence[float]) -> tuple[Reading, ...]:
+        """Readings of the regions whose areas are ``areas`` now."""
+        V = self._rest.shape.V
+        with cores_for(len(V)):
+            at_rest = self.region_areas(V)
+        return tuple(
+            Reading(region.name, rest, area, None if region.area is None else rest * region.area / 100.0)
+            for region, rest, area in zip(self.regions, at_rest, areas, strict=True)
+        )
+
+    def target(self, name: str) -> float | None:
+        """Target of "the area" or "the volume"; None without one."""
+        return next((goal.target for goal in self.goals if goal.name == name), None)
+
+    def missed(self, values: np.ndarray) -> str | None:
+        """Goals not met by their ``values``, as a sentence; None if all are met."""
+        # Li & Hui's method approaches the target round by round: a miss in between is no failure.
+        if self._method.has_tolerance:
+            return None
+        missed = [
+            goal.shortfall(float(value))
+            for goal, value in zip(self.goals, values, strict=True)
+            if abs(goal.miss(float(value))) > MET
+        ]
+        return ", ".join(missed) or None
