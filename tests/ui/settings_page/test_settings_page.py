@@ -51,7 +51,8 @@ def page(qtbot, window):
     qtbot.waitUntil(window.shell.isActiveWindow)
     QTest.keyClick(window.shell, Qt.Key.Key_Comma, Qt.KeyboardModifier.ControlModifier)
     dialog = window.settings_page.dialog
-    qtbot.waitExposed(dialog)
+    # Until then the keys are shortcuts of the window.
+    qtbot.waitUntil(dialog.isActiveWindow)
     return dialog
 
 
