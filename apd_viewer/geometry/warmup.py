@@ -7,9 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from apd_viewer.geometry.analysis import area_change, deviation
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.goals import Region
-from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
 
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
@@ -31,6 +33,9 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
         solver.aim(targets)
         for _ in range(3):
             solver.step()
+    membrane = METHODS["local"].material(0.0, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
+    elastic = Elastic(SolveMesh(V, F), fixed, membrane)
+    elastic.hessian.factored_at(V).solve(V[elastic.free])
     if not enough():
         deviation.warm_up()
 

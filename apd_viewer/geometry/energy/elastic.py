@@ -21,6 +21,7 @@ from scipy.sparse import coo_array, diags_array, hstack
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.energy.projected_hessian import ProjectedHessian
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
@@ -62,8 +63,12 @@ class Elastic:
     free : (f,) int array
         Vertices that are solved for. A piece without any held vertex is not: nothing says where
         it belongs, so it stays at rest (see :class:`LooseParts`).
+    membrane : Membrane or None
+        What keeps shape and area of every triangle; None if the material has no such term.
     factor : Factor
         Of :attr:`K_ff`.
+    metric : Factor
+        What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
     """
 
     def __init__(
@@ -83,14 +88,14 @@ class Elastic:
         moves = np.isin(rest.piece, rest.piece[fixed])
         moves[fixed] = False
         self.free = np.flatnonzero(moves)
-        self._membrane = None
+        self.membrane: Membrane | None = None
         if material.shear > 0.0 or material.area > 0.0:
-            self._membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
+            self.membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
         self._bending = rest.bending if material.bending > 0.0 else None
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        self.factor = self.factored(lambda: self.K_ff)
+        self.factor = self.metric = self.factored(lambda: self.K_ff)
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
         self._from_held: np.ndarray | None = None
@@ -101,8 +106,8 @@ class Elastic:
     def _blocks(self) -> tuple[Matrix, Matrix]:
         rest, material = self.rest, self.material
         K = rest.L if material.rigidity == 1.0 else material.rigidity * rest.L
-        if self._membrane is not None:
-            K = K + self._membrane.K
+        if self.membrane is not None:
+            K = K + self.membrane.K
         if self._bending is not None:
             K = K + material.bending * self._bending.K
         rows = K.tocsr()[self.free]
@@ -119,6 +124,13 @@ class Elastic:
         """The matrix's rows and columns of the free vertices, (f, f)."""
         return self._blocks[0]
 
+    @cached_property
+    def hessian(self) -> ProjectedHessian:
+        """Approximate Hessian of a surface with a membrane; without, it would be K."""
+        assert self.membrane is not None
+        others = self.K_ff - self.membrane.K[self.free][:, self.free]
+        return ProjectedHessian(self.rest.V, self.free, others, self.membrane)
+
     @property
     def q(self) -> np.ndarray:
         """Rotations of the cells, (n, 4) unit quaternions."""
@@ -133,8 +145,8 @@ class Elastic:
         """Continue from the positions ``U`` (n, 3)."""
         self.U = U
         self._q = None  # nobody may ask for long
-        if self._membrane is not None:
-            self._membrane.local_step(U)
+        if self.membrane is not None:
+            self.membrane.local_step(U)
 
     def pull(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
@@ -149,8 +161,8 @@ class Elastic:
             ``mult_i forces_i`` are added to ``b``.
         """
         rest, material, more = self.rest, self.material, _NOTHING
-        if self._membrane is not None:
-            more = self._membrane.pull()
+        if self.membrane is not None:
+            more = self.membrane.pull()
         if self._bending is not None:
             pull = self._bending.pull(self.q, material.bending)
             more = pull if more is _NOTHING else more + pull
@@ -170,14 +182,14 @@ class Elastic:
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """``K_ff^-1 b_f``, both (f, 3) float arrays."""
-        return self.factor.solve(b_f)
+        """Response to forces ``b_f`` in the current metric, both (f, 3) float arrays."""
+        return self.metric.solve(b_f)
 
     def global_step(
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
         """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
-        return self.assembled(self.solve(self.pull(targets, mult, forces)), targets)
+        return self.assembled(self.factor.solve(self.pull(targets, mult, forces)), targets)
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
@@ -186,8 +198,8 @@ class Elastic:
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
         q, self.U = self.q, U
-        if self._membrane is not None:
-            self._membrane.local_step(U)
+        if self.membrane is not None:
+            self.membrane.local_step(U)
         self._turn_cells(U, q)
 
     def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
@@ -202,8 +214,8 @@ class Elastic:
     def turn(self, turns: np.ndarray) -> None:
         """Rotate each term's projection by ``turns`` (n, 4), unit quaternions."""
         turn_rotations(turns, self.q)
-        if self._membrane is not None:
-            self._membrane.turn(turns)
+        if self.membrane is not None:
+            self.membrane.turn(turns)
 
     def iterate(self, targets: np.ndarray) -> None:
         """Global step with the held vertices at ``targets`` (k, 3), then the local step."""
@@ -212,7 +224,7 @@ class Elastic:
     @property
     def energy(self) -> float:
         """The energy of the current positions, without the coupling of the rotations."""
-        flat = 0.0 if self._membrane is None else self._membrane.energy
+        flat = 0.0 if self.membrane is None else self.membrane.energy
         return self._without_membrane(self.U, self.q) + flat
 
     def energy_at(self, U: np.ndarray) -> float:

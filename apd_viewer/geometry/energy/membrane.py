@@ -28,7 +28,7 @@ _PORTION = 512
 
 
 @njit(inline="always")
-def _larger_stretch(s1: float, s2: float) -> float:
+def larger_stretch(s1: float, s2: float) -> float:
     """Minimiser ``p >= 1`` of ``(p - s1)^2 + (1/p - s2)^2``, for s1 >= s2 >= 0."""
     # From here Newton's method converges monotonically: the second derivative is positive on the way.
     p = max(s1, 1.0)
@@ -59,7 +59,7 @@ def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
         for i in range(3):
             T[i, 0], T[i, 1] = (shear + area) * D[i, 0], (shear + area) * D[i, 1]
         return 0.0
-    p1 = _larger_stretch(s1, s2)
+    p1 = larger_stretch(s1, s2)
     p2 = 1.0 / p1
     f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
     # T = D (f1 v1 v1^T + f2 v2 v2^T), v the directions of the stretches.
@@ -152,6 +152,10 @@ class Membrane:
 
     Attributes
     ----------
+    patch : Patch
+    rest : (m, 3) float array
+        The triangles' corners in their rest planes, (0, 0), (x1, 0) and (x2, y2), as ``x1, x2, y2``; x1 is 0
+        for slivers, which do not count.
     K : (n, n) csr_array
         A quarter of the Hessian of the energy while the projections are held; positive semi-definite.
     energy : float
@@ -160,7 +164,7 @@ class Membrane:
 
     def __init__(self, V: np.ndarray, patch: Patch, shear: float, area: float) -> None:
         self.shear, self.area = shear, area
-        self._patch, F = patch, patch.F
+        self.patch, F = patch, patch.F
         self._cot = cotangents(V, F)
         e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
         x1 = np.linalg.norm(e, axis=1)
@@ -168,7 +172,7 @@ class Membrane:
         x1 = np.where(usable, x1, 0.0)
         x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
         y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)
-        self._rest = np.column_stack([x1, x2, y2])
+        self.rest = np.column_stack([x1, x2, y2])
         self._cot[~usable] = 0.0
         self._forces = np.empty((3 * len(F), 3))
         self.local_step(V)
@@ -177,12 +181,12 @@ class Membrane:
     def local_step(self, U: np.ndarray) -> None:
         """Compute the projections at ``U`` (n, 3)."""
         weights = self.shear, self.area
-        self.energy = float(_forces(self._patch.F, self._rest, self._cot, U, *weights, self._forces))
+        self.energy = float(_forces(self.patch.F, self.rest, self._cot, U, *weights, self._forces))
 
     def turn(self, turns: np.ndarray) -> None:
         """Turn the projections by ``turns`` (n, 4), unit quaternions at the vertices."""
-        _turn(self._patch.F, turns, self._forces)
+        _turn(self.patch.F, turns, self._forces)
 
     def pull(self) -> np.ndarray:
         """Right-hand side of the projections, (n, 3): ``grad E = 4 (K U - pull)``."""
-        return _gathered(self._patch.start, self._patch.corner, self._forces)
+        return _gathered(self.patch.start, self.patch.corner, self._forces)

@@ -20,6 +20,7 @@ from numba import njit
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.goal_projection import MET, Projection
 from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.late_metric import LateMetric
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
@@ -40,6 +41,10 @@ _REDUCTION = 0.99
 # Convergence is judged over so many steps, by the part of the energy that they take away together.
 _WINDOW = 10
 TOLERANCE = 1e-7
+# Once ten steps by K reduce the energy by less than this part, the Hessian takes them farther.
+LATE = 1e-3
+# A descent to no lower tolerance ends before that pays; coarse levels so led start the finer ones worse.
+_FINE = 1e-4
 _NO_ENERGY = 1e-300  # of a rigid motion, to divide by
 
 
@@ -77,6 +82,7 @@ class ConstrainedDescent:
         self.elastic = elastic
         self._tolerance = tolerance
         self._plain = plain
+        self._metric = LateMetric(elastic)
         self.goals: tuple[Goal, ...] = ()
         self.multipliers = np.zeros(0)
         self.keep(goals)
@@ -169,6 +175,9 @@ class ConstrainedDescent:
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
         self._at_minimum = False
         self._lag = 0
+        if self._metric.is_hessian:
+            self._metric.reset()
+            self._age = 0  # the directions of the goals are those of the Hessian
 
     def step(self) -> None:
         """Reduce the energy while the goals stay met; until they are, a plain iteration.
@@ -182,9 +191,16 @@ class ConstrainedDescent:
             if self.met and not self.stuck:
                 self._quasi_newton = QuasiNewton(self.elastic, self._projection)
         else:
+            self._update_metric()
             self._at_minimum = not self._quasi_newton.step(self.held)
             self.multipliers = self._quasi_newton.multipliers
             self._energies.append(self._quasi_newton.energy)
+
+    def _update_metric(self) -> None:
+        """Measure steps by the Hessian near the minimum."""
+        metric = self._metric
+        if metric.is_hessian or (self._tolerance < _FINE and metric.may_be_hessian and self.stalls(LATE)):
+            metric.follow(self._projection)
 
     def iterate(self) -> None:
         """Do a global step, the projection onto the goals, and the local step."""

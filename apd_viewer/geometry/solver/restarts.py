@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
+from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
@@ -23,6 +23,9 @@ _GAIN = 1e-3
 _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
+# With a membrane the first trial that is not better by the time when a Hessian would be factored for it is
+# the last: it takes longer than elsewhere, and those that ended lower had been better by then.
+_WITH_MEMBRANE = LATE, 0
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
@@ -50,6 +53,8 @@ class Restarts:
     def __init__(self, inner: Multilevel) -> None:
         self.elastic = inner.elastic
         self._inner = inner
+        usual = _TRIAL_TOLERANCE, _PATIENCE
+        self._tolerance, self._patience = usual if inner.elastic.membrane is None else _WITH_MEMBRANE
         self._reset()
 
     @property
@@ -143,7 +148,7 @@ class Restarts:
             self._done = True
         elif inner.stuck:
             self._done = True
-        elif inner.converged or (self._on_trial and inner.stalls(_TRIAL_TOLERANCE)):
+        elif inner.converged or (self._on_trial and inner.stalls(self._tolerance)):
             self._begin_trial()
 
     @property
@@ -157,10 +162,10 @@ class Restarts:
 
     def _fails(self, energy: float) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self._inner.converged or self._inner.stalls(_TRIAL_TOLERANCE)):
+        if not (self._inner.converged or self._inner.stalls(self._tolerance)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
-        return known or len(self._minima) - int(np.argmin(self._minima)) > _PATIENCE
+        return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""

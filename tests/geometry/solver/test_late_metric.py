@@ -1,0 +1,69 @@
+"""Descent that ends by a Hessian: sooner, at the same minimum, with goals and held vertices in place."""
+
+import numpy as np
+import pytest
+from meshes import rotation, tube
+
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.solver import late_metric
+from apd_viewer.geometry.solver.deformation import Deformation
+
+V, F = tube(32, 48, height=4.0)
+REST = RestMesh(V, F)
+Z = V[:, 2]
+FIXED = np.flatnonzero((Z.min() + 0.4 > Z) | (Z.max() - 0.4 < Z))
+HANDLE = Z[FIXED] > Z.mean()
+
+
+def turned(angle):
+    targets = V[FIXED].copy()
+    targets[HANDLE] = targets[HANDLE] @ rotation([0, 0, 1], angle).T + [0.0, 0.0, -0.2]
+    return targets
+
+
+def to_the_end(solver, targets, most=6000):
+    """Energy and metric after every iteration; everything kept is checked in each."""
+    solver.aim(targets)
+    elastic, course = solver._solver.elastic, []
+    while not solver.settled:
+        frame = solver.step()
+        course.append((frame.energy, elastic.metric is not elastic.factor))
+        assert np.array_equal(frame.U[FIXED], targets)
+        assert solver.target("the area") is None or abs(frame.area_error) <= 1e-9
+        assert len(course) < most
+    energies, late = np.array(course).T
+    return energies, late.astype(bool)
+
+
+@pytest.mark.parametrize("options", [{}, {"area": 100.0}, {"stiffness": 1e-3}], ids=["free", "area", "stiff"])
+def test_it_ends_sooner_and_as_low(options, monkeypatch):
+    energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(1.2))
+    switch = int(np.argmax(late))
+    assert late[switch:].all()
+    assert not late[:switch].any()
+    assert (np.diff(energies[switch - 10 :]) <= 1e-14 * energies[-1]).all()
+    monkeypatch.setattr(late_metric, "_MOST", 0)
+    by_k, never = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(1.2))
+    assert not never.any()
+    assert len(energies) < len(by_k)
+    assert energies[-1] <= by_k[-1] * (1 + 1e-4)
+
+
+@pytest.mark.parametrize("method", ["arap", "exact"])
+def test_without_a_membrane_the_metric_stays(method):
+    _, late = to_the_end(Deformation(V, F, FIXED, method=method, rest=REST), turned(0.6))
+    assert not late.any()
+
+
+def test_a_new_aim_begins_with_k():
+    solver = Deformation(V, F, FIXED, method="local", area=100.0, rest=REST)
+    assert to_the_end(solver, turned(0.6))[1][-1]
+    _, late = to_the_end(solver, turned(0.8))
+    assert not late[0]
+    assert late[-1]
+
+
+def test_a_coarse_tolerance_ends_with_k():
+    solver = Deformation(V, F, FIXED, method="local", rest=REST)
+    solver._solver.stop_at(1e-4)
+    assert not to_the_end(solver, turned(0.6))[1].any()
