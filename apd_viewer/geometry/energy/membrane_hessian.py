@@ -1,4 +1,4 @@
-"""Hessian of the membrane, triangle by triangle, with its negative eigenvalues clamped.
+"""Hessian of the membrane by triangles, its negative eigenvalues clamped.
 
 The energy of a triangle is a function of the two stretches s1 >= s2 of its deformation gradient
 ``D = U diag(s1, s2) V^T`` alone. Then the modes of its Hessian are known: stretching along the two
@@ -41,7 +41,7 @@ def _area_slopes(s1: float, s2: float) -> tuple[float, float, float, float, floa
 
 @njit(inline="always")
 def _stretch_moduli(f11: float, f12: float, f22: float, least: float) -> tuple[float, float, float]:
-    """The symmetric matrix [[f11, f12], [f12, f22]] with eigenvalues of at least ``least``."""
+    """``[[f11, f12], [f12, f22]]`` with eigenvalues of at least ``least``."""
     mean, half = 0.5 * (f11 + f22), 0.5 * (f11 - f22)
     r = np.sqrt(half * half + f12 * f12)
     larger, smaller = max(mean + r, least), max(mean - r, least)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class ProjectedHessian:
-    """A quarter of an energy's Hessian, its negative eigenvalues clamped by element.
+    """A quarter of an energy's Hessian, clamped triangle by triangle.
 
     A matrix of 3 x 3 blocks. Triangles give their own Hessians; all other terms give the constant matrix of
     the global step, their Hessian while the rotations are held.

@@ -110,7 +110,7 @@ def _couplings(
     start: np.ndarray,
     column: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places of the later unknowns that each group is coupled with, in compressed rows."""
+    """Places of the later unknowns coupled with each group, in compressed rows."""
     groups, n = len(first) - 1, len(order)
     begin, later, seen = np.zeros(groups + 1, np.int64), np.empty(4 * n, np.int64), np.full(n, -1)
     for s in range(groups):
@@ -138,7 +138,7 @@ def _couplings(
 
 @njit(cache=True, nogil=True)
 def _stack_length(b: np.ndarray, parent: np.ndarray) -> int:
-    """Largest total size of contributions, ``b`` x ``b`` each, that wait for their parents."""
+    """Largest total size of waiting contributions, ``b`` x ``b`` each."""
     waiting = np.zeros(len(b), np.int64)
     top = most = 0
     for s in range(len(b)):

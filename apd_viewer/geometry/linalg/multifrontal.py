@@ -74,7 +74,7 @@ def _add_contribution(front: np.ndarray, given: np.ndarray, at: np.ndarray, late
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _condense(front: np.ndarray, inverse: np.ndarray) -> None:
-    """Eliminate the first unknowns of a ``front``, as many as ``inverse`` has rows.
+    """Eliminate as many unknowns of a ``front`` as ``inverse`` has rows.
 
     The upper triangle ``[[A, B], [., C]]`` becomes ``[[., A^-1 B], [., C - B^T A^-1 B]]``; ``inverse``, A^-1.
     """
@@ -120,7 +120,7 @@ def _subtract_one(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _subtract_three(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
-    """``out -= factor rows`` of the shapes (3, m), (3, p) and (p, m), p a multiple of 3."""
+    """``out -= factor rows`` of the shapes (3, m), (3, 3 p) and (3 p, m)."""
     x, y, z = out[0], out[1], out[2]
     for p in range(0, len(rows), 3):
         r, s, t = rows[p], rows[p + 1], rows[p + 2]

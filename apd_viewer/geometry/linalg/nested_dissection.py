@@ -81,7 +81,7 @@ def _dissected(
 def _cut(
     part: np.ndarray, start: np.ndarray, column: np.ndarray, side: np.ndarray, label: int
 ) -> tuple[np.ndarray, int, int]:
-    """The two halves of ``part`` without the separator, then the separator; the lengths of the first two."""
+    """Both halves of ``part``, then their separator; the lengths of the halves."""
     half = len(part) // 2
     for k in range(len(part)):
         side[part[k]] = label + (k >= half)

@@ -20,7 +20,7 @@ from numba import njit
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.goal_projection import MET, Projection
 from apd_viewer.geometry.solver.goals import Goal
-from apd_viewer.geometry.solver.late_metric import LateMetric
+from apd_viewer.geometry.solver.late_metric import LateMetric, gains_from_hessian
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 
 # The directions y become outdated as the shape rotates: recomputed after this many iterations.
@@ -199,7 +199,8 @@ class ConstrainedDescent:
     def _update_metric(self) -> None:
         """Measure steps by the Hessian near the minimum."""
         metric = self._metric
-        if metric.is_hessian or (self._tolerance < _FINE and metric.may_be_hessian and self.stalls(LATE)):
+        late = self._tolerance < _FINE and self.stalls(LATE)
+        if metric.is_hessian or (late and gains_from_hessian(self.elastic)):
             metric.follow(self._projection)
 
     def iterate(self) -> None:

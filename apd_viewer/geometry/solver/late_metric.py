@@ -11,11 +11,20 @@ from __future__ import annotations
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.goal_projection import Projection
 
-# With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s at 31,000 (160 MB in all), up
-# to 1.6 s at 40,000, 12 s (750 MB) at 125,000.
+# With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
+# 1.6 s with 40,000, 12 s (750 MB) with 125,000.
 _MOST = 40_000
 # Steps between two Hessians; they take about twice as long as to factor one.
 _PERIOD = 50
+
+
+def gains_from_hessian(elastic: Elastic) -> bool:
+    """True if a surface converges sooner with its Hessian, and it is not too large.
+
+    With bending K is nearly as good a metric, and the Hessian takes seven times as long to factor.
+    """
+    soft = elastic.membrane is not None and elastic.material.bending == 0.0
+    return soft and len(elastic.free) <= _MOST
 
 
 class LateMetric:
@@ -34,11 +43,6 @@ class LateMetric:
     def is_hessian(self) -> bool:
         """True if it is not K."""
         return self._elastic.metric is not self._elastic.factor
-
-    @property
-    def may_be_hessian(self) -> bool:
-        """True if there is a Hessian other than K, and not too large a one."""
-        return self._elastic.membrane is not None and len(self._elastic.free) <= _MOST
 
     def follow(self, projection: Projection) -> None:
         """Take the Hessian, or a new one, at the current shape, if it is due."""

@@ -15,6 +15,7 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.late_metric import gains_from_hessian
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
 
 # A minimum is better, and shown, if it takes so much of the energy away.
@@ -23,9 +24,9 @@ _GAIN = 1e-3
 _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
-# With a membrane the first trial that is not better by the time when a Hessian would be factored for it is
-# the last: it takes longer than elsewhere, and those that ended lower had been better by then.
-_WITH_MEMBRANE = LATE, 0
+# Where a Hessian ends the descent, the first trial that is higher when one would be factored for it is the
+# last: a descent takes longer than elsewhere, and the trials that ended lower had been lower by then.
+_BEFORE_HESSIAN = LATE, 0
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
@@ -53,8 +54,8 @@ class Restarts:
     def __init__(self, inner: Multilevel) -> None:
         self.elastic = inner.elastic
         self._inner = inner
-        usual = _TRIAL_TOLERANCE, _PATIENCE
-        self._tolerance, self._patience = usual if inner.elastic.membrane is None else _WITH_MEMBRANE
+        usual, early = (_TRIAL_TOLERANCE, _PATIENCE), _BEFORE_HESSIAN
+        self._tolerance, self._patience = early if gains_from_hessian(inner.elastic) else usual
         self._reset()
 
     @property
@@ -148,7 +149,7 @@ class Restarts:
             self._done = True
         elif inner.stuck:
             self._done = True
-        elif inner.converged or (self._on_trial and inner.stalls(self._tolerance)):
+        elif inner.converged or (self._on_trial and self._stalls(energy)):
             self._begin_trial()
 
     @property
@@ -162,10 +163,15 @@ class Restarts:
 
     def _fails(self, energy: float) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self._inner.converged or self._inner.stalls(self._tolerance)):
+        if not (self._inner.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
+
+    def _stalls(self, energy: float) -> bool:
+        """True if steps on trial gain too little at this energy."""
+        lower = energy < self._best[0]
+        return self._inner.stalls(_TRIAL_TOLERANCE if lower else self._tolerance)
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""

@@ -35,7 +35,7 @@ def to_the_end(solver, targets, most=6000):
     return energies, late.astype(bool)
 
 
-@pytest.mark.parametrize("options", [{}, {"area": 100.0}, {"stiffness": 1e-3}], ids=["free", "area", "stiff"])
+@pytest.mark.parametrize("options", [{}, {"area": 100.0}], ids=["free", "area"])
 def test_it_ends_sooner_and_as_low(options, monkeypatch):
     energies, late = to_the_end(Deformation(V, F, FIXED, method="local", rest=REST, **options), turned(1.2))
     switch = int(np.argmax(late))
@@ -49,9 +49,10 @@ def test_it_ends_sooner_and_as_low(options, monkeypatch):
     assert energies[-1] <= by_k[-1] * (1 + 1e-4)
 
 
-@pytest.mark.parametrize("method", ["arap", "exact"])
-def test_without_a_membrane_the_metric_stays(method):
-    _, late = to_the_end(Deformation(V, F, FIXED, method=method, rest=REST), turned(0.6))
+@pytest.mark.parametrize(("method", "stiffness"), [("arap", 0.0), ("exact", 0.0), ("local", 1e-3)])
+def test_with_bending_or_without_a_membrane_the_metric_stays(method, stiffness):
+    solver = Deformation(V, F, FIXED, method=method, stiffness=stiffness, rest=REST)
+    _, late = to_the_end(solver, turned(0.6))
     assert not late.any()
 
 
