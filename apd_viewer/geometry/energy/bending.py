@@ -1,4 +1,16 @@
-"""Bending: the change of the curvature of a rest mesh."""
+"""Bending: how differently the triangles around a vertex are turned.
+
+    E(U) = sum_i sum_t w_it |(D_t - mean_i D) - R_i (P_t - mean_i P)|^2,        t the triangles around i
+
+``D_t`` (3, 3) maps vectors in the plane of triangle t at rest to the deformed one, and its normal to zero; at
+rest it is the projection ``P_t = I - n_t n_t^T``. Where a surface bends, the tangent vectors of neighbouring
+triangles turn against each other, and where a triangle turns over, those across the fold are reversed. A
+change of mean curvature vectors [Wardetzky et al. 2007, Discrete quadratic curvature energies] says less: one
+vector cannot tell a crease from its inversion. Stretching all triangles alike costs nothing.
+
+While the rotations are held the energy is quadratic, a projective term [Bouaziz et al. 2014, Projective
+Dynamics] of the second gradient [Mindlin 1964, Micro-structure in linear elasticity].
+"""
 
 from __future__ import annotations
 
@@ -6,87 +18,196 @@ import numpy as np
 import scipy.sparse as sp
 from numba import prange
 
-from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.energy.ring_weights import ring_weights
 from apd_viewer.geometry.linalg.quaternions import turned
 from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian
-from apd_viewer.geometry.mesh.operators import border_vertices
+from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
+from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.operators import face_areas
 
-# A vertex with almost no area around it, among slivers, would outweigh the bending of all others.
-_SMALLEST_AREA = 1e-2
+# The larger a cotangent of a triangle, the more a displacement changes its gradient; with less weight it is
+# no stiffer than others.
+_SLENDER = 2.0
 
 
 class Bending:
-    """The curvature of the rest mesh, and the energy of a change of it.
+    """The triangles around every vertex at rest, and the energy of a change.
 
-        E = A sum_i |(C u)_i - R_i (C v)_i|^2 / m_i
-
-    with C the cotangent Laplacian, so that ``C v`` are the mean curvature vectors, m the vertex areas and
-    A the total area [Wardetzky et al. 2007, Discrete quadratic curvature energies; Bouaziz et al. 2014,
-    Projective Dynamics]. The sum tends to an integral of squared curvature, which no refinement and no
-    unit of length changes; A makes it a squared length, as Eq. 1 is.
+    The energy tends to the total area times the integral of the squared principal curvatures, which no
+    refinement and no unit of length changes (see :func:`ring_weights`).
 
     Parameters
     ----------
     V : (n, 3) float array, rest positions
-    F : (m, 3) int array, triangles
-    m : (n,) float array
-        One third of the area of the triangles around every vertex.
+    patch : Patch
+        The triangles. Needles do not count: their gradients are rounding.
 
     Attributes
     ----------
-    C : (n, n) csr_array
-        Not clamped: a triangle that is stretched in its plane is not bent.
-    CV : (n, 3) float array
-        The mean curvature vectors at rest, each times its vertex area.
-    weight : (n,) float array
-        ``A / m_i``; zero along open borders, where C measures no curvature.
+    weight : (m, 3) float array
+        ``w_it`` of the corners.
     K : (n, n) csr_array
         A quarter of the energy's Hessian while the rotations are held.
     """
 
-    def __init__(self, V: np.ndarray, F: np.ndarray, m: np.ndarray) -> None:
-        self.C = cotangent_laplacian(V, F)
-        self.CV = self.C @ V
-        used = m > 0
-        self.weight = np.where(used, m.sum() / np.maximum(m, _SMALLEST_AREA * m[used].mean()), 0.0)
-        self.weight[border_vertices(F, len(V))] = 0.0
-        self.K = (self.C @ sp.diags_array(0.5 * self.weight) @ self.C).tocsr()
+    def __init__(self, V: np.ndarray, patch: Patch) -> None:
+        self._patch, F, n = patch, patch.F, len(V)
+        cot, areas = cotangents(V, F), face_areas(V, F)
+        sound = well_shaped(cot)
+        part = np.where(sound, _SLENDER / np.maximum(np.abs(cot).max(axis=1), _SLENDER), 0.0)
+        self._hats, self._normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
+        self.weight = ring_weights(V, patch, areas, part, self._normals, self._hats)
+        total = np.bincount(F.ravel(), self.weight.ravel(), minlength=n)
+        self._inverse = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
+        squares = (self._normals[:, :, None] * self._normals[:, None, :]).reshape(-1, 9)
+        at = F.ravel().astype(np.int32), np.repeat(np.arange(len(F), dtype=np.int32), 3)
+        sums = sp.coo_array((self.weight.ravel(), at), shape=(n, len(F))).tocsr() @ squares
+        self._mean = (self._inverse[:, None] * sums).reshape(-1, 3, 3)
+        self.K = self._matrix(cot, np.where(sound, areas, 1.0))
 
-    def apply(self, X: np.ndarray) -> np.ndarray:
-        """``C X`` for ``X`` (n, 3)."""
-        return parallel_ops.product(self.C, X)
-
-    def pull(self, q: np.ndarray, weight: float) -> np.ndarray:
-        """Right-hand side ``weight`` times curvature rotated by ``q`` (n, 4)."""
-        return self.apply(_turned(q, self.CV, 0.5 * weight * self.weight))
+    def _matrix(self, cot: np.ndarray, areas: np.ndarray) -> sp.csr_array:
+        """Half of ``sum_i sum_t w_it |grad_t u - mean_i|^2``."""
+        F, n = self._patch.F, len(self._inverse)
+        K = element_laplacian(cot * (self.weight.sum(axis=1) / areas)[:, None], F, n)
+        rows, columns = (x.ravel().astype(np.int32) for x in (np.repeat(F, 3, axis=1), np.tile(F, 3)))
+        D = sp.diags_array(self._inverse)
+        for axis in range(3):
+            entries = (self.weight[:, :, None] * self._hats[:, None, :, axis]).ravel()
+            M = sp.coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
+            K = K - M.T @ D @ M
+        return (0.5 * K).tocsr()
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
-        change = self.apply(U) - _turned(q, self.CV, np.ones(len(U)))
-        return float(self.weight @ (change * change).sum(axis=1))
+        patch, D = self._patch, _gradients(U, self._patch.F, self._hats)
+        rest = self.weight, self._inverse, self._mean, self._normals
+        return float(_energy(patch.start, patch.corner, *rest, D, q))
 
-    def moments(self, U: np.ndarray, weight: float) -> np.ndarray:
+    def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
         """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
-        return _moments(self.apply(U), self.CV, weight * self.weight)
+        patch, D = self._patch, _gradients(U, self._patch.F, self._hats)
+        return _moments(patch.start, patch.corner, self.weight, self._mean, D, scale)
+
+    def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
+        """Right-hand side for the rotations ``q`` (n, 4), times ``scale``, (n, 3)."""
+        patch = self._patch
+        tensions = _tensions(patch.F, self.weight, self._mean, 0.5 * scale, q)
+        return _gathered(patch.start, patch.corner, self._hats, tensions)
 
 
-@parallel()
-def _turned(q: np.ndarray, X: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """``weight_i R_i x_i``, (n, 3)."""
-    out = np.empty_like(X)
-    for i in prange(len(X)):
-        x, y, z = turned(q, i, X[i, 0], X[i, 1], X[i, 2])
-        out[i, 0], out[i, 1], out[i, 2] = weight[i] * x, weight[i] * y, weight[i] * z
+def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gradients of the triangles' hat functions (m, 3, 3), and normals (m, 3).
+
+    Zero where ``areas`` (m,) are.
+    """
+    X, double = V[F], 2.0 * areas[:, None]
+    across = np.cross(X[:, 1] - X[:, 0], X[:, 2] - X[:, 0])
+    normals = np.divide(across, double, out=np.zeros_like(across), where=double > 0.0)
+    hats = np.cross(normals[:, None, :], X[:, [2, 0, 1]] - X[:, [1, 2, 0]])
+    double = double[:, :, None]
+    return np.divide(hats, double, out=np.zeros_like(hats), where=double > 0.0), normals
+
+
+@parallel(fastmath={"contract"})
+def _gradients(U: np.ndarray, F: np.ndarray, hats: np.ndarray) -> np.ndarray:
+    """``D_t = sum_c u_c g_c^T``, (m, 3, 3), g the gradients of the hat functions."""
+    out = np.empty((len(F), 3, 3))
+    for t in prange(len(F)):
+        i, j, k = F[t, 0], F[t, 1], F[t, 2]
+        for a in range(3):
+            x, y = U[j, a] - U[i, a], U[k, a] - U[i, a]
+            for b in range(3):
+                out[t, a, b] = x * hats[t, 1, b] + y * hats[t, 2, b]
     return out
 
 
-@parallel()
-def _moments(X: np.ndarray, Y: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """``weight_i x_i y_i^T``, (n, 3, 3)."""
-    out = np.empty((len(X), 3, 3))
-    for i in prange(len(X)):
+@parallel(fastmath={"contract"})
+def _moments(
+    start: np.ndarray, corner: np.ndarray, weight: np.ndarray, mean: np.ndarray, D: np.ndarray, scale: float
+) -> np.ndarray:
+    """``scale sum_t w_it D_t (mean_i - n_t n_t^T)``, (n, 3, 3), where ``D_t n_t = 0``."""
+    out = np.empty_like(mean)
+    for i in prange(len(out)):
+        s = np.zeros((3, 3))
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            for a in range(3):
+                for b in range(3):
+                    s[a, b] += weight[t, c] * D[t, a, b]
         for a in range(3):
+            x, y, z = scale * s[a, 0], scale * s[a, 1], scale * s[a, 2]
             for b in range(3):
-                out[i, a, b] = weight[i] * X[i, a] * Y[i, b]
+                out[i, a, b] = x * mean[i, 0, b] + y * mean[i, 1, b] + z * mean[i, 2, b]
+    return out
+
+
+@parallel(fastmath={"contract"})
+def _energy(
+    start: np.ndarray,
+    corner: np.ndarray,
+    weight: np.ndarray,
+    inverse: np.ndarray,
+    mean: np.ndarray,
+    normals: np.ndarray,
+    D: np.ndarray,
+    q: np.ndarray,
+) -> float:
+    total = 0.0
+    for i in prange(len(mean)):
+        # What D_t + R_i n_t n_t^T is compared with: the mean of the first, R_i times that of the other.
+        d = np.zeros((3, 3))
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            share = inverse[i] * weight[t, c]
+            for a in range(3):
+                for b in range(3):
+                    d[a, b] += share * D[t, a, b]
+        for b in range(3):
+            x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+            d[0, b] += x
+            d[1, b] += y
+            d[2, b] += z
+        own = 0.0
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            x, y, z = turned(q, i, normals[t, 0], normals[t, 1], normals[t, 2])
+            change = 0.0
+            for b in range(3):
+                n = normals[t, b]
+                change += (D[t, 0, b] + n * x - d[0, b]) ** 2
+                change += (D[t, 1, b] + n * y - d[1, b]) ** 2
+                change += (D[t, 2, b] + n * z - d[2, b]) ** 2
+            own += weight[t, c] * change
+        total += own
+    return total
+
+
+@parallel(fastmath={"contract"})
+def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float, q: np.ndarray) -> np.ndarray:
+    """``scale sum_i w_it R_i mean_i`` of every triangle t, (m, 3, 3)."""
+    out = np.zeros((len(F), 3, 3))
+    for t in prange(len(F)):
+        for c in range(3):
+            i, w = F[t, c], scale * weight[t, c]
+            for b in range(3):
+                x, y, z = turned(q, i, mean[i, 0, b], mean[i, 1, b], mean[i, 2, b])
+                out[t, 0, b] += w * x
+                out[t, 1, b] += w * y
+                out[t, 2, b] += w * z
+    return out
+
+
+@parallel(fastmath={"contract"})
+def _gathered(start: np.ndarray, corner: np.ndarray, hats: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """``sum_t T_t g_t`` at every vertex, (n, 3), g the gradient of its hat function."""
+    out = np.empty((len(start) - 1, 3))
+    for i in prange(len(out)):
+        x = y = z = 0.0
+        for e in range(start[i], start[i + 1]):
+            t, c = corner[e] // 3, corner[e] % 3
+            gx, gy, gz = hats[t, c, 0], hats[t, c, 1], hats[t, c, 2]
+            x += T[t, 0, 0] * gx + T[t, 0, 1] * gy + T[t, 0, 2] * gz
+            y += T[t, 1, 0] * gx + T[t, 1, 1] * gy + T[t, 1, 2] * gz
+            z += T[t, 2, 0] * gx + T[t, 2, 1] * gy + T[t, 2, 2] * gz
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
     return out

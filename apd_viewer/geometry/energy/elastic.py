@@ -1,9 +1,9 @@
 """Elastic surface with held vertices: local step and factored global step.
 
 The energy is a sum of terms, each a squared distance to the nearest of what the term would rather see:
-cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), curvature
-that is only turned (:class:`Bending`). While those are held, the energy is quadratic in the positions and
-its matrix is always the same:
+cells that are only turned (Eq. 1), triangles that keep their shape or area (:class:`Membrane`), triangles
+that deform like their neighbours (:class:`Bending`). While those are held, the energy is quadratic in the
+positions and its matrix is always the same:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 

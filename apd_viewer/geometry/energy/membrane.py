@@ -17,11 +17,9 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
-from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian
+from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
 from apd_viewer.geometry.mesh.measures import Patch
 
-# A sliver's deformation gradient is all rounding; the cells of Eq. 1 hold it together.
-_NEEDLE = 1e4
 _NEWTON_STEPS = 20
 # Triangles per task of a core.
 _PORTION = 512
@@ -168,7 +166,8 @@ class Membrane:
         self._cot = cotangents(V, F)
         e, f = V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]
         x1 = np.linalg.norm(e, axis=1)
-        usable = (np.abs(self._cot).max(axis=1) < _NEEDLE) & (np.abs(self._cot).sum(axis=1) > 0.0)
+        # A needle's deformation gradient is all rounding; the cells of Eq. 1 hold it together.
+        usable = well_shaped(self._cot)
         x1 = np.where(usable, x1, 0.0)
         x2 = np.divide((e * f).sum(axis=1), x1, out=np.zeros_like(x1), where=usable)
         y2 = np.divide(np.linalg.norm(np.cross(e, f), axis=1), x1, out=np.ones_like(x1), where=usable)

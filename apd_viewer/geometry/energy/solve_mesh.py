@@ -70,7 +70,7 @@ class SolveMesh:
     @cached_property
     def bending(self) -> Bending:
         """Bending energy of the rest shape."""
-        return Bending(self.V, self.F, self.vertex_areas)
+        return Bending(self.V, self.whole)
 
     @cached_property
     def whole(self) -> Patch:

@@ -35,6 +35,12 @@ _STEEPEST = 1e8
 _NEEDLE = 1e4
 
 
+def well_shaped(cot: np.ndarray) -> np.ndarray:
+    """Mask (m,) of the triangles that are no needles, by their cotangents (m, 3)."""
+    size = np.abs(cot)
+    return (size.max(axis=1) < _NEEDLE) & (size.sum(axis=1) > 0.0)
+
+
 def _opposite(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Edge opposite to every corner, in scipy's index type."""
     return F[:, [1, 2, 0]].ravel().astype(np.int32), F[:, [2, 0, 1]].ravel().astype(np.int32)

@@ -24,7 +24,7 @@ def result(method="exact", **criteria):
         ("exact", "energy_tolerance", (1e-3, 1e-7, 1e-11)),
         ("local", "energy_tolerance", (1e-2, 1e-7)),
         ("arap", "energy_tolerance", (1e-3, 1e-7)),
-        ("paper", "step_tolerance", (1e-5, 1e-6, 1e-7)),  # the area decides before
+        ("paper", "step_tolerance", (1e-6, 1e-7, 1e-8)),  # the area decides before
         ("sr-arap", "step_tolerance", (1e-3, 1e-5, 1e-7)),
     ],
 )
