@@ -56,3 +56,41 @@ def turn_rotations(turns: np.ndarray, q: np.ndarray) -> None:
         q[i, 1] = w * b + x * a + y * d - z * c
         q[i, 2] = w * c - x * d + y * a + z * b
         q[i, 3] = w * d + x * c - y * b + z * a
+
+
+def difference(q: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """``q`` times the inverse of ``reference``, both (c, 4) unit quaternions."""
+    w, x, y, z = q.T
+    a, b, c, d = reference[:, 0], -reference[:, 1], -reference[:, 2], -reference[:, 3]
+    return np.column_stack(
+        [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        ]
+    )
+
+
+@parallel()
+def blended(q: np.ndarray, near: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Weighted mean quaternions (n, 4) of ``q`` (c, 4) by ``near`` and ``weight``."""
+    out = np.empty((len(near), 4))
+    for i in prange(len(near)):
+        w = x = y = z = 0.0
+        for k in range(near.shape[1]):
+            j, share = near[i, k], weight[i, k]
+            # q and -q are one rotation: take the sign of the first.
+            f = near[i, 0]
+            side = q[f, 0] * q[j, 0] + q[f, 1] * q[j, 1] + q[f, 2] * q[j, 2] + q[f, 3] * q[j, 3]
+            share = share if side >= 0.0 else -share
+            w += share * q[j, 0]
+            x += share * q[j, 1]
+            y += share * q[j, 2]
+            z += share * q[j, 3]
+        length = np.sqrt(w * w + x * x + y * y + z * z)
+        if length > 0.0:
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = w / length, x / length, y / length, z / length
+        else:
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = 1.0, 0.0, 0.0, 0.0
+    return out

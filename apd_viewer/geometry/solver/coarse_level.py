@@ -9,24 +9,20 @@ there is no time for a global step, the coarse surface carries the fine one alon
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.linalg.quaternions import blended, difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.solver.coarse_interpolation import (
-    blended,
-    carried,
-    difference,
-    gathered,
-    interpolated,
-)
 from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import Level
+from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # A held vertex this many coarse edges from all held coarse vertices gets one of its own.
 _UNHEARD = 1.5
@@ -74,7 +70,7 @@ class CoarseLevel:
         self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
         self._solver = solver_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
-        self._free = elastic.free
+        self._fine, self._free, self._fixed = rest, elastic.free, fixed
         self._set_reference()
 
     @property
@@ -121,18 +117,25 @@ class CoarseLevel:
     def carried(self, U: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) of the last :meth:`turns`, moved along since then."""
         moved = self._elastic.U - self._reference[1]
-        return carried(U, self._near, self._weight, self._turned(), U[self.vertices], moved)
+        return self._prolongation.carried(U, U[self.vertices], self._turned(), moved)
 
     def give_way(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        forces = gathered(b, self._free, self._near, self._weight, len(self.vertices))
+        forces = self._prolongation.gathered(b, self._free)
         own = self._elastic.free
         given = np.zeros_like(forces)
         given[own] = self._elastic.solve(forces[own])
-        return interpolated(given, self._free, self._near, self._weight)
+        return self._prolongation.interpolated(given, self._free)
+
+    @cached_property
+    def _prolongation(self) -> Prolongation:
+        """Weights of the coarse vertices at the fine ones, for previews only."""
+        rows, best = np.arange(len(self._near)), self._weight.argmax(axis=1)
+        nearest = np.where(self._weight[rows, best] > 0.0, self._near[rows, best], -1)
+        return Prolongation(self._fine.V, self.vertices, self.F, nearest, self._fixed)
 
     def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U

@@ -1,0 +1,245 @@
+"""Smooth prolongation of the motion of a coarse surface to a fine one.
+
+Neighbouring fine vertices are so near each other that any jump of the interpolation is a dent. So the weights
+fall to zero smoothly, and what is blended are the expansions of the motion about the coarse vertices:
+
+    u(v) = sum_k w_k (u_k + (G_k + G) (v - x_k) / 2),   G = sum_k w_k G_k,
+
+with the gradients G_k of the displacement: a partition of unity [Shepard 1968, A two-dimensional
+interpolation function for irregularly-spaced data; Babuska & Melenk 1997, The partition of unity method]. By
+the trapezoidal rule an expansion is exact for a displacement of second degree.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+from scipy.sparse import coo_array
+from scipy.spatial import KDTree
+
+from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
+from apd_viewer.geometry.linalg.threads import parallel
+
+# Radius of a coarse vertex's influence in mean lengths of its edges, and the rings of neighbours that reach
+# so far.
+_REACH, _RINGS = 2.5, 4
+# Next to held vertices, up to this part of the radius, the expansions about held ones count alone.
+_BORDER = 0.4
+_LEAST = 1e-9
+# Share of the rotation in a gradient: across the surface the neighbours say nothing.
+_ROTATION = 1e-2
+_COMPONENTS = 15
+# Vertices per task of a core.
+_PORTION = 1024
+
+
+class Prolongation:
+    """Smooth weights of coarse vertices at every fine one.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions of the fine surface.
+    vertices : (c,) int array
+        The fine vertices that the coarse surface has.
+    F : (k, 3) int array
+        Triangles between them.
+    nearest : (n,) int array
+        A coarse vertex near every fine one, on its own side of a wall; -1 if there is none.
+    fixed : (h,) int array
+        Held vertices of the fine surface.
+    """
+
+    def __init__(
+        self, V: np.ndarray, vertices: np.ndarray, F: np.ndarray, nearest: np.ndarray, fixed: np.ndarray
+    ) -> None:
+        X, c = V[vertices], len(vertices)
+        i, j = F[:, [0, 1, 2, 1, 2, 0]].T.ravel(), F[:, [1, 2, 0, 0, 1, 2]].T.ravel()
+        graph = coo_array((np.ones(len(i)), (i, j)), shape=(c, c)).tocsr()
+        near, at = graph.nonzero()
+        self._degree = np.bincount(near, minlength=c)
+        length = np.bincount(near, np.linalg.norm(X[near] - X[at], axis=1), c) / np.maximum(self._degree, 1)
+        radius = _REACH * np.where(length > 0.0, length, 1.0)
+        self._held = np.isin(vertices, fixed)
+        self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
+        to_held = KDTree(V[fixed]).query(V, distance_upper_bound=_BORDER * radius.max())[0]
+        s = np.clip(to_held / (_BORDER * radius[nearest]), 0.0, 1.0)
+        share = np.maximum(s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), _LEAST)
+        self._weights = _weights(V, X, nearest, *self._rings, radius, self._held, share)
+
+    def carried(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
+        """Positions ``U`` (n, 3) after a motion of the coarse surface.
+
+        Parameters
+        ----------
+        X, moved : (c, 3) float arrays
+            The coarse vertices before, and their displacements.
+        q : (c, 4) float array
+            Unit quaternions: how they have turned.
+        """
+        return _carried(U, *self._weights, _expansions(X, q, moved, *self._rings, self._degree, self._held))
+
+    def interpolated(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """``P values`` (f, 3) at the fine vertices ``rows`` for ``values`` (c, 3)."""
+        return _interpolated(values, rows, *self._weights)
+
+    def gathered(self, b: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """``P^T b`` (c, 3) for ``b`` (f, 3) at the fine vertices ``rows``."""
+        return _gathered(b, rows, *self._weights, len(self._held))
+
+
+@njit(cache=True, nogil=True)
+def _rings_of(start: np.ndarray, neighbour: np.ndarray, depth: int) -> tuple[np.ndarray, np.ndarray]:
+    """Every vertex and those up to ``depth`` edges away, nearest first, in rows."""
+    n = len(start) - 1
+    rows, mark = np.zeros(n + 1, dtype=np.int64), np.full(n, -1)
+    found = np.empty(64 * n + 64, dtype=np.int32)
+    count = 0
+    for i in range(n):
+        if count + n > len(found):
+            larger = np.empty(2 * len(found) + n, dtype=np.int32)
+            larger[:count] = found[:count]
+            found = larger
+        found[count], mark[i] = i, i
+        first, count = count, count + 1
+        for _ in range(depth):
+            last = count
+            for place in range(first, last):
+                for e in range(start[found[place]], start[found[place] + 1]):
+                    j = neighbour[e]
+                    if mark[j] != i:
+                        found[count], mark[j] = j, i
+                        count += 1
+            first = last
+        rows[i + 1] = count
+    return rows, found[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def _weights(
+    V: np.ndarray,
+    X: np.ndarray,
+    nearest: np.ndarray,
+    start: np.ndarray,
+    ring: np.ndarray,
+    radius: np.ndarray,
+    held: np.ndarray,
+    share: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
+    n = len(V)
+    rows = np.zeros(n + 1, dtype=np.int64)
+    node, weight = np.empty(24 * n + 64, dtype=np.int32), np.empty(24 * n + 64, dtype=np.float32)
+    count = 0
+    for i in range(n):
+        c, first, total = nearest[i], count, 0.0
+        if c >= 0:
+            most = count + start[c + 1] - start[c]
+            if most > len(node):
+                more_nodes, more = np.empty(2 * most, dtype=np.int32), np.empty(2 * most, dtype=np.float32)
+                more_nodes[:count], more[:count] = node[:count], weight[:count]
+                node, weight = more_nodes, more
+            for e in range(start[c], start[c + 1]):
+                k = ring[e]
+                x, y, z = V[i, 0] - X[k, 0], V[i, 1] - X[k, 1], V[i, 2] - X[k, 2]
+                s = 1.0 - (x * x + y * y + z * z) / (radius[k] * radius[k])
+                if s > 0.0:
+                    w = s * s * s if held[k] else share[i] * s * s * s
+                    node[count], weight[count] = k, w
+                    total += w
+                    count += 1
+            if total == 0.0:
+                node[count], weight[count] = c, 1.0
+                total, count = 1.0, count + 1
+            for e in range(first, count):
+                weight[e] /= total
+        rows[i + 1] = count
+    return rows, node[:count].copy(), weight[:count].copy()
+
+
+@parallel()
+def _expansions(
+    X: np.ndarray,
+    q: np.ndarray,
+    moved: np.ndarray,
+    start: np.ndarray,
+    ring: np.ndarray,
+    degree: np.ndarray,
+    held: np.ndarray,
+) -> np.ndarray:
+    """``moved_k - G_k x_k / 2``, ``G_k`` and ``x_k``, (c, 15).
+
+    Gradients are fitted to the neighbours by least squares; those of held vertices to held ones alone, for
+    these are not bent.
+    """
+    out = np.empty((len(X), _COMPONENTS))
+    for i in prange(len(X)):
+        M, S, R = np.zeros((3, 3)), np.zeros((3, 3)), np.empty((3, 3))
+        quaternion_to_matrix(q[i], R)
+        for e in range(start[i] + 1, start[i + 1] if held[i] else start[i] + 1 + degree[i]):
+            j = ring[e]
+            if held[j] or not held[i]:
+                for a in range(3):
+                    for b in range(3):
+                        M[a, b] += (X[j, a] - X[i, a]) * (X[j, b] - X[i, b])
+                        S[a, b] += (moved[j, a] - moved[i, a]) * (X[j, b] - X[i, b])
+        trace = M[0, 0] + M[1, 1] + M[2, 2]
+        ridge = _ROTATION * trace if trace > 0.0 else 1.0
+        for a in range(3):
+            M[a, a] += ridge
+            R[a, a] -= 1.0
+        G = (S + ridge * R) @ np.linalg.inv(M)
+        for a in range(3):
+            out[i, a] = moved[i, a] - 0.5 * (G[a, 0] * X[i, 0] + G[a, 1] * X[i, 1] + G[a, 2] * X[i, 2])
+            out[i, 12 + a] = X[i, a]
+            for b in range(3):
+                out[i, 3 + 3 * a + b] = G[a, b]
+    return out
+
+
+@parallel(fastmath=True)
+def _carried(
+    U: np.ndarray, start: np.ndarray, node: np.ndarray, weight: np.ndarray, B: np.ndarray
+) -> np.ndarray:
+    """``U`` (n, 3) moved by the blended expansions ``B`` (c, 15)."""
+    out = np.empty_like(U)
+    for portion in prange((len(U) + _PORTION - 1) // _PORTION):
+        f = np.empty(_COMPONENTS)
+        for i in range(portion * _PORTION, min(len(U), (portion + 1) * _PORTION)):
+            f[:] = 0.0
+            for e in range(start[i], start[i + 1]):
+                k, w = node[e], weight[e]
+                for a in range(_COMPONENTS):
+                    f[a] += w * B[k, a]
+            x, y, z = U[i, 0] - 0.5 * f[12], U[i, 1] - 0.5 * f[13], U[i, 2] - 0.5 * f[14]
+            for a in range(3):
+                out[i, a] = U[i, a] + f[a] + f[3 + 3 * a] * x + f[4 + 3 * a] * y + f[5 + 3 * a] * z
+    return out
+
+
+@parallel()
+def _interpolated(
+    X: np.ndarray, rows: np.ndarray, start: np.ndarray, node: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
+    out = np.empty((len(rows), 3))
+    for f in prange(len(rows)):
+        x = y = z = 0.0
+        for e in range(start[rows[f]], start[rows[f] + 1]):
+            k, w = node[e], weight[e]
+            x += w * X[k, 0]
+            y += w * X[k, 1]
+            z += w * X[k, 2]
+        out[f, 0], out[f, 1], out[f, 2] = x, y, z
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _gathered(
+    b: np.ndarray, rows: np.ndarray, start: np.ndarray, node: np.ndarray, weight: np.ndarray, c: int
+) -> np.ndarray:
+    out = np.zeros((c, 3))
+    for f in range(len(rows)):
+        for e in range(start[rows[f]], start[rows[f] + 1]):
+            for axis in range(3):
+                out[node[e], axis] += weight[e] * b[f, axis]
+    return out

@@ -1,0 +1,78 @@
+"""The motion of a coarse surface on the fine one: exact where it can be, and smooth."""
+
+import numpy as np
+import pytest
+from meshes import rotation, sphere
+from remote_factor_double import Elsewhere
+
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.prolongation import Prolongation
+
+SPHERE, F = sphere(5)
+V = SPHERE * [1.0, 1.0, 2.0]
+Z = V[:, 2] / 4.0 + 0.5
+FIXED = np.flatnonzero((Z < 0.15) | (Z > 0.85))
+
+
+@pytest.fixture(scope="module")
+def thinning():
+    return SolveMesh(V, F).thinning
+
+
+@pytest.fixture(scope="module")
+def prolongation(thinning):
+    return Prolongation(V, thinning.vertices, thinning.F, thinning.near[:, 0], FIXED)
+
+
+def angles(U, F):
+    """Angles between the normals of neighbouring triangles."""
+    N = np.cross(U[F[:, 1]] - U[F[:, 0]], U[F[:, 2]] - U[F[:, 0]])
+    N /= np.linalg.norm(N, axis=1, keepdims=True)
+    edge = np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    a, b = np.argsort(edge[:, 0] * len(U) + edge[:, 1], kind="stable").reshape(-1, 2).T // 3
+    return 2.0 * np.arcsin(np.linalg.norm(N[a] - N[b], axis=1) / 2.0)
+
+
+def test_rigid_motions_are_exact(prolongation, thinning):
+    R, shift, X = rotation([1, 2, 3], 0.8), np.array([0.3, -0.2, 1.0]), V[thinning.vertices]
+    q = np.tile([np.cos(0.4), *np.sin(0.4) * np.array([1, 2, 3]) / np.sqrt(14)], (len(X), 1))
+    U = prolongation.carried(V, X, q, X @ R.T + shift - X)
+    assert np.abs(U - V @ R.T - shift).max() <= 1e-6
+
+
+def test_held_vertices_follow_the_held_alone(prolongation, thinning):
+    """So nothing is left to correct at the border, where a correction would be a crease."""
+    X, still = V[thinning.vertices], np.tile([1.0, 0, 0, 0], (len(thinning.vertices), 1))
+    free = ~np.isin(thinning.vertices, FIXED)
+    moved = np.where(free[:, None], np.random.default_rng(0).normal(size=X.shape), 0.0)
+    U = prolongation.carried(V, X, still, moved)
+    assert np.abs(U - V)[FIXED].max() <= 1e-6
+
+
+def test_interpolation_and_gathering_are_transposed(prolongation, thinning):
+    rng, rows = np.random.default_rng(0), np.arange(0, len(V), 3)
+    x, b = rng.normal(size=(len(thinning.vertices), 3)), rng.normal(size=(len(rows), 3))
+    there = (prolongation.interpolated(x, rows) * b).sum()
+    assert there == pytest.approx((x * prolongation.gathered(b, rows)).sum(), rel=1e-10)
+    ones = prolongation.interpolated(np.ones_like(x), rows)
+    assert np.abs(ones - 1.0).max() <= 1e-6
+
+
+def test_previews_of_a_stiff_surface_have_no_dents(monkeypatch):
+    """Rotations blended from the four nearest coarse vertices made it 5 times as rough as at rest."""
+    ball, faces = sphere(6)
+    V = ball * [1.0, 1.0, 2.0]
+    fixed = np.flatnonzero(np.abs(V[:, 2]) > 1.4)
+    targets = V[fixed].copy()
+    above = targets[:, 2] > 0.0
+    targets[above] = targets[above] @ rotation([0, 0, 1], np.radians(10.0)).T
+    monkeypatch.setattr(Elsewhere, "there", False)
+    solver = Deformation(V, faces, fixed, stiffness=1e-3, factored=Elsewhere)
+    solver.aim(targets)
+    most = 2.0 * angles(V, faces).max()
+    while solver.ready:
+        frame = solver.step()
+        assert np.array_equal(frame.U[fixed], targets)
+        assert abs(frame.area_error) <= 1e-10
+        assert angles(frame.U, faces).max() <= most
