@@ -77,7 +77,9 @@ class Prolongation:
         q : (c, 4) float array
             Unit quaternions: how they have turned.
         """
-        return _carried(U, *self._weights, _expansions(X, q, moved, *self._rings, self._degree, self._held))
+        (rows, node, weight), (start, ring) = self._weights, self._rings
+        B = _expansions(X, q, moved, start, ring, self._degree, self._held)
+        return _carried(U, rows, node, weight, B)
 
     def interpolated(self, values: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """``P values`` (f, 3) at the fine vertices ``rows`` for ``values`` (c, 3)."""
