@@ -87,6 +87,12 @@ def deform_parser() -> Parser:
             "default: %(default)s"
         ),
     )
+    parser.add_argument(
+        "--no-calm",
+        dest="calm",
+        action="store_false",
+        help=tr("let 'exact' change the area of calm parts, those that the handles do not reach"),
+    )
     _add_targets(parser)
     _add_convergence(parser)
     _add_stiffness(parser)
@@ -234,6 +240,7 @@ def _deform(options: argparse.Namespace) -> None:
         area=options.area,
         volume=options.volume,
         loose=options.loose,
+        calm=options.calm,
         regions=regions,
         convergence=convergence,
         progress=progress_line(*last) if sys.stderr.isatty() else None,

@@ -174,6 +174,8 @@ def _settings(document: Document) -> str:
         said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
     said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
+    if method.keeps_calm_parts and not document.calm:
+        words.append("calm=False")
     if document.convergence != DEFAULT_CONVERGENCE:
         words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

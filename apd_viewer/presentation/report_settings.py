@@ -38,6 +38,8 @@ def settings_blocks(state: State) -> Iterator[Block]:
     area, volume, *_ = kept_percentages(document)
     rows.append((tr("Area target"), tr("free") if area is None else f"{area:g} %", ""))
     rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
+    if method.keeps_calm_parts:
+        rows.append((tr("Calm parts"), tr("kept") if document.calm else tr("not kept"), ""))
     if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
     if method.has_moduli:

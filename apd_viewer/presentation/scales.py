@@ -27,20 +27,21 @@ _MOST_GAINED = 10.0  # ratios are unbounded: a vanished area gives infinity
 
 
 class ScaleKind(Enum):
-    """Quantity of a value: logarithm of a ratio, length, or inverse length."""
+    """Quantity of a value: logarithm of a ratio, share, length, or inverse length."""
 
     RATIO = "ratio"
+    SHARE = "share"
     LENGTH = "length"
     CURVATURE = "curvature"
 
     @property
     def factor(self) -> float:
         """Displayed number for the value 1."""
-        return 100.0 if self is ScaleKind.RATIO else 1.0
+        return 100.0 if self in (ScaleKind.RATIO, ScaleKind.SHARE) else 1.0
 
     def suffix(self, unit: Unit) -> str:
         """Unit behind a displayed number."""
-        if self is ScaleKind.RATIO:
+        if self in (ScaleKind.RATIO, ScaleKind.SHARE):
             return "\u00a0%"
         return unit.curvature("") if self is ScaleKind.CURVATURE else unit.length("")
 
@@ -69,6 +70,7 @@ class Measure(Enum):
     DISTANCE = "distance"
     TARGET_DISTANCE = "target_distance"
     TARGET_DISPLACEMENT = "target_displacement"
+    CALMNESS = "calmness"
 
     @property
     def words(self) -> Words:
@@ -78,7 +80,7 @@ class Measure(Enum):
     @property
     def is_signed(self) -> bool:
         """True if values have a sign."""
-        return self.words.kind is not ScaleKind.LENGTH
+        return self.words.kind in (ScaleKind.RATIO, ScaleKind.CURVATURE)
 
     @property
     def colors(self) -> ColorMap:
@@ -86,9 +88,14 @@ class Measure(Enum):
         return DIVERGING if self.is_signed else SEQUENTIAL
 
     @property
+    def follows_shape(self) -> bool:
+        """False if the values are of the painting, whatever the shape."""
+        return self is not Measure.CALMNESS
+
+    @property
     def waits(self) -> bool:
         """True if measured only when the shape stops moving."""
-        return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE)
+        return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE, Measure.CALMNESS)
 
 
 def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
@@ -152,6 +159,13 @@ def _words() -> dict[Measure, Words]:
             ScaleKind.LENGTH,
             lambda deviation, U, _: deviation.target_displacement(U),
         ),
+        Measure.CALMNESS: Words(
+            tr("Calmness"),
+            tr("Colour by calmness: how little of the gesture reaches each vertex, by what is painted"),
+            "Alt+8",
+            ScaleKind.SHARE,
+            lambda deviation, *_: deviation.calmness(),
+        ),
     }
 
 
@@ -190,13 +204,15 @@ class Scale:
     @property
     def travels(self) -> bool:
         """True if the scale also suits a mesh of another size."""
-        return self.measure.words.kind is ScaleKind.RATIO
+        return self.measure.words.kind in (ScaleKind.RATIO, ScaleKind.SHARE)
 
     def fitted(self, span: tuple[float, float], size: float = 1.0) -> Scale:
         """Scale fitted to the largest value of a span, up or down.
 
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
+        if self.measure.words.kind is ScaleKind.SHARE:
+            return self
         reach = max(map(abs, span))
         if self.measure.words.kind is ScaleKind.RATIO:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)
@@ -236,6 +252,8 @@ class Scale:
             value = 0.0
         if kind is ScaleKind.RATIO:
             return f"{_number(100.0 * math.expm1(value), True)}\u00a0%"
+        if kind is ScaleKind.SHARE:
+            return f"{_number(100.0 * value, False)}\u00a0%"
         if kind is ScaleKind.CURVATURE:
             return unit.curvature(_number(value, True))
         return unit.length(_number(value, False))
@@ -248,6 +266,8 @@ def usual(measure: Measure, size: float) -> Scale:
     """Default scale for a mesh of this size."""
     if measure.words.kind is ScaleKind.RATIO:
         return Scale(measure, 0.1, 0.001)
+    if measure.words.kind is ScaleKind.SHARE:
+        return Scale(measure, 1.0)
     if measure.words.kind is ScaleKind.CURVATURE:
         return Scale(measure, round_step(8.0 / size), round_step(0.08 / size))
     return Scale(measure, round_step((0.25 if measure is Measure.DISPLACEMENT else 0.1) * size))

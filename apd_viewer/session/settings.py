@@ -65,6 +65,10 @@ class Settings:
         """Resist bending by another weight."""
         self._set(tr("Change stiffness"), stiffness=stiffness)
 
+    def keep_calm(self, on: bool) -> None:
+        """Keep the area of calm parts too, or the total alone."""
+        self._set(tr("Keep calm parts") if on else tr("Let calm parts change"), calm=on)
+
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
         """Have the method "local" resist changes of areas and of shapes by other weights."""
         given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}

@@ -29,6 +29,7 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.volume.kept.connect(session.settings.set_volume)
     panel.volume.target.chosen.connect(session.settings.set_volume)
     panel.method.method_chosen.connect(session.settings.set_method)
+    panel.method.calm_chosen.connect(session.settings.keep_calm)
     panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
     panel.method.convergence.chosen.connect(session.settings.set_convergence)
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)

@@ -6,6 +6,7 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pyvista
 
 
 def grid(nx: int = 8, ny: int = 8, dx: float = 1.0, dy: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +109,28 @@ def cup(around: int = 32, wall: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
         F += [np.column_stack([i + k, i + around + after, i + around + k])]
     last = around * (len(rings) - 1)
     return V, np.vstack([*F, np.column_stack([last + k, last + after, np.full(around, len(V) - 1)])])
+
+
+def character(step: float = 0.12) -> tuple[np.ndarray, np.ndarray]:
+    """Closed body along y with a head on top, two arms along x and two legs, 6 high."""
+    limbs = (
+        ((0.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.55),
+        ((0.0, 2.5, 0.0), (0.0, 3.2, 0.0), 0.5),
+        *(((0.5 * side, 1.9, 0.0), (2.8 * side, 1.9, 0.0), 0.24) for side in (1, -1)),
+        *(((0.3 * side, -0.2, 0.0), (0.45 * side, -2.2, 0.0), 0.28) for side in (1, -1)),
+    )
+    low, high = np.array([-3.3, -2.8, -0.9]), np.array([3.3, 4.0, 0.9])
+    volume = pyvista.ImageData(
+        dimensions=np.ceil((high - low) / step).astype(int) + 1, spacing=(step,) * 3, origin=low
+    )
+    points, near = np.asarray(volume.points), 0.0
+    for start, end, radius in limbs:
+        a, way = np.array(start), np.subtract(end, start)
+        t = np.clip((points - a) @ way / (way @ way), 0.0, 1.0)
+        near = near + np.exp(-12.0 * (np.linalg.norm(points - a - t[:, None] * way, axis=1) - radius))
+    volume["outside"] = -np.log(near)
+    surface = volume.contour([0.0], scalars="outside").clean().smooth_taubin(n_iter=20, pass_band=0.1)
+    return np.array(surface.points, dtype=float), np.array(surface.regular_faces)[:, ::-1]
 
 
 def soup(V: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

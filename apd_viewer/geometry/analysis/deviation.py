@@ -39,13 +39,21 @@ class Deviation:
     source : (n,) int array
         For each vertex the one that its place is named by; empty if there is no seam.
     target : TargetShape, optional
-        What the last two measures compare with.
+        What two of the measures compare with.
+
+    Attributes
+    ----------
+    calmness : callable
+        The calmness of each vertex by what is painted, (n,); see :mod:`calm_parts`.
     """
+
+    calmness: Callable[[], np.ndarray]
 
     def __init__(
         self, V: np.ndarray, F: np.ndarray, source: np.ndarray, target: TargetShape | None = None
     ) -> None:
         self.target = target
+        self.calmness = lambda: np.zeros(len(V))
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))

@@ -54,6 +54,21 @@ def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 @parallel()
+def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Inner products (k,) of rows of each of ``A`` (k, n, 3) with ``X`` (f, 3)."""
+    count = (len(X) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, len(A)))
+    for portion in prange(count):
+        for k in range(len(A)):
+            total = 0.0
+            for e in range(portion * _PORTION, min(len(X), (portion + 1) * _PORTION)):
+                i = rows[e]
+                total += A[k, i, 0] * X[e, 0] + A[k, i, 1] * X[e, 1] + A[k, i, 2] * X[e, 2]
+            sums[portion, k] = total
+    return sums.sum(axis=0)
+
+
+@parallel()
 def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
     """Add ``sum_k c_k A_k`` of ``A`` (k, n, 3) to ``X`` (n, 3), in place."""
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):

@@ -40,23 +40,56 @@ class Patch:
         self.start, self.corner = _corners(self.F, n)
         t, c = np.divmod(self.corner, 3)
         self.second, self.third = self.F[t, (c + 1) % 3], self.F[t, (c + 2) % 3]
-        self._halves = np.empty((0, 3))
 
     def area(self, U: np.ndarray) -> float:
         """Area at ``U`` (n, 3)."""
         return float(area_of(U, self.F))
 
-    def area_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
-        """Area at ``U`` (n, 3); its gradient is written into ``g`` (n, 3)."""
-        if len(self._halves) != len(self.F):
-            self._halves = np.empty((len(self.F), 3))
-        return float(
-            _area_and_gradient(U, self.F, self.start, self.corner, self.second, self.third, self._halves, g)
-        )
-
     def volume_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
         """Signed volume of a closed patch at ``U`` (n, 3); gradient into ``g`` (n, 3)."""
         return float(_volume_and_gradient(U, self.F, self.start, self.second, self.third, g))
+
+
+class WeightedAreas:
+    """Sums of the areas of triangles, each sum with weights of its own, in one pass.
+
+    Parameters
+    ----------
+    patch : Patch
+        All triangles.
+    weight : (m, g) float32 array
+        Weight of each triangle in each sum.
+
+    Attributes
+    ----------
+    count : int
+        Number of sums.
+    """
+
+    def __init__(self, patch: Patch, weight: np.ndarray) -> None:
+        self.count = weight.shape[1]
+        self._patch, self._weight = patch, np.ascontiguousarray(weight)
+        self._normals = np.empty((0, 3))
+
+    def values(self, U: np.ndarray) -> np.ndarray:
+        """Sums (g,) at ``U`` (n, 3)."""
+        return _weighted_areas(U, self._patch.F, self._weight)
+
+    def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
+        """Sums (g,) at ``U`` (n, 3); their gradients are written into ``g`` (g, n, 3)."""
+        patch = self._patch
+        if len(self._normals) != len(patch.F):
+            self._normals = np.empty((len(patch.F), 3))
+        corners = patch.start, patch.corner, patch.second, patch.third
+        return _weighted_areas_and_gradients(U, patch.F, *corners, self._weight, self._normals, g)
+
+
+def triangle_weights(F: np.ndarray, weight: np.ndarray | None, is_smooth: bool) -> np.ndarray:
+    """Mean or least ``weight`` (n,) of the corners of each triangle, (m,) float32."""
+    if weight is None:
+        return np.ones(len(F), dtype=np.float32)
+    corners = weight.astype(np.float32)[F]
+    return corners.mean(axis=1) if is_smooth else corners.min(axis=1)
 
 
 @njit(cache=True, nogil=True)
@@ -127,39 +160,65 @@ def area_volume_change(
 
 
 @parallel()
-def _area_and_gradient(
+def _weighted_areas(U: np.ndarray, F: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    count = (len(F) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, weight.shape[1]))
+    for portion in prange(count):
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            area = 0.5 * np.sqrt(x * x + y * y + z * z)
+            for s in range(weight.shape[1]):
+                sums[portion, s] += weight[t, s] * area
+    return sums.sum(axis=0)
+
+
+@parallel()
+def _weighted_areas_and_gradients(
     U: np.ndarray,
     F: np.ndarray,
     start: np.ndarray,
     corner: np.ndarray,
     second: np.ndarray,
     third: np.ndarray,
-    halves: np.ndarray,
+    weight: np.ndarray,
+    normals: np.ndarray,
     g: np.ndarray,
-) -> float:
+) -> np.ndarray:
     # The gradient at a corner is half the cross product of the unit normal with the opposite edge; that of
     # a triangle without area is taken as zero.
-    total = 0.0
-    for t in prange(len(F)):
-        i, j, k = F[t, 0], F[t, 1], F[t, 2]
-        ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
-        bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
-        x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        double = np.sqrt(x * x + y * y + z * z)
-        total += double
-        h = 0.5 / double if double > 0.0 else 0.0
-        halves[t, 0], halves[t, 1], halves[t, 2] = h * x, h * y, h * z
-    for i in prange(len(U)):
-        gx = gy = gz = 0.0
-        for e in range(start[i], start[i + 1]):
-            t, j, k = corner[e] // 3, second[e], third[e]
-            x, y, z = halves[t, 0], halves[t, 1], halves[t, 2]
-            ex, ey, ez = U[k, 0] - U[j, 0], U[k, 1] - U[j, 1], U[k, 2] - U[j, 2]
-            gx += y * ez - z * ey
-            gy += z * ex - x * ez
-            gz += x * ey - y * ex
-        g[i, 0], g[i, 1], g[i, 2] = gx, gy, gz
-    return 0.5 * total
+    count = (len(F) + _PORTION - 1) // _PORTION
+    sums = np.zeros((count, len(g)))
+    for portion in prange(count):
+        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
+            i, j, k = F[t, 0], F[t, 1], F[t, 2]
+            ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
+            bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
+            x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+            double = np.sqrt(x * x + y * y + z * z)
+            for s in range(len(g)):
+                sums[portion, s] += weight[t, s] * (0.5 * double)
+            h = 0.5 / double if double > 0.0 else 0.0
+            normals[t, 0], normals[t, 1], normals[t, 2] = h * x, h * y, h * z
+    for portion in prange((len(U) + _PORTION - 1) // _PORTION):
+        sum_ = np.empty((len(g), 3))
+        for i in range(portion * _PORTION, min(len(U), (portion + 1) * _PORTION)):
+            sum_[:] = 0.0
+            for e in range(start[i], start[i + 1]):
+                t, j, k = corner[e] // 3, second[e], third[e]
+                x, y, z = normals[t, 0], normals[t, 1], normals[t, 2]
+                ex, ey, ez = U[k, 0] - U[j, 0], U[k, 1] - U[j, 1], U[k, 2] - U[j, 2]
+                gx, gy, gz = y * ez - z * ey, z * ex - x * ez, x * ey - y * ex
+                for s in range(len(g)):
+                    w = weight[t, s]
+                    sum_[s, 0] += w * gx
+                    sum_[s, 1] += w * gy
+                    sum_[s, 2] += w * gz
+            for s in range(len(g)):
+                g[s, i, 0], g[s, i, 1], g[s, i, 2] = sum_[s, 0], sum_[s, 1], sum_[s, 2]
+    return sums.sum(axis=0)
 
 
 @parallel()

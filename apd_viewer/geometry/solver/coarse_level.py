@@ -9,6 +9,7 @@ there is no time for a global step, the coarse surface carries the fine one alon
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -19,8 +20,7 @@ from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.quaternions import blended, difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
-from apd_viewer.geometry.mesh.measures import Patch
-from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.goals import Goal, at_rest
 from apd_viewer.geometry.solver.iterative_solver import Level
 from apd_viewer.geometry.solver.prolongation import Prolongation
 
@@ -145,17 +145,12 @@ class CoarseLevel:
 
     def _own(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         """The goals for the coarse surface: the same percentages of its rest values."""
-        own = []
+        shape, own = self._shape, []
         for goal in goals:
-            measured = np.zeros(int(self.vertices.max()) + 1, dtype=bool)
-            corners = goal.patch.F.ravel()
-            measured[corners[corners < len(measured)]] = True
-            inside = measured[self.vertices]
-            patch = Patch(self.F[inside[self.F].all(axis=1)], len(self.vertices))
-            if len(patch.F) and (
-                at_rest := Goal(goal.name, patch, goal.is_volume, 1.0, 1.0).value(self._shape.V)
-            ):
-                own.append(Goal(goal.name, patch, goal.is_volume, at_rest, at_rest * goal.target / goal.rest))
+            weight = None if goal.weight is None else goal.weight[self.vertices]
+            coarse = at_rest(replace(goal, patch=shape.whole, weight=weight), shape.V)
+            if coarse.rest:
+                own.append(coarse)
         return tuple(own)
 
 

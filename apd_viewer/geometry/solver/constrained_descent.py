@@ -136,7 +136,7 @@ class ConstrainedDescent:
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
-        if [goal.measured for goal in goals] != [goal.measured for goal in self.goals]:
+        if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
             self.multipliers = np.zeros(len(goals))
         self.goals = goals
         edge = np.sqrt(self.elastic.rest.vertex_areas.mean())

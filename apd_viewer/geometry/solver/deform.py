@@ -90,6 +90,7 @@ def deform(
     volume: float | None = None,
     regions: Sequence[Region] = (),
     loose: str | Sequence[int] | np.ndarray = GO,
+    calm: bool = True,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
@@ -99,7 +100,7 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, convergence
+    area, volume, regions, loose, calm, convergence
         See there too.
     targets : (k, 3) float array
         A position for each of ``fixed``, mesh units.
@@ -134,6 +135,7 @@ def deform(
         volume=volume,
         regions=regions,
         loose=loose,
+        calm=calm,
         convergence=convergence,
         plain=iterations is not None,
     )

@@ -18,6 +18,7 @@ from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_n
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
+from apd_viewer.geometry.solver.calm_parts import calm_levels
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 
 _ROUNDING = 1e-12
+_CALM_GAVE_WAY = tr("Calm parts give way in this pose: with their areas kept, the targets are out of reach.")
 # In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
 _FARTHEST = 1e6
 
@@ -95,6 +97,8 @@ class Deformation:
         at rest, or those with these vertices stay.
     convergence : Convergence
         What ends the iterations.
+    calm : bool
+        "exact" keeps the area of calm parts too, those that the gesture does not reach.
 
     Attributes
     ----------
@@ -127,6 +131,7 @@ class Deformation:
         soft: Soft = NO_SOFT,
         loose: str | Sequence[int] | np.ndarray = GO,
         convergence: Convergence = DEFAULT_CONVERGENCE,
+        calm: bool = True,
     ) -> None:
         if rest is None:
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
@@ -142,20 +147,23 @@ class Deformation:
         self._handle_of = handle_of(handle, rest, self._solve_ids)
         self._traits = check_method(method, self._handle_of)
         self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose)
-        self._kept = GoalSet(rest, method, self._traits, tolerance)
+        self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.shape.V)):
-            self._kept.ask(area, volume, regions)
+            self._kept = GoalSet(rest, method, self._traits, tolerance, self._calm_levels)
+            self._kept.ask(area, volume, regions, calm)
             started = time.perf_counter()
-            self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
             self._solver = self._solver_of(elastic, plain)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
+
+    def _calm_levels(self) -> np.ndarray:
+        return calm_levels(self.rest.shape, self._solve_ids, self._handle_of, self._soft)
 
     def _solver_of(self, elastic: Elastic, plain: bool) -> IterativeSolver:
         if self._traits.moves_handles:
@@ -192,17 +200,21 @@ class Deformation:
         self._convergence = convergence
 
     def keep(
-        self, area: float | None = None, volume: float | None = None, regions: Sequence[Region] = ()
+        self,
+        area: float | None = None,
+        volume: float | None = None,
+        regions: Sequence[Region] = (),
+        calm: bool = True,
     ) -> None:
         """Ask for other areas or another volume from now on; nothing is factored for it.
 
         Parameters
         ----------
-        area, volume, regions
+        area, volume, regions, calm
             See the class.
         """
         with cores_for(len(self.rest.shape.V)):
-            self._kept.ask(area, volume, regions)
+            self._kept.ask(area, volume, regions, calm)
             self._solver.keep(self._kept.goals)
         self._begin()
 
@@ -243,6 +255,8 @@ class Deformation:
                 )
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
+            if self._kept.restore_calm():
+                self._solver.keep(self._kept.goals)
             if U is not None:
                 self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = self.rest.shape.V[self._soft.ids]
@@ -263,13 +277,25 @@ class Deformation:
     def iterate(self) -> None:
         """One iteration, without the readings of its shape."""
         solver = self._solver
+        if self._kept.may_retry_calm and self._would_settle:
+            self._kept.retry_calm()
+            solver.keep(self._kept.goals)
         before = solver.U
         with cores_for(len(before)):
             solver.step()
+            if self._kept.keeps_calm and not solver.met:
+                self._let_calm_go(before)
             step = largest_difference(solver.U, before)
         self._iteration += 1
         self._total += 1
         self._steps.append(step / self.rest.diagonal)
+
+    def _let_calm_go(self, before: np.ndarray) -> None:
+        """Step from ``before`` again, without the areas of calm parts."""
+        self._kept.let_calm_go()
+        self._solver.keep(self._kept.goals)
+        self._solver.restart(before)
+        self._solver.step()
 
     @property
     def ready(self) -> bool:
@@ -279,7 +305,11 @@ class Deformation:
     @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
-        return self._solver.stuck or (self._solver.met and self._still())
+        return self._solver.stuck or (self._would_settle and not self._kept.may_retry_calm)
+
+    @property
+    def _would_settle(self) -> bool:
+        return self._solver.met and self._still()
 
     def frame(self) -> Frame:
         """The shape after the last iteration, and its readings."""
@@ -297,7 +327,7 @@ class Deformation:
             converged=settled and solver.met,
             settled=settled,
             regions=regions,
-            unreached=self._unreached() if solver.stuck else None,
+            unreached=self._unreached(),
             energy=energy,
             total=self._total,
             gap=self._step_gap if solver.converged is None else solver.gap,
@@ -350,9 +380,9 @@ class Deformation:
         return self._kept.missed(self._solver.values)
 
     def _unreached(self) -> str | None:
-        missed = self.missed
+        missed = self.missed if self._solver.stuck else None
         if missed is None:
-            return None
+            return _CALM_GAVE_WAY if self._kept.has_let_calm_go else None
         return tr(
             "Out of reach in this pose: {missed}. Move the handle less or choose another target."
         ).format(missed=missed)

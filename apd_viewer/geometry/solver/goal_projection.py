@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from apd_viewer.geometry.linalg import parallel_ops
-from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.solver.goals import Goal, GoalMeasures
 
 # Relative to the value at rest; ten times better than promised.
 MET = 1e-10
@@ -59,6 +59,7 @@ class Projection:
     def __init__(self, elastic: Yielding, goals: tuple[Goal, ...]) -> None:
         self._elastic = elastic
         self.goals = goals
+        self._measures = GoalMeasures(goals)
         self._target = np.array([goal.target for goal in goals])
         self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *elastic.U.shape))
@@ -85,8 +86,7 @@ class Projection:
 
     def evaluate(self, U: np.ndarray) -> None:
         """Find values and gradients at ``U`` (n, 3)."""
-        both = zip(self.goals, self.g, strict=True)
-        self.values = np.array([goal.value_and_gradient(U, g) for goal, g in both])
+        self.values = self._measures.values_and_gradients(U, self.g)
 
     def refresh(self, U: np.ndarray) -> None:
         """The same with directions computed there."""
@@ -107,16 +107,13 @@ class Projection:
 
     def _slopes(self) -> np.ndarray:
         """Slope of each goal (rows) along each direction (columns)."""
-        slopes = [parallel_ops.dots(self._y, g) for g in self.g]
-        return np.array(slopes).reshape(2 * (len(self.goals),))
+        rows = len(self.goals), self.g.shape[1] * 3
+        return self.g.reshape(rows) @ self._y.reshape(rows).T
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""
-        free = self._elastic.free
-        along = [parallel_ops.dots(parallel_ops.taken(y, free)[None], G)[0] for y in self._y]
-        if not along:
-            return np.zeros(0)
-        return np.linalg.lstsq(self._slopes().T, np.array(along), rcond=1e-10)[0]
+        along = parallel_ops.dots_at(self._y, self._elastic.free, G)
+        return np.linalg.lstsq(self._slopes().T, along, rcond=1e-10)[0]
 
     def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
@@ -127,7 +124,7 @@ class Projection:
         spoil; where that is nothing, the last step is not measured.
         """
         mu = np.zeros(len(self.goals))
-        self.values = self._measured(U)
+        self.values = self._measures.values(U)
         worst = foreseen = self._worst_that_can_move(self.values)
         share = 1.0
         fresh = False  # whether gradients and directions are those of U
@@ -140,7 +137,7 @@ class Projection:
             if foreseen <= MET:
                 self.values = self.values + np.where(np.isfinite(self._reach), missing, 0.0)
                 return there, mu + step
-            tried = self._measured(there)
+            tried = self._measures.values(there)
             left = self._worst_that_can_move(tried)
             if left < (1.0 - 0.1 * share) * worst:
                 self._inverse = _learned(self._inverse, step, tried - self.values)
@@ -152,9 +149,6 @@ class Projection:
                 self.refresh(U)
                 fresh, foreseen = True, worst
         return U, mu
-
-    def _measured(self, U: np.ndarray) -> np.ndarray:
-        return np.array([goal.value(U) for goal in self.goals])
 
     def _worst_that_can_move(self, values: np.ndarray) -> float:
         return _worst(values, self._target, self._reach)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,8 @@ class GoalSet:
     method : Method
     tolerance : float
         Relative error of the total area that "paper" accepts.
+    levels : callable
+        The levels of calmness, (k, n) float array.
 
     Attributes
     ----------
@@ -37,21 +40,26 @@ class GoalSet:
     regions : tuple of Region
     """
 
-    def __init__(self, rest: RestMesh, name: str, method: Method, tolerance: float) -> None:
+    def __init__(
+        self, rest: RestMesh, name: str, method: Method, tolerance: float, levels: Callable[[], np.ndarray]
+    ) -> None:
         check_tolerance(tolerance)
         self._rest = rest
+        self._levels = cache(levels)
         self._name = name
         self._method = method
         self._tolerance = tolerance
         self.goals: tuple[Goal, ...] = ()
+        self._dropped: tuple[Goal, ...] = ()
+        self._retries = 1
         self.regions: tuple[Region, ...] = ()
 
-    def ask(self, area: float | None, volume: float | None, regions: Sequence[Region]) -> None:
+    def ask(self, area: float | None, volume: float | None, regions: Sequence[Region], calm: bool) -> None:
         """Replace all goals by percentages of the values at rest.
 
         Parameters
         ----------
-        area, volume, regions
+        area, volume, regions, calm
             See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
 
         Raises
@@ -72,8 +80,9 @@ class GoalSet:
                     "choose 'exact' for a volume or a region."
                 ).format(method=self._name)
             )
-        self.goals = self._tolerant(make_goals(self._rest, area, volume, regions))
-        self.regions, self._patches = tuple(regions), patches
+        levels = self._levels() if calm and self._method.keeps_calm_parts else None
+        self.goals = self._tolerant(make_goals(self._rest, area, volume, regions, levels))
+        self.regions, self._patches, self._dropped = tuple(regions), patches, ()
 
     @property
     def tolerance(self) -> float:
@@ -84,7 +93,7 @@ class GoalSet:
     def tolerance(self, tolerance: float) -> None:
         check_tolerance(tolerance)
         self._tolerance = tolerance
-        self.goals = self._tolerant(self.goals)
+        self.goals, self._dropped = self._tolerant(self.goals), self._tolerant(self._dropped)
 
     def _tolerant(self, goals: tuple[Goal, ...]) -> tuple[Goal, ...]:
         return tuple(replace(goal, tolerance=self._tolerance) for goal in goals)
@@ -107,6 +116,41 @@ class GoalSet:
         """Target of "the area" or "the volume"; None without one."""
         return next((goal.target for goal in self.goals if goal.name == name), None)
 
+    @property
+    def keeps_calm(self) -> bool:
+        """True if areas of calm parts are among the goals."""
+        return any(goal.is_smooth for goal in self.goals)
+
+    @property
+    def has_let_calm_go(self) -> bool:
+        """True if goals of calm parts are dropped for now."""
+        return bool(self._dropped)
+
+    def let_calm_go(self) -> None:
+        """Drop the goals of calm parts until the next :meth:`restore_calm`."""
+        self._dropped, self.goals = self.goals, tuple(goal for goal in self.goals if not goal.is_smooth)
+
+    def restore_calm(self) -> bool:
+        """Ask for what was dropped, for another pose; False if nothing was."""
+        self._retries = 1
+        if not self._dropped:
+            return False
+        self.goals, self._dropped = self._dropped, ()
+        return True
+
+    @property
+    def may_retry_calm(self) -> bool:
+        """True if what was dropped has not been tried from where the rest converged.
+
+        On the way from a pose far away it may be missed although it can be kept.
+        """
+        return bool(self._dropped) and self._retries > 0
+
+    def retry_calm(self) -> None:
+        """Ask for what was dropped once more."""
+        self.restore_calm()
+        self._retries = 0
+
     def missed(self, values: np.ndarray) -> str | None:
         """Goals not met by their ``values``, as a sentence; None if all are met."""
         # Li & Hui's method approaches the target round by round: a miss in between is no failure.
@@ -115,6 +159,6 @@ class GoalSet:
         missed = [
             goal.shortfall(float(value))
             for goal, value in zip(self.goals, values, strict=True)
-            if abs(goal.miss(float(value))) > MET
+            if abs(goal.miss(float(value))) > MET and not goal.is_smooth
         ]
         return ", ".join(missed) or None

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.mesh.arrays import whole_numbers
-from apd_viewer.geometry.mesh.measures import Patch
+from apd_viewer.geometry.mesh.measures import Patch, WeightedAreas, triangle_weights
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.language import tr
 
@@ -56,36 +57,34 @@ class Goal:
     Attributes
     ----------
     name : str
-        "the area", "the volume" or the name of a region.
+        "the area", "the volume", the name of a region or of a level of calmness.
     patch : Patch
-        The triangles that are measured, in vertices of the solve.
-    is_volume : bool
+        All triangles, in vertices of the solve.
     rest, target : float
         Value at rest, and the value asked for.
+    weight : (n,) float array or None
+        How much of the area around each vertex counts; None counts all of it, or is the volume.
+    is_smooth : bool
+        A triangle has the mean of its corners' weights; without, the least, so that only those count that
+        are wholly inside.
+    is_volume : bool
     tolerance : float
         Relative error that is accepted, where the goal is not met to the last digits.
     """
 
     name: str
     patch: Patch
-    is_volume: bool
     rest: float
     target: float
+    weight: np.ndarray | None = None
+    is_smooth: bool = False
+    is_volume: bool = False
     tolerance: float = 0.0
 
     @property
-    def measured(self) -> tuple[bool, int]:
-        """Identity of the measured quantity, apart from name and target."""
-        return self.is_volume, len(self.patch.F)
-
-    def value(self, U: np.ndarray) -> float:
-        """Value at ``U`` (n, 3)."""
-        return volume(U, self.patch.F) if self.is_volume else self.patch.area(U)
-
-    def value_and_gradient(self, U: np.ndarray, g: np.ndarray) -> float:
-        """The same; its gradient is written into ``g`` (n, 3)."""
-        measure = self.patch.volume_and_gradient if self.is_volume else self.patch.area_and_gradient
-        return measure(U, g)
+    def share(self) -> np.ndarray:
+        """Part of every triangle that counts, (m,) float32 array."""
+        return triangle_weights(self.patch.F, self.weight, self.is_smooth)
 
     def miss(self, value: float) -> float:
         """Signed distance of a value from the target, relative to the value at rest."""
@@ -99,6 +98,44 @@ class Goal:
         return tr("{name} is at {reached:.{digits}g} % instead of {wanted:.4g} %").format(
             name=_WORDS.get(self.name, self.name), reached=reached, digits=digits, wanted=wanted
         )
+
+
+class GoalMeasures:
+    """Measures of goals, with gradients: all areas in one pass.
+
+    Parameters
+    ----------
+    goals : sequence of Goal
+        Of one mesh; the volume, if it is one of them, comes last.
+    """
+
+    def __init__(self, goals: Sequence[Goal]) -> None:
+        areas = [goal for goal in goals if not goal.is_volume]
+        self._count = len(goals)
+        self._areas = self._volume = None
+        if areas:
+            self._areas = WeightedAreas(areas[0].patch, np.column_stack([goal.share for goal in areas]))
+        if len(areas) < len(goals):
+            self._volume = goals[-1].patch
+
+    def values(self, U: np.ndarray) -> np.ndarray:
+        """Values (g,) at ``U`` (n, 3)."""
+        values = np.empty(self._count)
+        if self._areas is not None:
+            values[: self._areas.count] = self._areas.values(U)
+        if self._volume is not None:
+            values[-1] = volume(U, self._volume.F)
+        return values
+
+    def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
+        """The same; the gradients are written into ``g`` (g, n, 3)."""
+        values = np.empty(self._count)
+        if self._areas is not None:
+            count = self._areas.count
+            values[:count] = self._areas.values_and_gradients(U, g[:count])
+        if self._volume is not None:
+            values[-1] = self._volume.volume_and_gradient(U, g[-1])
+        return values
 
 
 def patch_of(rest: RestMesh, region: Region) -> Patch:
@@ -120,42 +157,76 @@ def patch_of(rest: RestMesh, region: Region) -> Patch:
 
 
 def make_goals(
-    rest: RestMesh, area: float | None, inside: float | None, regions: Sequence[Region]
+    rest: RestMesh,
+    area: float | None,
+    inside: float | None,
+    regions: Sequence[Region],
+    calm: np.ndarray | None = None,
 ) -> tuple[Goal, ...]:
-    """Goals for percentages of the area and the volume at rest; None is no goal.
+    """Goals for percentages of the areas and the volume at rest; None is no goal.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    area, inside : float or None
+        Of the total area and the volume.
+    regions : sequence of Region
+    calm : (k, n) float array, optional
+        Levels of calmness of the vertices of the solve, each with an area to keep as the total area is.
 
     Raises
     ------
     InputError
         If a percentage is not a positive number, or there is nothing to measure.
     """
-    goals = []
+    goals, shape = [], rest.shape
+    outside = np.ones(len(shape.V))  # what is asked of a region need not agree with its calmness
     if area is not None:
-        goals.append(_goal("the area", rest.shape.whole, False, rest.area, area))
+        goals.append(_goal("the area", shape, area))
+    for region in regions:
+        if region.area is not None:
+            corners = np.unique(patch_of(rest, region).F)
+            outside[corners] = 0.0
+            goals.append(_region_goal(shape, region, corners))
+    if area is not None and calm is not None:
+        goals += _calm_goals(shape, area, calm * outside)
     if inside is not None:
         if rest.why_no_volume or not rest.volume:
             why = rest.why_no_volume or tr("the surface encloses no volume")
             raise InputError(tr("There is no volume to keep: {why}; leave the volume free.").format(why=why))
-        goals.append(_goal("the volume", rest.shape.whole, True, rest.volume, inside))
-    for region in regions:
-        if region.area is not None:
-            patch = patch_of(rest, region)
-            at_rest = patch.area(rest.shape.V)
-            if at_rest <= 0.0:
-                raise InputError(
-                    tr("The region “{name}” contains no complete triangle; make it larger.").format(
-                        name=region.name
-                    )
-                )
-            goals.append(_goal(f"“{region.name}”", patch, False, at_rest, region.area))
+        goals.append(_goal("the volume", shape, inside, is_volume=True))
     return tuple(goals)
 
 
-def _goal(name: str, patch: Patch, is_volume: bool, rest: float, percent: float) -> Goal:
+def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
+    inside = np.zeros(len(shape.V))
+    inside[corners] = 1.0
+    goal = _goal(f"“{region.name}”", shape, region.area, inside)
+    if goal.rest <= 0.0:
+        raise InputError(
+            tr("The region “{name}” contains no complete triangle; make it larger.").format(name=region.name)
+        )
+    return goal
+
+
+def _calm_goals(shape: SolveMesh, area: float, levels: np.ndarray) -> list[Goal]:
+    goals = [_goal(f"calm parts {k}", shape, area, levels[k], is_smooth=True) for k in range(len(levels))]
+    return [goal for goal in goals if goal.rest > 0.0]
+
+
+def _goal(
+    name: str, shape: SolveMesh, percent: float | None, weight: np.ndarray | None = None, **kind: bool
+) -> Goal:
     if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
         raise InputError(
             tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
                 name=_WORDS.get(name, name), least=_LEAST, most=_MOST
             )
         )
-    return Goal(name, patch, is_volume, rest, rest * float(percent) / 100.0)
+    return at_rest(Goal(name, shape.whole, 1.0, float(percent) / 100.0, weight, **kind), shape.V)
+
+
+def at_rest(goal: Goal, V: np.ndarray) -> Goal:
+    """The goal at the same percentage of its value at rest, ``V`` (n, 3)."""
+    rest = float(GoalMeasures((goal,)).values(V)[0])
+    return replace(goal, rest=rest, target=rest * (goal.target / goal.rest))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import diags_array
 
 from apd_viewer.geometry.mesh.operators import area
+from apd_viewer.geometry.solver.goals import GoalMeasures
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.elastic import Elastic
@@ -72,8 +73,9 @@ class LiHui:
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Bring the total area to another value, or to another tolerance, from now on."""
         (self._area,) = goals
+        self._measures = GoalMeasures(goals)
         self._wanted = self._area.target / self._area.rest
-        self.values = np.array([self._area.value(self.U)])
+        self.values = self._measures.values(self.U)
 
     def stop_at(self, tolerance: float) -> None:
         """Do nothing: no energy is descended in."""
@@ -108,4 +110,4 @@ class LiHui:
         c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
         pull = elastic.pull(self.held)
         self.U = elastic.assembled(self._blend.solve(self._m * c + self.KAPPA * pull), self.held)
-        self.values = np.array([self._area.value(self.U)])
+        self.values = self._measures.values(self.U)

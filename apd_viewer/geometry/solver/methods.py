@@ -36,6 +36,8 @@ class Method:
         The total area is a goal, at 100 % unless another is given.
     may_keep_total_area : bool
         The total area is a goal if the user says so.
+    keeps_calm_parts : bool
+        The areas of calm parts are goals beside that of the total area; see :mod:`calm_parts`.
     keeps_only_total_area : bool
         The volume and the areas of regions cannot be goals.
     moves_handles : bool
@@ -57,6 +59,7 @@ class Method:
     material: Callable[[float, float, float], Material]
     keeps_total_area: bool = False
     may_keep_total_area: bool = False
+    keeps_calm_parts: bool = False
     keeps_only_total_area: bool = False
     moves_handles: bool = False
     has_tolerance: bool = False
@@ -90,6 +93,7 @@ METHODS = {
         gives_up=tr("Gives up a little rigidity."),
         material=_rigid,
         keeps_total_area=True,
+        keeps_calm_parts=True,
     ),
     "local": Method(
         title=tr("Local"),

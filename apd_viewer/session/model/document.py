@@ -65,6 +65,8 @@ class Document:
         What the volume should be, in percent; None leaves it free. Always None where there is no volume.
     staying : tuple of int
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
+    calm : bool
+        Whether "exact" keeps the area of calm parts too.
     base : PartFlags
     measurements : tuple of Measurement
     target : TargetShape or None
@@ -94,6 +96,7 @@ class Document:
     hold_area: bool = field(default=False, metadata=NOT_FACTORED)
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
+    calm: bool = field(default=True, metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)

@@ -33,5 +33,6 @@ def deformation_of(
         factored=factored,
         soft=held.soft,
         loose=document.staying,
+        calm=document.calm,
         convergence=document.convergence,
     )

@@ -191,14 +191,14 @@ class Solver:
         held = document.constraints()
         key = factored_for(document)
         names = tuple(region.name for region in document.regions)
-        goals = (document.percentages, document.hold_area, document.member, names)
+        goals = (document.percentages, document.hold_area, document.member, names, document.calm)
         poses = tuple(handle.pose for handle in document.handles)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:
             self._drop()  # frees the memory for the next one
             self._solver = self._made(order, held)
         elif not alike(goals, self._goals):
-            self._solver.keep(*targets_of(document))
+            self._solver.keep(*targets_of(document), document.calm)
         self._solver.tolerance, self._solver.convergence = document.tolerance, document.convergence
         self._solver.loose.choose(document.staying)
         self._warning = self._solver.loose.warning

@@ -80,6 +80,9 @@ class HeatMap(QObject):
         self._mesh: Mesh | None = None
         self._target: TargetShape | None = None
         self._change: Deviation | None = None
+        self._paint: tuple[np.ndarray | None, tuple[float, ...]] = None, ()
+        self._paint_revision = 0
+        self._calmness: Callable[[], np.ndarray] | None = None
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
         # Without a range of the user's the first values that are seen have one made for them.
@@ -112,6 +115,16 @@ class HeatMap(QObject):
         self.offered = measures_of(mesh, target)
         self._legend.offer(self.offered)
         self.choose(self.measure)
+
+    def follow_paint(
+        self, labels: np.ndarray, falloffs: tuple[float, ...], calmness: Callable[[], np.ndarray]
+    ) -> None:
+        """Show the calmness (n,) of another painting; found on a thread."""
+        if labels is self._paint[0] and falloffs == self._paint[1]:
+            return
+        self._paint, self._calmness = (labels, falloffs), calmness
+        self._paint_revision += 1
+        self._canvas.viewport.update()
 
     def choose(self, measure: Measure | None) -> None:
         """Show another measure if it is offered; None shows the paint."""
@@ -198,7 +211,7 @@ class HeatMap(QObject):
         surface, measure = self._canvas.surface, self.measure
         if measure is None or self._change is None:
             return
-        now = measure, surface.shape_revision, self._change
+        now = measure, surface.shape_revision if measure.follows_shape else self._paint_revision, self._change
         if now == self._seen or len(surface.U) != len(surface.shades):
             return
         self._forget()
@@ -218,6 +231,8 @@ class HeatMap(QObject):
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
         if change is None or self.measure is None:
             return
+        if self._calmness is not None:
+            change.calmness = self._calmness
         values = self.measure.words.values
         self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 

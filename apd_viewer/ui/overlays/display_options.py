@@ -17,9 +17,11 @@ from apd_viewer.ui.scene.ground import Ground
 from apd_viewer.ui.tools.turntable import Turntable
 
 if TYPE_CHECKING:
+    import numpy as np
     from PySide6.QtWidgets import QWidget
 
     from apd_viewer.geometry.mesh.texture import Texture
+    from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -107,9 +109,14 @@ class Looks:
         for part in (self.ghost, self.ground, self.before_after, self.cut):
             part.follow(mesh)
         self.heat.follow(mesh, target)
+        self._follow_paint(state.document)
         self._texture = mesh.texture[0]
         self.show_textures(self.textures)
         self.target_ghost.follow(None if target is None else target.mesh)
+
+    def _follow_paint(self, document: Document) -> None:
+        falloffs = tuple(handle.falloff for handle in document.handles)
+        self.heat.follow_paint(document.labels, falloffs, lambda: _calmness(document))
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
@@ -166,3 +173,10 @@ def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
         if 0.0 < reach < 1e9 and 0.0 <= neutral < 1e9:
             scales[measure] = Scale(measure, reach, neutral)
     return scales
+
+
+def _calmness(document: Document) -> np.ndarray:
+    # Here: the window is shown before the solver is loaded.
+    from apd_viewer.geometry.solver.calm_parts import calmness
+
+    return calmness(document.mesh, document.labels, document.soft)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QCheckBox, QLabel
 
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.language import tr
@@ -27,6 +27,7 @@ class MethodSection(Section):
     Attributes
     ----------
     method_chosen : Signal(str)
+    calm_chosen : Signal(bool)
     tolerance_chosen : Signal(float)
         Relative, so 0.001 where the field says 0.1 %.
     area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
@@ -35,6 +36,7 @@ class MethodSection(Section):
     """
 
     method_chosen = Signal(str)
+    calm_chosen = Signal(bool)
     tolerance_chosen = Signal(float)
     area_stiffness_chosen = Signal(float)
     shear_stiffness_chosen = Signal(float)
@@ -55,6 +57,12 @@ class MethodSection(Section):
         self._add_settings()
 
     def _add_settings(self) -> None:
+        self.calm = QCheckBox(
+            tr("Keep calm parts"),
+            toolTip=tr("Keep the area of limbs and other parts that the gesture does not reach"),
+        )
+        self.calm.clicked.connect(self.calm_chosen)
+        self.column.addWidget(self.calm)
         self.tolerance = Number(
             accessibleName=tr("Area tolerance in percent"),
             toolTip=tr("Allowed deviation of the total area from its target"),
@@ -98,6 +106,8 @@ class MethodSection(Section):
         self.method.setCurrentIndex(self.method.findData(document.method))
         method = document.traits
         self._describe(method)
+        self.calm.setVisible(method.keeps_calm_parts)
+        self.calm.setChecked(document.calm)
         self._tolerance.setVisible(method.has_tolerance)
         for row in self._moduli:
             row.setVisible(method.has_moduli)

@@ -5,7 +5,7 @@ import pytest
 from meshes import box, rotation, soup, sphere, tube
 
 from apd_viewer.geometry.mesh.laplacian import cotangent_laplacian
-from apd_viewer.geometry.mesh.measures import Patch, area_of, area_volume_change
+from apd_viewer.geometry.mesh.measures import Patch, WeightedAreas, area_of, area_volume_change
 from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 
 
@@ -20,7 +20,8 @@ CLOSED = {name: MESHES[name] for name in ("sphere", "box")}
 
 
 def area_and_gradient(U, F, g):
-    return Patch(F, len(U)).area_and_gradient(U, g)
+    areas = WeightedAreas(Patch(F, len(U)), np.ones((len(F), 1), dtype=np.float32))
+    return areas.values_and_gradients(U, g[None])[0]
 
 
 def volume_and_gradient(U, F, g):
@@ -42,6 +43,19 @@ def test_the_area_gradient_is_the_difference_quotient(mesh, seed):
     direction = np.random.default_rng(seed + 10).normal(size=V.shape)
     slope = (g * direction).sum()
     assert difference(area_and_gradient, U, F, direction, 1e-5) == pytest.approx(slope, rel=1e-6)
+
+
+def test_several_sums_are_those_of_each_alone():
+    V, F = MESHES["tube"]
+    U, weight = wild(V), np.random.default_rng(5).random((len(F), 3)).astype(np.float32)
+    areas, g = WeightedAreas(Patch(F, len(U)), weight), np.empty((3, *V.shape))
+    values = areas.values_and_gradients(U, g)
+    np.testing.assert_allclose(values, face_areas(U, F) @ weight, rtol=1e-13)
+    np.testing.assert_allclose(areas.values(U), values, rtol=1e-13)
+    for k in range(3):
+        alone = np.empty((1, *V.shape))
+        WeightedAreas(Patch(F, len(U)), weight[:, [k]]).values_and_gradients(U, alone)
+        np.testing.assert_allclose(g[k], alone[0], rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("seed", range(3))

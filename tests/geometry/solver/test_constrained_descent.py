@@ -13,7 +13,7 @@ from apd_viewer.geometry.mesh.operators import area, volume
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region, make_goals
+from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals
 
 MESHES = {"tube": tube(12, 14), "box": box(2, 2, 6), "soup": soup(*tube(8, 10))}
 MOVES = {
@@ -71,8 +71,7 @@ def kkt_residual(rest, method):
     free = elastic.free
     slope = 4 * elastic.residual(method.held).ravel()
     gradients = np.empty((len(method.goals), *elastic.U.shape))
-    for goal, g in zip(method.goals, gradients, strict=True):
-        goal.value_and_gradient(elastic.U, g)
+    GoalMeasures(method.goals).values_and_gradients(elastic.U, gradients)
     G = gradients[:, free].reshape(len(gradients), -1).T
     multipliers = np.linalg.lstsq(G, slope, rcond=None)[0]
     return np.linalg.norm(slope - G @ multipliers) / np.linalg.norm(slope), multipliers

@@ -11,7 +11,7 @@ from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region, make_goals
+from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals
 
 MESHES = {"tube": tube(16, 20), "box": box(3, 3, 8), "sphere": sphere(3)}
 MATERIALS = {
@@ -90,8 +90,7 @@ def test_it_ends_where_nothing_pulls_but_the_goals(kind):
     free, h = elastic.free, 1e-6
     goals = some_goals(rest, kind)
     g = np.zeros((len(goals), *V.shape))
-    for goal, row in zip(goals, g, strict=True):
-        goal.value_and_gradient(method.U, row)
+    GoalMeasures(goals).values_and_gradients(method.U, g)
     # By differences of Eq. 1 itself, along random directions from which those of the goals are taken out.
     rng = np.random.default_rng(0)
     for _ in range(3):

@@ -6,33 +6,55 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.solver.goals import Region, make_goals, patch_of
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals, patch_of
 
 V, F = box(2, 3, 4)
 REST = RestMesh(V, F)
 TOP = np.flatnonzero(V[:, 2] == 4)
 
 
+CALM = np.random.default_rng(1).random((2, len(V)))
+
+
+def value(goal, U):
+    return GoalMeasures((goal,)).values(U)[0]
+
+
 def test_percentages_become_areas_and_a_volume():
-    area, volume, region = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90), Region("read only", TOP)])
+    area, region, volume = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90), Region("read only", TOP)])
     assert area.target == pytest.approx(1.1 * 52)
-    assert area.value(2 * V) == pytest.approx(4 * 52)
+    assert value(area, 2 * V) == pytest.approx(4 * 52)
     assert volume.target == pytest.approx(12)
-    assert volume.value(2 * V) == pytest.approx(8 * 24)
+    assert value(volume, 2 * V) == pytest.approx(8 * 24)
     assert region.target == pytest.approx(0.9 * 6)
-    assert region.value(V) == pytest.approx(6)
+    assert value(region, V) == pytest.approx(6)
     assert make_goals(REST, None, None, []) == ()
 
 
-@pytest.mark.parametrize("goal", make_goals(REST, 110, 50.0, [Region("lid", TOP, 90)]), ids=lambda g: g.name)
-def test_value_and_gradient_belong_together(goal):
+def test_values_and_gradients_belong_together():
+    goals = make_goals(REST, 110, 50.0, [Region("lid", TOP, 90)], CALM)
+    assert len(goals) == 5
+    measures = GoalMeasures(goals)
     rng = np.random.default_rng(0)
-    U, direction, g = V + 0.1 * rng.normal(size=V.shape), rng.normal(size=V.shape), np.empty(V.shape)
-    assert goal.value_and_gradient(U, g) == pytest.approx(goal.value(U), rel=1e-13)
-    quotient = (goal.value(U + 1e-5 * direction) - goal.value(U - 1e-5 * direction)) / 2e-5
-    assert quotient == pytest.approx((g * direction).sum(), rel=1e-6)
-    assert goal.miss(goal.target) == 0.0
-    assert goal.miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
+    U, direction = V + 0.1 * rng.normal(size=V.shape), rng.normal(size=V.shape)
+    g = np.empty((len(goals), *V.shape))
+    values = measures.values_and_gradients(U, g)
+    np.testing.assert_allclose(values, measures.values(U), rtol=1e-13)
+    np.testing.assert_allclose(values, [value(goal, U) for goal in goals], rtol=1e-13)
+    quotients = (measures.values(U + 1e-5 * direction) - measures.values(U - 1e-5 * direction)) / 2e-5
+    np.testing.assert_allclose(quotients, (g * direction).sum(axis=(1, 2)), rtol=1e-6)
+    for goal in goals:
+        assert goal.miss(goal.target) == 0.0
+        assert goal.miss(goal.rest) == pytest.approx(1 - goal.target / goal.rest)
+
+
+def test_a_level_of_calmness_is_asked_for_what_the_area_is_but_not_in_a_region():
+    *_, calm = make_goals(REST, 110, None, [Region("lid", TOP, 90)], CALM[:1])
+    weights = np.where(V[:, 2] == 4, 0.0, CALM[0])[F].mean(axis=1)
+    assert calm.rest == pytest.approx(face_areas(V, F) @ weights, rel=1e-6)
+    assert calm.target == pytest.approx(1.1 * calm.rest)
+    assert make_goals(REST, None, None, [], CALM) == ()
 
 
 def test_a_region_is_the_triangles_with_all_corners_in_it():

@@ -70,7 +70,7 @@ def test_the_shape_stays_symmetric_and_is_one_step(winged, how):
     if how == "drag":
         winged.drag(shifted([0.1, 0.1, 0.0]), bent)
     elif how == "typed":
-        winged.handles.move_by(TypedMotion.BEND_Z, "25deg", 1)
+        winged.handles.move_by(TypedMotion.BEND_Z, "10deg", 1)
     else:
         winged.handles.pose(bent, 0, "Nudge handle", repeats=True)
         winged.handles.pose(shifted([0.0, 0.1, 0.0]) @ bent, 0, "Nudge handle", repeats=True)

@@ -1,0 +1,159 @@
+"""Calm parts: levels of vertices by how little of a gesture reaches them.
+
+A surface that keeps its total area alone pays for a stretch by shrinking everywhere, limbs that have
+nothing to do with the gesture included. What a gesture can reach is told by the harmonic functions h that
+are 1 on a handle and 0 on whatever else is held: ``|grad h|^2`` falls by powers of ten into parts that lead
+nowhere. Each level of it has an area of its own to keep, so that a stretch is paid for nearby. The levels
+depend on what is held alone, and not on where: nothing jumps while a handle moves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.linalg import two_grid
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
+
+# Nothing is calm above the first of these powers of ten of the flux of the gesture itself; a bottle that is
+# twisted as a whole stays at half of it. The others are the middles of the levels, the last without an end.
+LEVELS = (-0.5, -1.0, -2.0, -3.0, -4.0)
+_LEAST_FLUX = 1e-12
+# The integral of |grad h|^2 of a gesture is a number near one, in any unit.
+_ROUNDING = 1e-12
+# A level with less than this part of the area keeps what the others keep.
+_LEAST_SHARE = 1e-3
+# Triangles below this part of the mean area are rounding, and so are the slopes in them.
+_SLIVER = 1e-4
+# From here on a few steps with the thinned mesh tell as much as a factor of the full matrix.
+_LARGE = 200_000
+_STEPS = 10
+
+
+def calm_levels(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+    """Weights of the vertices in each level of calmness with an area to keep.
+
+    Parameters
+    ----------
+    shape : SolveMesh
+    held : (k,) int array
+        Ascending.
+    handle_of : (k,) int array
+        For each the number of its handle, from 1; 0 is base.
+    soft : Soft
+        What handles draw along.
+
+    Returns
+    -------
+    (g, n) float array
+        From 0 to 1; 0 at held vertices and in loose parts, which keep their area by themselves.
+    """
+    level = _hats(flux(shape, held, handle_of, soft)) * _is_free(shape, held)
+    areas = level @ shape.vertex_areas
+    return level[areas >= _LEAST_SHARE * shape.vertex_areas.sum()]
+
+
+def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
+    """Calmness (n,) of the vertices of a painted mesh, to be shown.
+
+    It is 0 in the gesture and 1 beyond the last level; held vertices and loose parts have none, NaN.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    labels : (n,) int array
+        See :func:`apd_viewer.geometry.pose.constraints.constraints`.
+    soft : Soft
+    """
+    if what_is_missing(labels) is not None:
+        return np.zeros(len(labels))
+    weld = mesh.weld
+    shape = SolveMesh(mesh.V[weld.first], weld.inverse[mesh.F])
+    fixed = np.flatnonzero(labels != FREE)
+    held, first = np.unique(weld.inverse[fixed], return_index=True)
+    handle_of = np.maximum(labels[fixed[first]].astype(np.int64) - HANDLE + 1, 0)
+    drawn, which = np.unique(weld.inverse[soft.ids], return_index=True)
+    x = flux(shape, held, handle_of, soft.among(which)._replace(ids=drawn))
+    return np.where(_is_free(shape, held), share_calm(x), np.nan)[weld.inverse]
+
+
+def share_calm(x: np.ndarray) -> np.ndarray:
+    """From 0 in the gesture to 1 beyond the last level, by the :func:`flux` ``x``."""
+    return np.clip((LEVELS[0] - x) / (LEVELS[0] - LEVELS[-1]), 0.0, 1.0)
+
+
+def _hats(x: np.ndarray) -> np.ndarray:
+    """Piecewise linear weights (g, n) of the levels by the flux ``x`` (n,)."""
+    middles = np.array(LEVELS)[::-1]
+    return np.array([np.interp(x, middles, row) for row in np.eye(len(middles))])[-2::-1]
+
+
+def flux(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+    """Logarithm (n,), base 10, of the gesture's flux against its own mean.
+
+    Parameters
+    ----------
+    shape, held, handle_of, soft
+        See :func:`calm_levels`.
+    """
+    V, F = shape.V, shape.F
+    size = face_areas(V, F)
+    size = np.where(size > _SLIVER * size.mean(), size, 0.0)
+    squared = _squared_slopes(V, F, _potentials(shape, held, handle_of, soft))
+    squared[size == 0.0] = 0.0
+    whole = float(size @ squared)
+    if whole <= _ROUNDING:
+        return np.zeros(len(V))  # nothing is between a handle and what else is held
+    mean = float(size @ squared**2) / whole
+    around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
+    share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
+    return np.log10(np.maximum(share, _LEAST_FLUX))
+
+
+def _potentials(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) -> np.ndarray:
+    """Harmonic functions (n, h): 1 on a handle, 0 on whatever else is held."""
+    n, handles = len(shape.V), np.arange(1, int(handle_of.max(initial=0)) + 1)
+    h = np.zeros((n, len(handles)))
+    h[held] = handle_of[:, None] == handles
+    free = np.flatnonzero(_is_free(shape, held))
+    if not len(free) or not len(handles):
+        return h
+    springs, drawn = np.zeros(n), np.zeros_like(h)
+    springs[soft.ids] = soft.density * shape.vertex_areas[soft.ids]
+    drawn[soft.ids, soft.handle] = springs[soft.ids]
+    rows = shape.L.tocsr()[free]
+    matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
+    b = drawn[free] - rows[:, held] @ h[held]
+    if n <= _LARGE or len(shape.thinning.vertices) > n / 2:
+        h[free] = LinearSolver(matrix).solve(b)
+    else:
+        thinning = shape.thinning
+        ends = np.arange(0, thinning.near.size + 1, thinning.near.shape[1])
+        interpolation = csr_array(
+            (thinning.weight.ravel(), thinning.near.ravel(), ends), shape=(n, len(thinning.vertices))
+        )
+        h[free] = two_grid.solve(matrix, b, interpolation[free], _STEPS)
+    return h
+
+
+def _is_free(shape: SolveMesh, held: np.ndarray) -> np.ndarray:
+    """Mask (n,) of the vertices that are solved for."""
+    moves = np.isin(shape.piece, shape.piece[held])
+    moves[held] = False
+    return moves
+
+
+def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """``sum |grad h|^2`` (m,) of the functions ``h`` (n, k) in the triangles."""
+    normal = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    squared = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
+    total = np.zeros(len(F))
+    for k in range(h.shape[1]):
+        # The gradient is this, turned by a right angle in the plane and divided by twice the area.
+        across = sum(h[F[:, c], k, None] * (V[F[:, c - 1]] - V[F[:, c - 2]]) for c in range(3))
+        total += np.einsum("ij,ij->i", across, across) / squared
+    return total

@@ -1,0 +1,30 @@
+"""Conjugate gradients with a coarse level, against scipy's direct solution."""
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array
+from scipy.sparse.linalg import spsolve
+
+from apd_viewer.geometry.linalg import two_grid
+
+
+def laplacian(n: int) -> csr_array:
+    """Of a square of n by n points, held along its border."""
+    line = 2.0 * eye_array(n) - eye_array(n, k=1) - eye_array(n, k=-1)
+    A = np.kron(line.toarray(), np.eye(n)) + np.kron(np.eye(n), line.toarray())
+    return csr_array(A)
+
+
+def pairs(n: int, c: int) -> csr_array:
+    """Interpolation by the mean of the patch that a point is in; the last coarse unknown has none."""
+    at = np.add.outer(np.arange(n) // 3 * c, np.arange(n) // 3).ravel()
+    return csr_array((np.ones(n * n), (np.arange(n * n), at)), shape=(n * n, c * c + 1))
+
+
+def test_a_few_steps_come_near_and_more_come_nearer():
+    n = 24
+    A, B = laplacian(n), np.random.default_rng(0).normal(size=(n * n, 2))
+    exact = np.column_stack([spsolve(A.tocsc(), b) for b in B.T])
+    errors = [np.abs(two_grid.solve(A, B, pairs(n, n // 3), steps) - exact).max() for steps in (5, 10, 40)]
+    assert errors[1] < 0.2 * errors[0]
+    assert errors[1] < 1e-2 * np.abs(exact).max()
+    assert errors[2] < 1e-8 * np.abs(exact).max()
