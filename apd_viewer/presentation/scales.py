@@ -211,8 +211,6 @@ class Scale:
 
         Where all of that is but rounding on a mesh of this ``size``, the scale stays as it is.
         """
-        if self.measure.words.kind is ScaleKind.SHARE:
-            return self
         reach = max(map(abs, span))
         if self.measure.words.kind is ScaleKind.RATIO:
             reach = min(math.expm1(min(reach, _MOST_GAINED)), _MOST_GAINED)

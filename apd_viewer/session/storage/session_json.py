@@ -63,7 +63,8 @@ def document_said(document: Document) -> dict[str, Any]:
         **{name: number_said(getattr(document, name)) for name in _NUMBERS},
         "hold_area": bool(document.hold_area),
         "volume": number_said(document.volume),
-        "calm": bool(document.calm),
+        # Sessions without it are from a time when no calm parts were kept.
+        **({"calm": True} if document.calm else {}),
         **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
@@ -121,7 +122,6 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         area=said.number("area", LEAST, MOST),
         hold_area=said.flag("hold_area"),
         volume=percent_of(said, "volume"),
-        # Sessions without it are from a time when none were kept.
         calm=said.says("calm") and said.flag("calm"),
         base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
