@@ -24,6 +24,10 @@ _NEEDLE = 100.0
 _TINY, _HUGE = 1e-3, 1e6
 
 
+# A volume below this, of a surface of area one, has the sign of rounding.
+_ROUNDING = 1e-9
+
+
 # This many sizes from the origin, single precision has lost three digits.
 _FAR = 1e3
 
@@ -150,6 +154,13 @@ def of_joints(mesh: Mesh, F: np.ndarray) -> Iterator[Finding]:
             n,
         ).format(n=n)
         yield _found("open borders", said, first[found.border])
+
+
+def of_orientation(inside: float | None, area: float) -> Iterator[Finding]:
+    """Finding about a volume ``inside`` that is negative, if there is one."""
+    if inside is not None and inside < -_ROUNDING * area**1.5:
+        said = tr("The surface is inside out: its faces point inwards, and its volume is negative.")
+        yield _found("inside out", said)
 
 
 def of_pieces(mesh: Mesh, F: np.ndarray, piece: np.ndarray) -> Iterator[Finding]:

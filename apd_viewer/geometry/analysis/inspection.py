@@ -10,6 +10,7 @@ from apd_viewer.geometry.analysis.findings import (
     Finding,
     of_faces,
     of_joints,
+    of_orientation,
     of_pieces,
     of_size,
     of_vertices,
@@ -66,6 +67,7 @@ def inspect(mesh: Mesh) -> Inspection:
     why = why_no_volume(F, len(first))
     caps = Caps.of(F, len(first)) if why else None
     capped = capped_volume(caps, mesh.V[first], F)
+    inside = None if why else volume(mesh.V, mesh.F)
     areas = face_areas(mesh.V, mesh.F)
     piece = pieces(F, len(first))
     dx, dy, dz = (float(extent) for extent in np.ptp(mesh.V, axis=0))
@@ -74,7 +76,7 @@ def inspect(mesh: Mesh) -> Inspection:
         faces=len(mesh.F),
         pieces=len(np.unique(piece[F[:, 0]])),
         area=float(areas.sum()),
-        volume=None if why else volume(mesh.V, mesh.F),
+        volume=inside,
         why_no_volume=why,
         volume_capped=capped,
         openings=0 if caps is None or capped is None else caps.count,
@@ -83,6 +85,7 @@ def inspect(mesh: Mesh) -> Inspection:
             *of_vertices(mesh),
             *of_faces(mesh, areas),
             *of_joints(mesh, F),
+            *of_orientation(capped if why else inside, float(areas.sum())),
             *of_pieces(mesh, F, piece),
             *of_size(mesh),
         ),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from meshes import box, grid, soup
+from meshes import box, grid, soup, tube
 
 from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -48,3 +48,11 @@ def test_what_is_unusual_is_counted():
     assert border.sentence == "The surface is open: it has 16 boundary edges."
     assert separate.sentence.startswith("2 connected parts")
     assert separate.vertices.tolist() == list(range(9, 18))
+
+
+@pytest.mark.parametrize("openings", [0, 1])
+def test_a_surface_inside_out_is_said_to_be(openings):
+    V, F = tube(12, 16) if openings else box(2, 1, 3)
+    kinds = [finding.kind for finding in inspect(Mesh(V, F[:, ::-1])).findings]
+    assert "inside out" in kinds
+    assert "inside out" not in [finding.kind for finding in inspect(Mesh(V, F)).findings]
