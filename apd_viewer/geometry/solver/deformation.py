@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -152,7 +153,8 @@ class Deformation:
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.shape.V)):
-            self._kept = GoalSet(rest, method, self._traits, tolerance, self._calm_levels)
+            levels = partial(calm_levels, rest.shape, self._solve_ids, self._handle_of, self._soft)
+            self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
             self._kept.ask(area, volume, regions, calm)
             started = time.perf_counter()
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
@@ -161,9 +163,6 @@ class Deformation:
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
-
-    def _calm_levels(self) -> np.ndarray:
-        return calm_levels(self.rest.shape, self._solve_ids, self._handle_of, self._soft)
 
     def _solver_of(self, elastic: Elastic, plain: bool) -> IterativeSolver:
         if self._traits.moves_handles:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QLabel
+from PySide6.QtWidgets import QLabel
 
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS, Method
 from apd_viewer.language import tr
 from apd_viewer.ui.panel.convergence_fields import ConvergenceFields
 from apd_viewer.ui.panel.field_row import field_row
-from apd_viewer.ui.widgets.fields import Choice, Number
+from apd_viewer.ui.widgets.fields import Check, Choice, Number
 from apd_viewer.ui.widgets.folding_section import Section, quiet
 from apd_viewer.ui.widgets.slider import DECADES
 from apd_viewer.ui.widgets.slider_field import Dial
@@ -57,7 +57,7 @@ class MethodSection(Section):
         self._add_settings()
 
     def _add_settings(self) -> None:
-        self.calm = QCheckBox(
+        self.calm = Check(
             tr("Keep calm parts"),
             toolTip=tr("Keep the area of limbs and other parts that the gesture does not reach"),
         )
