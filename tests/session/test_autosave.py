@@ -199,6 +199,7 @@ def test_without_a_folder_nothing_is_kept(tmp_path, bar):
 
 def test_at_an_interval_the_newest_is_kept_and_saved_work_does_not_wait(session, folder, tmp_path):
     check_kept(folder, session)
+    session.listen(0.5)  # until the writer waits for the next copy: the interval counts from there
     session.autosave.save_every(1000.0)
     session.parts.rename_handle(0, "first")
     check_kept(folder, session)

@@ -111,7 +111,7 @@ def test_paint_erase_undo_redo_drag_export(qtbot, window, tmp_path, monkeypatch)
     )  # without, small patches wrinkle, and wrinkles take long to settle
     qtbot.wait(30)
     shown = watch_frames(window)
-    drag(qtbot, window, arrow_grip(window, 0), (80, 10))
+    drag(qtbot, window, arrow_grip(window, 0), (80, 10), steps=36)
     during = len(shown)
     assert during >= 3
     idle(qtbot, window)
