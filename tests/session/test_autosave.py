@@ -37,7 +37,7 @@ from apd_viewer.session.storage.session_file import open_session, save_session
 
 ROOT = Path(__file__).parents[2]
 KILLS = 8
-SOON = 0.5  # s
+SOON = 1.5  # s; usually 0.3, and longer where the disk is busy
 SLOW = 10.0  # s; nothing here should come near it
 
 
