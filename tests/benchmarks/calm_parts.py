@@ -24,7 +24,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.solver.deformation import Deformation
 
-RUNS = 3
+RUNS = 2
 # Axis, degrees, pivot and shift of the head.
 GESTURES = {
     "turned by 43°": ([0, 1, 0], 43, [0, 2.6, 0], [0, 0, 0]),
