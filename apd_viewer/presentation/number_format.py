@@ -13,8 +13,8 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def significant(value: float, digits: int = 6) -> str:
     """The number with the given significant digits, or all before the point."""
     if 10.0**digits - 0.5 <= abs(value) < _POWERS:
-        return f"{value:,.0f}"
-    return _with_power(f"{value:#,.{digits}g}".rstrip(".")) if value else "0"
+        return f"{value:,.0f}".replace("-", "−")
+    return _with_power(f"{value:#,.{digits}g}".rstrip(".")).replace("-", "−") if value else "0"
 
 
 def length(value: float, size: float) -> str:

@@ -24,6 +24,11 @@ def test_numbers_of_any_size_are_read_as_they_are(written, digits):
         assert "e" not in text, "that is how programs write it"
 
 
+def test_negative_numbers_have_true_minus_signs():
+    for x in np.geomspace(1e-20, 1e20, 97):
+        assert significant(-float(x)) == "−" + significant(float(x))
+
+
 def test_a_number_that_rounds_to_a_thousand_is_written_as_one():
     assert [short(x) for x in (999.4, 999.5, 1000.0, 1234.5)] == ["999", "1,000", "1,000", "1,234"]
     assert [short(x) for x in (0.00025, 2e-6, 20.0)] == ["0.00025", "2·10⁻⁶", "20"]
