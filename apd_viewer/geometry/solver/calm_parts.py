@@ -3,8 +3,10 @@
 A surface that keeps its total area alone pays for a stretch by shrinking everywhere, limbs that have
 nothing to do with the gesture included. What a gesture can reach is told by the harmonic functions h that
 are 1 on a handle and 0 on whatever else is held: ``|grad h|^2`` falls by powers of ten into parts that lead
-nowhere. Each level of it has an area of its own to keep, so that a stretch is paid for nearby. The levels
-depend on what is held alone, and not on where: nothing jumps while a handle moves.
+nowhere. Each level of it has an area of its own to keep, so that a stretch is paid for nearby. Levels farther
+out are often in several places, such as a belly and the legs: the largest connected part keeps its area
+apart from the others, or a bulge of the one would be paid for by the others. The levels depend on what is
+held alone, and not on where: nothing jumps while a handle moves.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from scipy.sparse import csr_array, diags_array
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import two_grid
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE, Soft, what_is_missing
@@ -50,11 +53,26 @@ def calm_levels(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft:
     Returns
     -------
     (g, n) float array
-        From 0 to 1; 0 at held vertices and in loose parts, which keep their area by themselves.
+        From 0 to 1; 0 in loose parts, which keep their area by themselves, and where all around is held.
     """
-    level = _hats(flux(shape, held, handle_of, soft)) * _is_free(shape, held)
-    areas = level @ shape.vertex_areas
-    return level[areas >= _LEAST_SHARE * shape.vertex_areas.sum()]
+    levels = _hats(flux(shape, held, handle_of, soft)) * _is_reached(shape, held)
+    # The level next to the gesture stays whole: two goals there contradict each other in a strong pull.
+    found = [*levels[:1], *(part for level in levels[1:] for part in _parts(shape, level))]
+    return np.array([level for level in found if _counts(shape, level)]).reshape(-1, len(shape.V))
+
+
+def _parts(shape: SolveMesh, level: np.ndarray) -> list[np.ndarray]:
+    """Weights of the largest connected part of a ``level`` (n,), and of all others."""
+    within = (level > 0.0)[shape.F].all(axis=1)
+    number = pieces(shape.F[within], len(level))
+    largest = number == np.argmax(np.bincount(number, level * shape.vertex_areas))
+    others = level * ~largest
+    return [level * largest, others] if _counts(shape, others) else [level]
+
+
+def _counts(shape: SolveMesh, level: np.ndarray) -> bool:
+    """True if the area of a ``level`` (n,) is worth a goal."""
+    return bool(level @ shape.vertex_areas >= _LEAST_SHARE * shape.vertex_areas.sum())
 
 
 def calmness(mesh: Mesh, labels: np.ndarray, soft: Soft) -> np.ndarray:
@@ -109,6 +127,7 @@ def flux(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft: Soft) 
     if whole <= _ROUNDING:
         return np.zeros(len(V))  # nothing is between a handle and what else is held
     mean = float(size @ squared**2) / whole
+    size = size * _is_free(shape, held)[F].any(axis=1)  # next to what is held, the slope of what is not
     around = np.maximum(np.bincount(F.ravel(), np.repeat(size, 3), len(V)), 1e-300)
     share = np.bincount(F.ravel(), np.repeat(size * squared, 3), len(V)) / around / mean
     return np.log10(np.maximum(share, _LEAST_FLUX))
@@ -145,6 +164,13 @@ def _is_free(shape: SolveMesh, held: np.ndarray) -> np.ndarray:
     moves = np.isin(shape.piece, shape.piece[held])
     moves[held] = False
     return moves
+
+
+def _is_reached(shape: SolveMesh, held: np.ndarray) -> np.ndarray:
+    """Mask (n,) of the corners of the triangles that can deform."""
+    reached = np.zeros(len(shape.V), dtype=bool)
+    reached[shape.F[_is_free(shape, held)[shape.F].any(axis=1)]] = True
+    return reached
 
 
 def _squared_slopes(V: np.ndarray, F: np.ndarray, h: np.ndarray) -> np.ndarray:

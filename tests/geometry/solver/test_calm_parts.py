@@ -130,7 +130,7 @@ def test_other_goals_hold_beside_them(asked):
 
 def test_they_give_way_where_the_total_cannot_be_kept_with_them_and_come_back():
     solver = solver_of()
-    solver.aim(turned([0, 1, 0], 0, (0.0, 4.0, 0.0)))
+    solver.aim(turned([0, 1, 0], 0, (0.0, 6.0, 0.0)))
     while not solver.settled:
         assert abs(solver.step().area_error) <= 1e-9
     frame = solver.frame()
@@ -154,12 +154,25 @@ def test_levels_share_the_calm_vertices_among_them():
     x = flux(REST.shape, ids, handle_of, NO_SOFT)
     levels = calm_levels(REST.shape, ids, handle_of, NO_SOFT)
     assert levels.min() >= 0.0
-    assert not levels[:, ids].any()
+    inside = np.setdiff1d(ids, REST.shape.F[~np.isin(REST.shape.F, ids).all(axis=1)])
+    assert len(inside) > 0
+    assert not levels[:, inside].any()
     free = np.setdiff1d(np.arange(len(REST.shape.V)), ids)
     np.testing.assert_allclose(
         levels[:, free].sum(axis=0), np.clip((-0.5 - x[free]) / 0.5, 0.0, 1.0), rtol=0, atol=1e-12
     )
     assert share_calm(np.array([0.0, -0.5, -4.0, -9.0])) == pytest.approx([0.0, 0.0, 1.0, 1.0])
+
+
+def test_the_largest_part_of_a_level_keeps_its_area_apart_from_the_others():
+    """The legs, which are connected below the base, and the arms."""
+    levels = calm_levels(REST.shape, *held(), NO_SOFT)
+    legs, arms = REST.shape.V[:, 1] < -0.8, np.abs(REST.shape.V[:, 0]) > 2.0
+    last = levels[-2:]
+    assert last[0][legs].min() == 1.0
+    assert not last[0][arms].any()
+    assert last[1][arms].any()
+    assert not last[1][legs].any()
 
 
 def test_the_flux_of_a_bar_is_the_same_everywhere():
