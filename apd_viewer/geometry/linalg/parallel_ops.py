@@ -69,6 +69,24 @@ def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 @parallel()
+def products(A: np.ndarray, start: np.ndarray, which: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Inner products (k, l) of ``A`` (k, n, 3) with ``B`` (l, n, 3).
+
+    Row i of ``A`` is zero but for those of its arrays numbered ``which[start[i]:start[i + 1]]``.
+    """
+    count = (len(start) - 2 + _PORTION) // _PORTION
+    sums = np.zeros((count, len(A), len(B)))
+    for portion in prange(count):
+        for i in range(portion * _PORTION, min(len(start) - 1, (portion + 1) * _PORTION)):
+            for e in range(start[i], start[i + 1]):
+                k = which[e]
+                x, y, z = A[k, i, 0], A[k, i, 1], A[k, i, 2]
+                for m in range(len(B)):
+                    sums[portion, k, m] += B[m, i, 0] * x + B[m, i, 1] * y + B[m, i, 2] * z
+    return sums.sum(axis=0)
+
+
+@parallel()
 def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
     """Add ``sum_k c_k A_k`` of ``A`` (k, n, 3) to ``X`` (n, 3), in place."""
     for portion in prange((len(X) + _PORTION - 1) // _PORTION):
@@ -78,6 +96,25 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
                 X[i, 0] += c[k] * A[k, i, 0]
                 X[i, 1] += c[k] * A[k, i, 1]
                 X[i, 2] += c[k] * A[k, i, 2]
+
+
+@parallel()
+def add_at(
+    X: np.ndarray, c: np.ndarray, A: np.ndarray, start: np.ndarray, which: np.ndarray, rows: np.ndarray
+) -> None:
+    """Add rows of ``sum_k c_k A_k`` to ``X`` (f, 3), in place.
+
+    ``A`` is as in :func:`products`.
+    """
+    for r in prange(len(rows)):
+        i = rows[r]
+        x, y, z = X[r, 0], X[r, 1], X[r, 2]
+        for e in range(start[i], start[i + 1]):
+            k = which[e]
+            x += c[k] * A[k, i, 0]
+            y += c[k] * A[k, i, 1]
+            z += c[k] * A[k, i, 2]
+        X[r, 0], X[r, 1], X[r, 2] = x, y, z
 
 
 @parallel()

@@ -58,30 +58,54 @@ class WeightedAreas:
     patch : Patch
         All triangles.
     weight : (m, g) float32 array
-        Weight of each triangle in each sum.
+        Weight of each triangle in each sum. The sum of all areas costs least, then those of few triangles.
 
     Attributes
     ----------
     count : int
         Number of sums.
+    support : (n, g) bool array
+        The vertices on which each sum depends.
     """
 
     def __init__(self, patch: Patch, weight: np.ndarray) -> None:
         self.count = weight.shape[1]
-        self._patch, self._weight = patch, np.ascontiguousarray(weight)
-        self._normals = np.empty((0, 3))
+        self._patch, self._normals = patch, np.empty((0, 3))
+        all_areas = np.flatnonzero((weight == 1.0).all(axis=0))[:1]
+        self._all_areas = int(all_areas[0]) if len(all_areas) else -1
+        counts = weight != 0.0
+        counts[:, all_areas] = False
+        n = len(patch.start) - 1
+        self.support = np.zeros((n, self.count), dtype=bool)
+        for corners in patch.F.T:
+            np.logical_or.at(self.support, corners, counts)
+        self._weights = *nonzero_of_rows(counts), weight[counts]
+        self._partial = nonzero_of_rows(self.support)
+        self.support[:, all_areas] = True
 
     def values(self, U: np.ndarray) -> np.ndarray:
         """Sums (g,) at ``U`` (n, 3)."""
-        return _weighted_areas(U, self._patch.F, self._weight)
+        return _weighted_areas(U, self._patch.F, *self._weights, self._all_areas, self.count)
 
     def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
-        """Sums (g,) at ``U`` (n, 3); their gradients are written into ``g`` (g, n, 3)."""
+        """Sums (g,) at ``U`` (n, 3); their gradients are written into ``g`` (g, n, 3).
+
+        Only the :attr:`support` of each is written.
+        """
         patch = self._patch
         if len(self._normals) != len(patch.F):
             self._normals = np.empty((len(patch.F), 3))
         corners = patch.start, patch.corner, patch.second, patch.third
-        return _weighted_areas_and_gradients(U, patch.F, *corners, self._weight, self._normals, g)
+        return _weighted_areas_and_gradients(
+            U, patch.F, *corners, *self._weights, *self._partial, self._all_areas, self._normals, g
+        )
+
+
+def nonzero_of_rows(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Starts (n + 1,) of the rows of a ``mask`` (n, k), and the columns that are set."""
+    rows, columns = np.nonzero(mask)
+    starts = np.searchsorted(rows, np.arange(len(mask) + 1))
+    return starts.astype(np.uint32), columns.astype(np.uint32)
 
 
 def triangle_weights(F: np.ndarray, weight: np.ndarray | None, is_smooth: bool) -> np.ndarray:
@@ -160,19 +184,32 @@ def area_volume_change(
 
 
 @parallel()
-def _weighted_areas(U: np.ndarray, F: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def _weighted_areas(
+    U: np.ndarray,
+    F: np.ndarray,
+    first: np.ndarray,
+    which: np.ndarray,
+    weight: np.ndarray,
+    all_areas: int,
+    sums_count: int,
+) -> np.ndarray:
     count = (len(F) + _PORTION - 1) // _PORTION
-    sums = np.zeros((count, weight.shape[1]))
+    sums = np.zeros((count, sums_count))
+    total = 0.0
     for portion in prange(count):
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
             ax, ay, az = U[j, 0] - U[i, 0], U[j, 1] - U[i, 1], U[j, 2] - U[i, 2]
             bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
             x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            area = 0.5 * np.sqrt(x * x + y * y + z * z)
-            for s in range(weight.shape[1]):
-                sums[portion, s] += weight[t, s] * area
-    return sums.sum(axis=0)
+            double = np.sqrt(x * x + y * y + z * z)
+            total += double
+            for e in range(first[t], first[t + 1]):
+                sums[portion, which[e]] += weight[e] * (0.5 * double)
+    values = sums.sum(axis=0)
+    if all_areas >= 0:
+        values[all_areas] = 0.5 * total
+    return values
 
 
 @parallel()
@@ -183,7 +220,12 @@ def _weighted_areas_and_gradients(
     corner: np.ndarray,
     second: np.ndarray,
     third: np.ndarray,
+    first: np.ndarray,
+    which: np.ndarray,
     weight: np.ndarray,
+    support: np.ndarray,
+    supported: np.ndarray,
+    all_areas: int,
     normals: np.ndarray,
     g: np.ndarray,
 ) -> np.ndarray:
@@ -191,6 +233,7 @@ def _weighted_areas_and_gradients(
     # a triangle without area is taken as zero.
     count = (len(F) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, len(g)))
+    total = 0.0
     for portion in prange(count):
         for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
             i, j, k = F[t, 0], F[t, 1], F[t, 2]
@@ -198,27 +241,38 @@ def _weighted_areas_and_gradients(
             bx, by, bz = U[k, 0] - U[i, 0], U[k, 1] - U[i, 1], U[k, 2] - U[i, 2]
             x, y, z = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
             double = np.sqrt(x * x + y * y + z * z)
-            for s in range(len(g)):
-                sums[portion, s] += weight[t, s] * (0.5 * double)
+            total += double
+            for e in range(first[t], first[t + 1]):
+                sums[portion, which[e]] += weight[e] * (0.5 * double)
             h = 0.5 / double if double > 0.0 else 0.0
             normals[t, 0], normals[t, 1], normals[t, 2] = h * x, h * y, h * z
     for portion in prange((len(U) + _PORTION - 1) // _PORTION):
-        sum_ = np.empty((len(g), 3))
+        part = np.zeros((len(g), 3))
         for i in range(portion * _PORTION, min(len(U), (portion + 1) * _PORTION)):
-            sum_[:] = 0.0
-            for e in range(start[i], start[i + 1]):
-                t, j, k = corner[e] // 3, second[e], third[e]
+            sx = sy = sz = 0.0
+            for c in range(start[i], start[i + 1]):
+                t, j, k = corner[c] // 3, second[c], third[c]
                 x, y, z = normals[t, 0], normals[t, 1], normals[t, 2]
                 ex, ey, ez = U[k, 0] - U[j, 0], U[k, 1] - U[j, 1], U[k, 2] - U[j, 2]
                 gx, gy, gz = y * ez - z * ey, z * ex - x * ez, x * ey - y * ex
-                for s in range(len(g)):
-                    w = weight[t, s]
-                    sum_[s, 0] += w * gx
-                    sum_[s, 1] += w * gy
-                    sum_[s, 2] += w * gz
-            for s in range(len(g)):
-                g[s, i, 0], g[s, i, 1], g[s, i, 2] = sum_[s, 0], sum_[s, 1], sum_[s, 2]
-    return sums.sum(axis=0)
+                sx += gx
+                sy += gy
+                sz += gz
+                for e in range(first[t], first[t + 1]):
+                    s, w = which[e], weight[e]
+                    part[s, 0] += w * gx
+                    part[s, 1] += w * gy
+                    part[s, 2] += w * gz
+            if all_areas >= 0:
+                g[all_areas, i, 0], g[all_areas, i, 1], g[all_areas, i, 2] = sx, sy, sz
+            for e in range(support[i], support[i + 1]):
+                s = supported[e]
+                g[s, i, 0], g[s, i, 1], g[s, i, 2] = part[s, 0], part[s, 1], part[s, 2]
+                part[s, 0] = part[s, 1] = part[s, 2] = 0.0
+    values = sums.sum(axis=0)
+    if all_areas >= 0:
+        values[all_areas] = 0.5 * total
+    return values
 
 
 @parallel()

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.mesh.measures import nonzero_of_rows
 from apd_viewer.geometry.solver.goals import Goal, GoalMeasures
 
 # Relative to the value at rest; ten times better than promised.
@@ -60,6 +61,7 @@ class Projection:
         self._elastic = elastic
         self.goals = goals
         self._measures = GoalMeasures(goals)
+        self._support = nonzero_of_rows(self._measures.support.reshape(len(elastic.U), len(goals)))
         self._target = np.array([goal.target for goal in goals])
         self._unit = np.array([abs(goal.rest) for goal in goals])
         self.g = np.zeros((len(goals), *elastic.U.shape))
@@ -107,8 +109,11 @@ class Projection:
 
     def _slopes(self) -> np.ndarray:
         """Slope of each goal (rows) along each direction (columns)."""
-        rows = len(self.goals), self.g.shape[1] * 3
-        return self.g.reshape(rows) @ self._y.reshape(rows).T
+        return parallel_ops.products(self.g, *self._support, self._y)
+
+    def add(self, X: np.ndarray, c: np.ndarray, g: np.ndarray) -> None:
+        """Add ``sum_k c_k g_k`` of gradients ``g`` (g, n, 3) to forces ``X`` (f, 3)."""
+        parallel_ops.add_at(X, c, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""

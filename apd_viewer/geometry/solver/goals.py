@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -107,14 +108,22 @@ class GoalMeasures:
     ----------
     goals : sequence of Goal
         Of one mesh; the volume, if it is one of them, comes last.
+
+    Attributes
+    ----------
+    support : (n, g) bool array
+        The vertices on which each goal depends; n is 0 without goals.
     """
 
     def __init__(self, goals: Sequence[Goal]) -> None:
         areas = [goal for goal in goals if not goal.is_volume]
         self._count = len(goals)
         self._areas = self._volume = None
+        n = len(goals[0].patch.start) - 1 if goals else 0
+        self.support = np.ones((n, len(goals)), dtype=bool)
         if areas:
             self._areas = WeightedAreas(areas[0].patch, np.column_stack([goal.share for goal in areas]))
+            self.support[:, : len(areas)] = self._areas.support
         if len(areas) < len(goals):
             self._volume = goals[-1].patch
 
@@ -128,7 +137,10 @@ class GoalMeasures:
         return values
 
     def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
-        """The same; the gradients are written into ``g`` (g, n, 3)."""
+        """The same; the gradients are written into ``g`` (g, n, 3).
+
+        Only the :attr:`support` of each is written.
+        """
         values = np.empty(self._count)
         if self._areas is not None:
             count = self._areas.count
@@ -182,7 +194,7 @@ def make_goals(
     goals, shape = [], rest.shape
     outside = np.ones(len(shape.V))  # what is asked of a region need not agree with its calmness
     if area is not None:
-        goals.append(_goal("the area", shape, area))
+        goals.append(_goal("the area", shape, area, rest.area))
     for region in regions:
         if region.area is not None:
             corners = np.unique(patch_of(rest, region).F)
@@ -194,14 +206,14 @@ def make_goals(
         if rest.why_no_volume or not rest.volume:
             why = rest.why_no_volume or tr("the surface encloses no volume")
             raise InputError(tr("There is no volume to keep: {why}; leave the volume free.").format(why=why))
-        goals.append(_goal("the volume", shape, inside, is_volume=True))
+        goals.append(_goal("the volume", shape, inside, rest.volume, is_volume=True))
     return tuple(goals)
 
 
 def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
     inside = np.zeros(len(shape.V))
     inside[corners] = 1.0
-    goal = _goal(f"“{region.name}”", shape, region.area, inside)
+    goal = _goal(f"“{region.name}”", shape, region.area, weight=inside)
     if goal.rest <= 0.0:
         raise InputError(
             tr("The region “{name}” contains no complete triangle; make it larger.").format(name=region.name)
@@ -210,23 +222,30 @@ def _region_goal(shape: SolveMesh, region: Region, corners: np.ndarray) -> Goal:
 
 
 def _calm_goals(shape: SolveMesh, area: float, levels: np.ndarray) -> list[Goal]:
-    goals = [_goal(f"calm parts {k}", shape, area, levels[k], is_smooth=True) for k in range(len(levels))]
+    goals = [
+        _goal(f"calm parts {k}", shape, area, weight=levels[k], is_smooth=True) for k in range(len(levels))
+    ]
     return [goal for goal in goals if goal.rest > 0.0]
 
 
 def _goal(
-    name: str, shape: SolveMesh, percent: float | None, weight: np.ndarray | None = None, **kind: bool
+    name: str, shape: SolveMesh, percent: float | None, value: float | None = None, **kind: Any
 ) -> Goal:
+    """The goal of a percentage of its value at rest, measured if it is not known."""
     if not isinstance(percent, Real) or isinstance(percent, bool) or not _LEAST <= percent <= _MOST:
         raise InputError(
             tr("The target of {name} must be a percentage from {least:g} to {most:g}, such as 100.").format(
                 name=_WORDS.get(name, name), least=_LEAST, most=_MOST
             )
         )
-    return at_rest(Goal(name, shape.whole, 1.0, float(percent) / 100.0, weight, **kind), shape.V)
+    goal = Goal(name, shape.whole, 1.0, float(percent) / 100.0, **kind)
+    return at_rest(goal, shape.V) if value is None else _scaled(goal, value)
 
 
 def at_rest(goal: Goal, V: np.ndarray) -> Goal:
     """The goal at the same percentage of its value at rest, ``V`` (n, 3)."""
-    rest = float(GoalMeasures((goal,)).values(V)[0])
+    return _scaled(goal, float(GoalMeasures((goal,)).values(V)[0]))
+
+
+def _scaled(goal: Goal, rest: float) -> Goal:
     return replace(goal, rest=rest, target=rest * (goal.target / goal.rest))

@@ -45,18 +45,18 @@ class QuasiNewton:
         if projection.worn:
             projection.refresh(elastic.U)
         G = elastic.residual(held)
-        g = np.array([parallel_ops.taken(gradient, elastic.free) for gradient in projection.g])
         self.multipliers = projection.multipliers(G)
-        slope = G.copy()
-        parallel_ops.add(slope, -self.multipliers, g.reshape(-1, *G.shape))
+        slope, spare = G.copy(), None
+        projection.add(slope, -self.multipliers, projection.g)
         if self._last is not None:
-            step, G_before, g_before = self._last
+            step, G_before, spare = self._last
             change = slope - G_before
-            parallel_ops.add(change, self.multipliers, g_before)
+            projection.add(change, self.multipliers, spare)
             self._memory.learn(step, change)
+        g, projection.g = projection.g, np.zeros_like(projection.g) if spare is None else spare
         before = parallel_ops.taken(elastic.U, elastic.free)
         arrived = self._go(before, slope, held)
-        self._last = (arrived - before, G, g.reshape(-1, *G.shape)) if arrived is not None else None
+        self._last = (arrived - before, G, g) if arrived is not None else None
         return arrived is not None
 
     def _go(self, before: np.ndarray, slope: np.ndarray, held: np.ndarray) -> np.ndarray | None:

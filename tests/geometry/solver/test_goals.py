@@ -38,7 +38,7 @@ def test_values_and_gradients_belong_together():
     measures = GoalMeasures(goals)
     rng = np.random.default_rng(0)
     U, direction = V + 0.1 * rng.normal(size=V.shape), rng.normal(size=V.shape)
-    g = np.empty((len(goals), *V.shape))
+    g = np.zeros((len(goals), *V.shape))
     values = measures.values_and_gradients(U, g)
     np.testing.assert_allclose(values, measures.values(U), rtol=1e-13)
     np.testing.assert_allclose(values, [value(goal, U) for goal in goals], rtol=1e-13)
