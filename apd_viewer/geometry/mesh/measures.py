@@ -100,6 +100,10 @@ class WeightedAreas:
             U, patch.F, *corners, *self._weights, *self._partial, self._all_areas, self._normals, g
         )
 
+    def largest_tension(self, c: np.ndarray) -> float:
+        """The largest of the triangles' ``|sum_k c_k weight_k|``."""
+        return _largest_tension(*self._weights, self._all_areas, c)
+
 
 def nonzero_of_rows(mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Starts (n + 1,) of the rows of a ``mask`` (n, k), and the columns that are set."""
@@ -210,6 +214,20 @@ def _weighted_areas(
     if all_areas >= 0:
         values[all_areas] = 0.5 * total
     return values
+
+
+@njit(cache=True, nogil=True)
+def _largest_tension(
+    first: np.ndarray, which: np.ndarray, weight: np.ndarray, all_areas: int, c: np.ndarray
+) -> float:
+    everywhere = c[all_areas] if all_areas >= 0 else 0.0
+    largest = 0.0
+    for t in range(len(first) - 1):
+        tension = everywhere
+        for e in range(first[t], first[t + 1]):
+            tension += c[which[e]] * weight[e]
+        largest = max(largest, abs(tension))
+    return largest
 
 
 @parallel()

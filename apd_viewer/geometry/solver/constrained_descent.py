@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numba import njit
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.solver.goal_projection import MET, Projection
@@ -83,6 +82,7 @@ class ConstrainedDescent:
         self._tolerance = tolerance
         self._plain = plain
         self._metric = LateMetric(elastic)
+        self._edge = float(np.sqrt(elastic.rest.vertex_areas.mean()))
         self.goals: tuple[Goal, ...] = ()
         self.multipliers = np.zeros(0)
         self.keep(goals)
@@ -139,8 +139,6 @@ class ConstrainedDescent:
         if [goal.name for goal in goals] != [goal.name for goal in self.goals]:
             self.multipliers = np.zeros(len(goals))
         self.goals = goals
-        edge = np.sqrt(self.elastic.rest.vertex_areas.mean())
-        self._scale = np.array([edge if goal.is_volume else 1.0 for goal in goals])
         self._projection = Projection(self.elastic, goals)
         self._age = 0
         self._reset()
@@ -211,7 +209,7 @@ class ConstrainedDescent:
         if not self.goals:
             elastic.iterate(self.held)
             return
-        met_before, pressure = self.met, _pressure(self.multipliers, self._scale)
+        met_before, pressure = self.met, self._pressure(self.multipliers)
         self._update_directions(pressure)
         start, end = elastic.U, elastic.global_step(self.held, self.multipliers, projection.g)
         steady = 1.0 / max(1.0, _STEADY + pressure)
@@ -220,7 +218,7 @@ class ConstrainedDescent:
             U, mu = projection.onto(end if share == 1.0 else self._between(start, end, share))
             if self.met:
                 break
-        self.multipliers = _updated(self.multipliers, mu, share, self._scale)
+        self.multipliers = self._updated(share, mu)
         elastic.local_step(U)
         self._give_up_hopeless()
 
@@ -240,6 +238,14 @@ class ConstrainedDescent:
         U[self.elastic.fixed] = self.held[: len(self.elastic.fixed)]
         return U
 
+    def _updated(self, share: float, mu: np.ndarray) -> np.ndarray:
+        """The multipliers plus a share of ``mu``, with growth and pressure bounded."""
+        updated = self.multipliers + share * mu / max(1.0, self._pressure(mu) / _LARGEST_GROWTH)
+        return updated / max(1.0, self._pressure(updated) / _LARGEST_PRESSURE)
+
+    def _pressure(self, multipliers: np.ndarray) -> float:
+        return self._projection.pressure(multipliers, self._edge)
+
     def _give_up_hopeless(self) -> None:
         """Give the goals up after a long stall, and restore the best shape."""
         worst = self._projection.worst
@@ -251,19 +257,3 @@ class ConstrainedDescent:
             self.stuck = True
             self.elastic.local_step(self._nearest[1])
             self._projection.evaluate(self.elastic.U)
-
-
-# Kernels although small: every iteration needs them.
-
-
-@njit(cache=True, nogil=True)
-def _pressure(multipliers: np.ndarray, scale: np.ndarray) -> float:
-    """Rate of change of the multipliers' forces with the shape, against K."""
-    return (np.abs(multipliers) * scale).sum()
-
-
-@njit(cache=True, nogil=True)
-def _updated(multipliers: np.ndarray, mu: np.ndarray, share: float, scale: np.ndarray) -> np.ndarray:
-    """The multipliers plus a share of ``mu``, with growth and pressure bounded."""
-    updated = multipliers + share * mu / max(1.0, _pressure(mu, scale) / _LARGEST_GROWTH)
-    return updated / max(1.0, _pressure(updated, scale) / _LARGEST_PRESSURE)

@@ -86,6 +86,17 @@ class Projection:
         """True if the directions are outdated."""
         return _worn(self._inverse, self._inverse_at_first)
 
+    def pressure(self, multipliers: np.ndarray, edge: float) -> float:
+        """Rate of change of the multipliers' forces with the shape, against K.
+
+        Parameters
+        ----------
+        multipliers : (g,) float array
+        edge : float
+            Length of an edge.
+        """
+        return self._measures.pressure(multipliers, edge)
+
     def evaluate(self, U: np.ndarray) -> None:
         """Find values and gradients at ``U`` (n, 3)."""
         self.values = self._measures.values_and_gradients(U, self.g)

@@ -136,6 +136,15 @@ class GoalMeasures:
             values[-1] = volume(U, self._volume.F)
         return values
 
+    def pressure(self, c: np.ndarray, edge: float) -> float:
+        """Rate of change of forces ``sum_k c_k g_k`` with the shape, against its Laplacian.
+
+        Goals of areas pull at the same triangles, and may cancel there. The volume counts for its multiplier
+        times the length ``edge``.
+        """
+        area = 0.0 if self._areas is None else self._areas.largest_tension(c[: self._areas.count])
+        return area + (0.0 if self._volume is None else abs(float(c[-1])) * edge)
+
     def values_and_gradients(self, U: np.ndarray, g: np.ndarray) -> np.ndarray:
         """The same; the gradients are written into ``g`` (g, n, 3).
 
