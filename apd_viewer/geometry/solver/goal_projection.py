@@ -108,15 +108,18 @@ class Projection:
         for y, g in zip(self._y, self.g, strict=True):
             y[free] = self._elastic.solve(g[free])
         slopes = self._slopes()
-        movable = np.flatnonzero(np.diag(slopes) > 0.0)
         # A goal without free vertices cannot change, and is not waited for.
-        self._reach = np.full(len(self.goals), np.inf)
-        self._reach[movable] = self._unit[movable]
-        scale = np.sqrt(np.diag(slopes)[movable])
+        self._reach = np.where(np.diag(slopes) > 0.0, self._unit, np.inf)
+        self._inverse = self._inverse_at_first = self._inverse_of(slopes)
+
+    def _inverse_of(self, slopes: np.ndarray) -> np.ndarray:
+        movable = np.flatnonzero(np.isfinite(self._reach))
+        scale = np.sqrt(np.abs(np.diag(slopes)[movable]))
         scales, block = np.outer(scale, scale), np.ix_(movable, movable)
-        self._inverse = self._inverse_at_first = np.zeros_like(slopes)
+        inverse = np.zeros_like(slopes)
         # Dependent goals are met in the sense of least squares.
-        self._inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
+        inverse[block] = np.linalg.pinv(slopes[block] / scales, rcond=1e-4) / scales
+        return inverse
 
     def _slopes(self) -> np.ndarray:
         """Slope of each goal (rows) along each direction (columns)."""
@@ -129,7 +132,10 @@ class Projection:
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""
         along = parallel_ops.dots_at(self._y, self._elastic.free, G)
-        return np.linalg.lstsq(self._slopes().T, along, rcond=1e-10)[0]
+        slopes = self._slopes()
+        if len(self.goals) > 1:  # steps have told the slope along one line only
+            self._inverse = self._inverse_of(slopes)
+        return np.linalg.lstsq(slopes.T, along, rcond=1e-10)[0]
 
     def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.

@@ -137,7 +137,7 @@ class GoalMeasures:
         return values
 
     def pressure(self, c: np.ndarray, edge: float) -> float:
-        """Rate of change of forces ``sum_k c_k g_k`` with the shape, against its Laplacian.
+        """Stiffness of the forces ``sum_k c_k g_k`` against the Laplacian.
 
         Goals of areas pull at the same triangles, and may cancel there. The volume counts for its multiplier
         times the length ``edge``.
