@@ -7,6 +7,7 @@ positions and its matrix is always the same:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 
+Where there is bending, triangles that collapse push back (:class:`AreaBarrier`), with a force in b alone.
 Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
 """
 
@@ -165,6 +166,7 @@ class Elastic:
             more = self.membrane.pull()
         if self._bending is not None:
             pull = self._bending.pull(self.q, material.bending)
+            pull -= 0.25 * material.bending * self.rest.area_barrier.gradient(self.U)
             more = pull if more is _NOTHING else more + pull
         terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
         return arap_cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
@@ -237,7 +239,7 @@ class Elastic:
         """Energy at ``U`` (n, 3) of cells with rotations ``q`` (n, 4), and of springs."""
         E = self.material.rigidity * arap_cells.energy(*self.rest.graph, self.rest.V, U, q)
         if self._bending is not None:
-            E += self.material.bending * self._bending.energy(U, q)
+            E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
         if len(self.soft.ids):
             away = U[self.soft.ids] - self._targets[len(self.fixed) :]
             E += 2.0 * float(self._firm @ (away * away).sum(axis=1))

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from apd_viewer.geometry.energy import arap_cells
+from apd_viewer.geometry.energy.area_barrier import AreaBarrier
 from apd_viewer.geometry.energy.bending import Bending
 from apd_viewer.geometry.mesh.components import pieces
 from apd_viewer.geometry.mesh.decimation import Thinning, edge_length, neighbourhoods, thinned
@@ -92,6 +93,11 @@ class SolveMesh:
         edge = edge_length(self.V[vertices], F)
         normals = vertex_normals(self.V, self.F)
         return Thinning(vertices, F, *neighbourhoods(self.V, normals, self.piece, vertices, edge), edge)
+
+    @cached_property
+    def area_barrier(self) -> AreaBarrier:
+        """Penalty on triangles of a stiff wall that collapse."""
+        return AreaBarrier(self.V, self.whole.F)
 
     @cached_property
     def thinner(self) -> SolveMesh:

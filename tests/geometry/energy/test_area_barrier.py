@@ -1,0 +1,63 @@
+"""What keeps triangles apart that would collapse: a naive sum, its gradient, and where it is silent."""
+
+import numpy as np
+import oracle
+import pytest
+from meshes import sphere, tube
+
+from apd_viewer.geometry.energy.area_barrier import AreaBarrier
+from apd_viewer.geometry.solver.deform import deform
+
+V, F = sphere(2)
+
+
+def crumpled(amount):
+    """The sphere with its vertices displaced at random: triangles of all areas down to next to none."""
+    return V + amount * np.random.default_rng(0).normal(size=V.shape)
+
+
+def test_it_is_the_sum_over_the_triangles_below_three_tenths_of_their_area():
+    U, before = crumpled(0.1), oracle.areas(V, F)
+    share = oracle.areas(U, F) / before
+    assert (share < 0.3).sum() > 10
+    expected = 2 * before.sum() * sum((1 - s / 0.3) ** 2 for s in share if s < 0.3)
+    assert AreaBarrier(V, F).energy(U) == pytest.approx(expected, rel=1e-12)
+
+
+def test_its_gradient_is_that_of_finite_differences():
+    barrier, U, h = AreaBarrier(V, F), crumpled(0.1), 1e-7
+    share = oracle.areas(U, F) / oracle.areas(V, F)
+    assert share.min() > 1e-3  # below, a normal is rounding
+    gradient, expected = barrier.gradient(U), np.zeros_like(U)
+    for i, axis in np.ndindex(*U.shape):
+        step = np.zeros_like(U)
+        step[i, axis] = h
+        expected[i, axis] = (barrier.energy(U + step) - barrier.energy(U - step)) / (2 * h)
+    np.testing.assert_allclose(gradient, expected, atol=1e-6 * np.abs(expected).max())
+    assert np.abs(gradient.sum(axis=0)).max() <= 1e-9
+
+
+def test_the_gradient_begins_without_a_jump():
+    """At three tenths of the area, from either side."""
+    barrier, scale = AreaBarrier(V, F), np.sqrt(0.3)
+    assert np.abs(barrier.gradient(scale * (1 + 1e-9) * V)).max() == 0.0
+    assert barrier.energy(scale * (1 + 1e-9) * V) == 0.0
+    assert 0.0 < np.abs(barrier.gradient(scale * (1 - 1e-9) * V)).max() <= 1e-5
+
+
+def test_slivers_and_flat_triangles_leave_it_finite():
+    X = np.vstack([V, V[0] + 1e-12])
+    barrier = AreaBarrier(X, np.vstack([F, [0, 1, len(V)]]))
+    for U in (X, 0.0 * X, np.outer(X[:, 0], [1.0, 0, 0])):
+        assert np.isfinite(barrier.energy(U))
+        assert np.isfinite(barrier.gradient(U)).all()
+    assert barrier.energy(X) == 0.0
+
+
+def test_where_sharp_folds_meet_no_triangle_collapses():
+    """Without the penalty 30 triangles fell below a fifth of their area."""
+    V, F = tube(48, 100, height=10.0)
+    base, handle = np.flatnonzero(V[:, 2] < 0.8), np.flatnonzero(V[:, 2] > 9.2)
+    fixed, targets = np.concatenate([base, handle]), np.vstack([V[base], V[handle] - [0.0, 0.0, 3.0]])
+    U = deform(V, F, fixed, targets, "exact", stiffness=1e-3, handle=handle).U
+    assert (oracle.areas(U, F) > 0.2 * oracle.areas(V, F)).all()
