@@ -3,6 +3,7 @@
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
@@ -11,7 +12,6 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region
 
 __all__ = [
     "Convergence",

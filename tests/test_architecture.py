@@ -52,6 +52,7 @@ ROOMS = [
     "files/storage",
     "geometry",
     "geometry/solver",
+    "geometry/goals",
     "geometry/energy",
     "geometry/measuring",
     "geometry/analysis",

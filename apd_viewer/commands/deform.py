@@ -21,10 +21,10 @@ from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.pose.constraints import constraints
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
-from apd_viewer.geometry.solver.goals import Region
 from apd_viewer.geometry.solver.loose_parts import GO, STAY
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,

@@ -9,8 +9,8 @@ import numpy as np
 from apd_viewer.geometry.analysis import area_change, deviation
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region
 from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
 
 

@@ -15,7 +15,7 @@ from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
 from apd_viewer.language import tr
 
 MOST_REGIONS = 8
-# Percent, as accepted by geometry.solver.goals.
+# Percent, as accepted by geometry.goals.goals.
 LEAST_AREA, MOST_AREA = 1.0, 1000.0
 # Control characters and lone surrogates.
 _UNFIT = ("Cc", "Cs")

@@ -17,10 +17,10 @@ from scipy.spatial import KDTree
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+from apd_viewer.geometry.goals.goals import Goal, at_rest
 from apd_viewer.geometry.linalg.quaternions import blended, difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
-from apd_viewer.geometry.solver.goals import Goal, at_rest
 from apd_viewer.geometry.solver.iterative_solver import Level
 from apd_viewer.geometry.solver.prolongation import Prolongation
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.goals.goal_projection import Projection
+from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
-from apd_viewer.geometry.solver.goal_projection import Projection
-from apd_viewer.geometry.solver.goals import Goal
 
 
 class Preview:

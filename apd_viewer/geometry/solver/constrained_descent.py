@@ -17,8 +17,8 @@ from collections import deque
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.solver.goal_projection import MET, Projection
-from apd_viewer.geometry.solver.goals import Goal
+from apd_viewer.geometry.goals.goal_projection import MET, Projection
+from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.late_metric import LateMetric, gains_from_hessian
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
 

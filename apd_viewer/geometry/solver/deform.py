@@ -10,10 +10,10 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Reading, Region
 from apd_viewer.geometry.solver.loose_parts import GO
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,

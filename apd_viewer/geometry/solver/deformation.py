@@ -13,13 +13,14 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.calm_parts import calm_levels
+from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
-from apd_viewer.geometry.solver.calm_parts import calm_levels
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
@@ -29,7 +30,6 @@ from apd_viewer.geometry.solver.convergence import (
     step_gap,
 )
 from apd_viewer.geometry.solver.goal_set import GoalSet
-from apd_viewer.geometry.solver.goals import Reading, Region
 from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.loose_parts import GO, LooseParts
 from apd_viewer.geometry.solver.methods import (

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.goals.goal_projection import MET
+from apd_viewer.geometry.goals.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.solver.goal_projection import MET
-from apd_viewer.geometry.solver.goals import Goal, Reading, Region, make_goals, patch_of
 from apd_viewer.geometry.solver.methods import Method, check_tolerance
 from apd_viewer.language import tr
 

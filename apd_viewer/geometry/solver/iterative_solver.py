@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from apd_viewer.geometry.energy.elastic import Elastic
-    from apd_viewer.geometry.solver.goals import Goal
+    from apd_viewer.geometry.goals.goals import Goal
 
 
 class IterativeSolver(Protocol):

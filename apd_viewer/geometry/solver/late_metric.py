@@ -9,7 +9,7 @@ Kavan 2017]; the global step keeps K.
 from __future__ import annotations
 
 from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.solver.goal_projection import Projection
+from apd_viewer.geometry.goals.goal_projection import Projection
 
 # With more free vertices a frame waits too long for a factorization: 0.9 to 1.2 s with 31,000 (160 MB), up to
 # 1.6 s with 40,000, 12 s (750 MB) with 125,000.

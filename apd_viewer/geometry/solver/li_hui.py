@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import diags_array
 
+from apd_viewer.geometry.goals.goals import GoalMeasures
 from apd_viewer.geometry.mesh.operators import area
-from apd_viewer.geometry.solver.goals import GoalMeasures
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.elastic import Elastic
-    from apd_viewer.geometry.solver.goals import Goal
+    from apd_viewer.geometry.goals.goals import Goal
 
 
 class LiHui:

@@ -7,12 +7,12 @@ import numpy as np
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.energy.solve_mesh import FEWEST, SolveMesh
+from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.coarse_preview import Preview
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE, ConstrainedDescent
-from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import Level
 
 # Below so many free vertices a surface converges as soon alone.

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.goals.goal_projection import Projection
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
-from apd_viewer.geometry.solver.goal_projection import Projection
 
 _REMEMBERED = 5
 # Least part of the decrease predicted by the slope [Armijo 1966].

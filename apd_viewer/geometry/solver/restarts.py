@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
-from apd_viewer.geometry.solver.goals import Goal
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.late_metric import gains_from_hessian
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel

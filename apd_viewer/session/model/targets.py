@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.solver.goals import Region
+    from apd_viewer.geometry.goals.goals import Region
     from apd_viewer.session.model.document import Document
 
 
@@ -37,7 +37,7 @@ def kept_percentages(document: Document) -> tuple[float | None, ...]:
 def targets_of(document: Document) -> Targets:
     """Targets passed to the method, with the vertices of the regions."""
     # Here: it loads scipy and numba, and the panel of the first picture needs the percentages alone.
-    from apd_viewer.geometry.solver.goals import Region
+    from apd_viewer.geometry.goals.goals import Region
 
     area, volume, *areas = kept_percentages(document)
     regions = tuple(

@@ -177,6 +177,6 @@ def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
 
 def _calmness(document: Document) -> np.ndarray:
     # Here: the window is shown before the solver is loaded.
-    from apd_viewer.geometry.solver.calm_parts import calmness
+    from apd_viewer.geometry.goals.calm_parts import calmness
 
     return calmness(document.mesh, document.labels, document.soft)

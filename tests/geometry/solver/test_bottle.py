@@ -7,11 +7,11 @@ from scipy.spatial import cKDTree
 
 from apd_viewer.files.samples import open_sample, resource
 from apd_viewer.files.selections.survey_formats import read_transform
+from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import area, face_areas, volume
 from apd_viewer.geometry.pose.constraints import HANDLE, constraints
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region
 
 MESH, LABELS = open_sample("bottle")
 V, F = MESH.V, MESH.F

@@ -5,9 +5,9 @@ import pytest
 from meshes import rotation, tube
 from remote_factor_double import Elsewhere
 
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region
 from apd_viewer.geometry.mesh.normals import vertex_normals
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import GoalMeasures, Region
 
 V, F = tube(80, 120, height=4.0)
 FIXED = np.flatnonzero((V[:, 2] < 0.4) | (V[:, 2] > 3.6))

@@ -9,11 +9,11 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy import elastic as elastic_module
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.mesh.operators import area, volume
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals
 
 MESHES = {"tube": tube(12, 14), "box": box(2, 2, 6), "soup": soup(*tube(8, 10))}
 MOVES = {

@@ -7,11 +7,11 @@ from meshes import box, ends, moved, rotation, sample_bottle, sphere, tube
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals
 from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals
 
 MESHES = {"tube": tube(16, 20), "box": box(3, 3, 8), "sphere": sphere(3)}
 MATERIALS = {

@@ -10,10 +10,10 @@ from scipy.optimize import brentq
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import make_goals
 from apd_viewer.geometry.mesh.operators import area, volume
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import make_goals
 from apd_viewer.geometry.solver.li_hui import LiHui
 
 TUBE = tube(12, 14)

@@ -7,12 +7,12 @@ from meshes import rotation, sample_bottle, soup, sphere, tube
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import Region, make_goals
 from apd_viewer.geometry.linalg.quaternions import blended, difference
 from apd_viewer.geometry.mesh.measures import area_of
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.deformation import Deformation
-from apd_viewer.geometry.solver.goals import Region, make_goals
 from apd_viewer.geometry.solver.multilevel import Multilevel, make_ready, multilevel
 from apd_viewer.geometry.solver.restarts import Restarts
 

@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
+from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.mesh.measures import nonzero_of_rows
-from apd_viewer.geometry.solver.goals import Goal, GoalMeasures
 
 # Relative to the value at rest; ten times better than promised.
 MET = 1e-10

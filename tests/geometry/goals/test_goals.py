@@ -6,8 +6,8 @@ from meshes import box, soup, tube
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import GoalMeasures, Region, make_goals, patch_of
 from apd_viewer.geometry.mesh.operators import face_areas
-from apd_viewer.geometry.solver.goals import GoalMeasures, Region, make_goals, patch_of
 
 V, F = box(2, 3, 4)
 REST = RestMesh(V, F)

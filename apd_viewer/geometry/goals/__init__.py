@@ -1,0 +1,1 @@
+"""Areas and a volume to be met: goals, and the projection onto them."""
