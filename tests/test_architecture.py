@@ -53,6 +53,7 @@ ROOMS = [
     "geometry",
     "geometry/solver",
     "geometry/goals",
+    "geometry/contact",
     "geometry/energy",
     "geometry/measuring",
     "geometry/analysis",

@@ -48,6 +48,8 @@ class Frame:
     gap : float or None
         Measure of convergence in multiples of its tolerance; None while it is not known. Above 1 the shape
         has not converged; below, a lower minimum may still be looked for.
+    share_reached : float
+        Share of the way to the targets that contact has let the held vertices go.
     """
 
     U: np.ndarray
@@ -65,3 +67,4 @@ class Frame:
     energy: float | None = None
     total: int = 0
     gap: float | None = None
+    share_reached: float = 1.0

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.mesh.arrays import whole_numbers
+from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
     from apd_viewer.geometry.pose.constraints import Soft
 
-
+# In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
+_FARTHEST = 1e6
 # Roles of vertex ids: the array's name, and the error sentence for a missing vertex.
 _SAID = {
     "held": (tr("The held vertices"), tr("A held vertex does not exist: IDs run from 0 to {last:,}.")),
@@ -67,3 +68,44 @@ def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np
     piece = rest.shape.piece
     free = np.isin(piece[ids], piece[solve_ids]) & ~np.isin(ids, solve_ids)
     return soft.among(which[free])._replace(ids=ids[free]), which[free]
+
+
+def targets_of(
+    targets: np.ndarray, rest: RestMesh, fixed: np.ndarray, chosen: np.ndarray, inverse: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Target of every held vertex of the file and of the solve.
+
+    Parameters
+    ----------
+    targets : (k, 3) float array
+    rest : RestMesh
+    fixed : (k,) int array
+        Held vertices of the file.
+    chosen, inverse : (h,) and (k,) int arrays
+        Row of ``fixed`` for each held vertex of the solve, and the other way round.
+
+    Raises
+    ------
+    InputError
+        If a target is missing, not finite, too far away, or not the only one of its vertex.
+    """
+    targets = numbers(targets, tr("Targets"))
+    if targets.shape != (len(fixed), 3) or not np.isfinite(targets).all():
+        raise InputError(
+            tr("Targets must be {n} finite positions, one for each held vertex.").format(n=len(fixed))
+        )
+    if np.abs(targets - rest.V[fixed]).max() > _FARTHEST * rest.diagonal:
+        raise InputError(tr("A target position is too far from the mesh; check the unit and the transform."))
+    asked = targets[chosen] - rest.weld.offset_of(fixed[chosen])
+    apart = targets - rest.weld.offset_of(fixed) - asked[inverse]
+    if np.abs(apart).max() > (1e-9 + rest.weld.slack) * rest.diagonal:
+        raise InputError(tr("A vertex has two target positions; give it one."))
+    return targets, asked
+
+
+def start_of(U: np.ndarray, rest: RestMesh) -> np.ndarray:
+    """Checked start positions (n, 3); raises InputError."""
+    U = numbers(U, tr("Start positions"))
+    if U.shape != rest.V.shape or not np.isfinite(U).all():
+        raise InputError(tr("Start positions must be {n} finite positions.").format(n=len(rest.V)))
+    return U

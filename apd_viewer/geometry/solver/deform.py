@@ -91,6 +91,8 @@ def deform(
     regions: Sequence[Region] = (),
     loose: str | Sequence[int] | np.ndarray = GO,
     calm: bool = True,
+    contact: bool = False,
+    thickness: float | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
@@ -100,7 +102,7 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, convergence
+    area, volume, regions, loose, calm, contact, thickness, convergence
         See there too.
     targets : (k, 3) float array
         A position for each of ``fixed``, mesh units.
@@ -136,6 +138,8 @@ def deform(
         regions=regions,
         loose=loose,
         calm=calm,
+        contact=contact,
+        thickness=thickness,
         convergence=convergence,
         plain=iterations is not None,
     )

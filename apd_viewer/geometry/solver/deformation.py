@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Sequence
@@ -20,8 +21,9 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.arguments import handle_of, soft_of, vertex_ids
+from apd_viewer.geometry.solver.arguments import handle_of, soft_of, start_of, targets_of, vertex_ids
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
+from apd_viewer.geometry.solver.contact_descent import check_contact, in_contact
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
     MEMORY,
@@ -49,8 +51,6 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-12
 _CALM_GAVE_WAY = tr("Calm parts give way in this pose: with their areas kept, the targets are out of reach.")
-# In diagonals of the bounding box; beyond, squares of lengths leave no digits for the mesh.
-_FARTHEST = 1e6
 
 
 class Deformation:
@@ -100,6 +100,12 @@ class Deformation:
         What ends the iterations.
     calm : bool
         "exact" keeps the area of calm parts too, those that the gesture does not reach.
+    contact : bool
+        No shape crosses itself more than the mesh does at rest; held vertices may be stopped on their way.
+        Connected parts without held vertices are left out.
+    thickness : float, optional
+        Distance that walls in contact keep, mesh units; a thousandth of the diagonal of the bounding box
+        without it.
 
     Attributes
     ----------
@@ -133,6 +139,8 @@ class Deformation:
         loose: str | Sequence[int] | np.ndarray = GO,
         convergence: Convergence = DEFAULT_CONVERGENCE,
         calm: bool = True,
+        contact: bool = False,
+        thickness: float | None = None,
     ) -> None:
         if rest is None:
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
@@ -159,6 +167,12 @@ class Deformation:
             started = time.perf_counter()
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
             self._solver = self._solver_of(elastic, plain)
+            self._contact = None
+            if contact:
+                check_contact(self._traits, plain, thickness)
+                of = np.concatenate([self._handle_of, self._soft.handle + 1])
+                self._contact = in_contact(self._solver, self._kept.goals, rest, of, thickness)
+                self._solver = self._contact
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
@@ -231,27 +245,8 @@ class Deformation:
         soft_targets : (s, 3) float array, optional
             Where each of the soft vertices is drawn to; without, to where it is at rest.
         """
-        targets = numbers(targets, tr("Targets"))
-        if targets.shape != (len(self.fixed), 3) or not np.isfinite(targets).all():
-            raise InputError(
-                tr("Targets must be {n} finite positions, one for each held vertex.").format(
-                    n=len(self.fixed)
-                )
-            )
-        if np.abs(targets - self.rest.V[self.fixed]).max() > _FARTHEST * self.rest.diagonal:
-            raise InputError(
-                tr("A target position is too far from the mesh; check the unit and the transform.")
-            )
-        asked = targets[self._chosen] - self.rest.weld.offset_of(self.fixed[self._chosen])
-        apart = targets - self.rest.weld.offset_of(self.fixed) - asked[self._inverse.ravel()]
-        if np.abs(apart).max() > (1e-9 + self.rest.weld.slack) * self.rest.diagonal:
-            raise InputError(tr("A vertex has two target positions; give it one."))
-        if U is not None:
-            U = numbers(U, tr("Start positions"))
-            if U.shape != self.rest.V.shape or not np.isfinite(U).all():
-                raise InputError(
-                    tr("Start positions must be {n} finite positions.").format(n=len(self.rest.V))
-                )
+        targets, asked = targets_of(targets, self.rest, self.fixed, self._chosen, self._inverse.ravel())
+        U = None if U is None else start_of(U, self.rest)
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if self._kept.restore_calm():
@@ -323,20 +318,33 @@ class Deformation:
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
             handle_drift=self._drift(),
-            converged=settled and solver.met,
+            converged=settled and solver.met and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
             unreached=self._unreached(),
             energy=energy,
             total=self._total,
             gap=self._step_gap if solver.converged is None else solver.gap,
+            share_reached=self.share_reached,
         )
+
+    @property
+    def share_reached(self) -> float:
+        """Share of the way to the targets that contact has let the handles go."""
+        return 1.0 if self._contact is None else self._contact.share_reached
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """True if the held vertices have not come as far as they can."""
+        return self._contact is not None and self._contact.is_on_its_way
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
         spread = self.rest.weld.spread(self.loose.carried(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            spread[self.fixed] = self._targets  # vertices welded with a tolerance are held exactly
+            # Vertices welded with a tolerance are held exactly.
+            behind = self._solver.held[: len(self._asked)] - self._asked
+            spread[self.fixed] = self._targets + behind[self._inverse.ravel()]
         return spread
 
     @property
@@ -379,6 +387,10 @@ class Deformation:
         return self._kept.missed(self._solver.values)
 
     def _unreached(self) -> str | None:
+        if self._contact is not None and self._contact.is_stopped:
+            return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
+                percent=math.floor(100.0 * self.share_reached)
+            )
         missed = self.missed if self._solver.stuck else None
         if missed is None:
             return _CALM_GAVE_WAY if self._kept.has_let_calm_go else None

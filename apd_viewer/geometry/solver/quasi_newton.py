@@ -8,10 +8,11 @@ Karush, Kuhn and Tucker hold.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
-from apd_viewer.geometry.energy.elastic import Elastic
-from apd_viewer.geometry.goals.goal_projection import Projection
+from apd_viewer.geometry.goals.goal_projection import Projection, Yielding
 from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 
@@ -21,22 +22,47 @@ _SHARE_OF_PROMISE = 1e-4
 _HALVINGS = 12
 
 
+class DescentSurface(Yielding, Protocol):
+    """Elastic surface, as seen by a descent."""
+
+    @property
+    def energy(self) -> float:
+        """The energy of the current positions."""
+
+    def residual(self, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3)."""
+
+    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets``."""
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) current."""
+
+
 class QuasiNewton:
     """Quasi-Newton steps of an elastic surface on the goals' manifold.
 
     Parameters
     ----------
-    elastic : Elastic
+    elastic : DescentSurface
     projection : Projection
+    growth : float
+        A line search begins at most so many times as far as the last one ended.
     """
 
-    def __init__(self, elastic: Elastic, projection: Projection) -> None:
+    def __init__(self, elastic: DescentSurface, projection: Projection, growth: float = np.inf) -> None:
+        self._growth, self._share = growth, 1.0
         self._elastic, self._projection = elastic, projection
         self._memory = QuasiNewtonMemory(len(elastic.free), _REMEMBERED)
         # The last step, and G and g where it began.
         self._last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
         self.energy = elastic.energy
+
+    def resume(self) -> None:
+        """Go on from where the surface was put, with what is remembered of its steps."""
+        self._last = None
+        self.energy = self._elastic.energy
 
     def step(self, held: np.ndarray) -> bool:
         """One step for ``held`` (k, 3) as already placed; False at a minimum."""
@@ -65,14 +91,15 @@ class QuasiNewton:
         while True:
             way = self._memory.direction(slope, elastic.solve)
             promise = 4.0 * float(parallel_ops.dots(slope[None], way)[0])
+            first = min(1.0, self._growth * self._share)
             for halvings in range(_HALVINGS):
-                share = 0.5**halvings
+                share = first * 0.5**halvings
                 U, _ = self._projection.onto(elastic.assembled(before + share * way, held))
                 elastic.local_step(U)
                 energy = elastic.energy
                 enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
                 if enough and self._projection.met:
-                    self.energy = energy
+                    self.energy, self._share = energy, share
                     return parallel_ops.taken(U, elastic.free)
             elastic.local_step(start)
             self._projection.evaluate(start)

@@ -1,0 +1,124 @@
+"""Collision times: how far pairs may go along a way before their gaps close.
+
+Additive continuous collision detection [Li, Kaufman & Jiang 2021, Codimensional incremental potential
+contact, Algorithm 1]: no step is longer than the gap that is left, divided by the motion of the two parts of
+a pair about their mean.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from apd_viewer.geometry.contact.distances import gap
+from apd_viewer.geometry.contact.gap_energy import gap_energy
+from apd_viewer.geometry.linalg.threads import parallel
+
+# Part of a gap that is left at least.
+LEFT = 0.1
+# Of the way that is known to be free, a step takes so much; and a shorter one is none.
+_TAKEN = 0.9
+_SHORTEST = 1e-9
+_MOST_STEPS = 400
+_PORTION = 1024
+
+
+@njit(cache=True, nogil=True)
+def _away(U: np.ndarray, W: np.ndarray, v: int, x: float, y: float, z: float) -> float:
+    """Squared length of what a vertex moves besides a displacement."""
+    dx, dy, dz = W[v, 0] - U[v, 0] - x, W[v, 1] - U[v, 1] - y, W[v, 2] - U[v, 2] - z
+    return dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True, nogil=True)
+def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool) -> float:
+    """Bound of how much nearer the two parts come on the way from ``U`` to ``W``."""
+    a, b, c, d = pair[0], pair[1], pair[2], pair[3]
+    x = 0.25 * (W[a, 0] - U[a, 0] + W[b, 0] - U[b, 0] + W[c, 0] - U[c, 0] + W[d, 0] - U[d, 0])
+    y = 0.25 * (W[a, 1] - U[a, 1] + W[b, 1] - U[b, 1] + W[c, 1] - U[c, 1] + W[d, 1] - U[d, 1])
+    z = 0.25 * (W[a, 2] - U[a, 2] + W[b, 2] - U[b, 2] + W[c, 2] - U[c, 2] + W[d, 2] - U[d, 2])
+    one, other = _away(U, W, a, x, y, z), _away(U, W, b, x, y, z)
+    third = max(_away(U, W, c, x, y, z), _away(U, W, d, x, y, z))
+    if edges:
+        return np.sqrt(max(one, other)) + np.sqrt(third)
+    return np.sqrt(one) + np.sqrt(max(other, third))
+
+
+@njit(cache=True, nogil=True)
+def _free_share(
+    U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
+) -> float:
+    """Share of the way that leaves a part of the gap above ``floor``."""
+    wanted = LEFT * (d - floor)
+    X, own = np.empty((4, 3)), np.arange(4)
+    share, step = 0.0, (1.0 - LEFT) * (d - floor) / motion
+    for _ in range(_MOST_STEPS):
+        tried = min(1.0, share + step)
+        for k in range(4):
+            for c in range(3):
+                X[k, c] = U[pair[k], c] + tried * (W[pair[k], c] - U[pair[k], c])
+        left = gap(X, own, edges)[0] - floor
+        if left < wanted:
+            return share
+        share = tried
+        step = _TAKEN * left / motion
+        if share >= 1.0 or step < _SHORTEST:
+            return share
+    return share
+
+
+@parallel()
+def examine(
+    U: np.ndarray,
+    W: np.ndarray,
+    margin: float,
+    pairs: np.ndarray,
+    edges: np.ndarray,
+    low: np.ndarray,
+    reach: np.ndarray,
+    floor: np.ndarray,
+    approach: np.ndarray,
+    owner: np.ndarray,
+    low_after: np.ndarray,
+    share: np.ndarray,
+) -> tuple[float, int]:
+    """Energy at ``W`` per stiffness, and the number of pairs in the way from ``U``.
+
+    Parameters
+    ----------
+    U, W : (n, 3) float arrays
+    margin : float
+        Lower bounds that are not so much above the range are replaced by the gaps.
+    pairs : (p, 4) int array
+    edges : (p,) bool array
+    low : (p,) float array
+        Lower bounds of the gaps at ``U``; improved where they are needed.
+    reach, floor : (p,) float arrays
+        Range of the energy of each pair, and the gap that no step goes below.
+    approach : (k,) float array
+        Bound of how much nearer the parts of every pair of an owner come.
+    owner : (p,) int array
+    low_after, share : (p,) float arrays
+        Written into: lower bounds of the gaps at ``W``, and the share of the way that is free.
+    """
+    count = (len(pairs) + _PORTION - 1) // _PORTION
+    energies, blocked = np.zeros(count), np.zeros(count, np.int64)
+    for portion in prange(count):
+        for p in range(portion * _PORTION, min(len(pairs), (portion + 1) * _PORTION)):
+            motion = approach[owner[p]]
+            share[p], low_after[p] = 1.0, low[p] - motion
+            if low_after[p] >= reach[p] + margin:
+                continue
+            motion = min(motion, _relative_motion(U, W, pairs[p], edges[p]))
+            low_after[p] = low[p] - motion
+            if low_after[p] >= reach[p] + margin:
+                continue
+            if motion > (1.0 - LEFT) * (low[p] - floor[p]):
+                low[p] = gap(U, pairs[p], edges[p])[0]
+                if motion > (1.0 - LEFT) * (low[p] - floor[p]):
+                    share[p] = _free_share(U, W, pairs[p], edges[p], low[p], floor[p], motion)
+                    blocked[portion] += share[p] < 1.0
+            low_after[p] = gap(W, pairs[p], edges[p])[0]
+            if low_after[p] < reach[p]:
+                energies[portion] += gap_energy(low_after[p], reach[p])
+    return energies.sum(), blocked.sum()

@@ -1,0 +1,175 @@
+"""Contact of a surface with itself: gap energy, free ways, springs."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numba import njit
+
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.contact.near_pairs import NearPairs
+
+# Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
+THICKNESS = 1e-3
+# Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
+_STIFFNESS = 1.0
+# Largest spring of the metric, against the same.
+_FIRMEST = 15.0
+# Of the share that is free, a vertex takes so much; the shares of neighbours differ by so much at most.
+_TAKEN = 0.9
+_RISE = 0.25
+_SWEEPS = 8
+# Parts of a way that is not free within them.
+_SHORTEST = 1e-3
+# Rings around triangles that cross at rest where nothing is kept apart.
+_RINGS = 3
+
+
+class Contact:
+    """Contact of a surface with itself.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions.
+    F : (m, 3) int array
+        Triangles that can touch.
+    held : (n,) int array
+        The handle that holds a vertex, counted from 2, 1 for the base, 0 for none. Parts of one handle do not
+        touch each other, as they move as one.
+    stiffness : float
+        Mean of the diagonal of the Laplacian.
+    thickness : float
+        Distance that walls keep, mesh units.
+
+    Attributes
+    ----------
+    exempt : (k,) int array
+        Vertices near triangles that cross at rest, which nothing keeps apart.
+    start : (n, 3) float array
+        Where ways begin.
+    touching : int
+        Pairs in touch at the last :meth:`gradient`.
+    least : float
+        Their least gap; infinite without any.
+    """
+
+    def __init__(
+        self, V: np.ndarray, F: np.ndarray, held: np.ndarray, stiffness: float, thickness: float
+    ) -> None:
+        self._F, zone = F, _zones(V, F)
+        self.exempt = np.flatnonzero(zone)
+        self._stiffness = _STIFFNESS * stiffness
+        self._most = _FIRMEST / _STIFFNESS
+        self._pairs = NearPairs(V, F, np.stack([held, zone]), thickness)
+        self.touching, self.least = 0, np.inf
+        self._set_out(V)
+
+    def may_enter(self, U: np.ndarray) -> bool:
+        """True if ``U`` (n, 3) crosses itself no more than at rest."""
+        crossing = crossings(U, self._F)
+        return crossing is None or bool(np.isin(self._F[crossing], self.exempt).all())
+
+    def enter(self, U: np.ndarray) -> None:
+        """Begin at ``U`` (n, 3), which must not cross itself anew."""
+        self._pairs.enter(U)
+        self._set_out(U)
+
+    def _set_out(self, U: np.ndarray) -> None:
+        self.start, self._ahead = U, U
+        self._energy = self._energy_ahead = self._pairs.energy_ahead
+
+    def go(self, U: np.ndarray) -> None:
+        """Stand at ``U``: where the last free way ended or began."""
+        if U is self._ahead and U is not self.start:
+            self._pairs.accept()
+            self.start, self._energy = U, self._energy_ahead
+
+    def shares(self, W: np.ndarray) -> np.ndarray | None:
+        """Shares (n,) of the way to ``W`` (n, 3) to try next; None if it is free."""
+        self._ahead = self.start
+        shares = self._pairs.examine(self.start, W)
+        if shares is None:
+            self._ahead, self._energy_ahead = W, self._pairs.energy_ahead
+            return None
+        shares = np.where(shares < 1.0, _TAKEN * shares, 1.0)
+        _smooth(self._pairs.edges, shares, _RISE, _SWEEPS)
+        return shares
+
+    def leads_to(self, W: np.ndarray) -> bool:
+        """Go straight to ``W`` (n, 3); False, and stay, if something is in the way."""
+        start = self.start
+        if self._goes(W):
+            return True
+        if not self._goes(start):
+            self.enter(start)
+        return False
+
+    def _goes(self, W: np.ndarray) -> bool:
+        """Go straight to ``W`` in parts, as far as the way is free."""
+        start, done, part = self.start, 0.0, 1.0
+        while done < 1.0:
+            end = W if done + part >= 1.0 else start + (done + part) * (W - start)
+            shares = self._pairs.examine(self.start, end)
+            if shares is None:
+                self._ahead, self._energy_ahead = end, self._pairs.energy_ahead
+                self.go(end)
+                done, part = done + part, 2.0 * part
+            elif shares.min() == shares.max() and part > _SHORTEST:
+                part *= float(shares[0])
+            else:
+                return False
+        return True
+
+    def energy_at(self, U: np.ndarray) -> float:
+        """Energy at an end of the last free way, in units of the elastic energy."""
+        return 4.0 * self._stiffness * (self._energy_ahead if U is self._ahead else self._energy)
+
+    def gradient(self, U: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient (n, 3) of the energy."""
+        g, self.touching, self.least = self._pairs.gradient(U)
+        g *= self._stiffness
+        return g
+
+    @property
+    def may_touch(self) -> bool:
+        """True if pairs may be in touch."""
+        return self._pairs.may_touch
+
+    def springs(self, U: np.ndarray) -> sp.csr_array:
+        """Matrix (n, n) of springs between what touches."""
+        pairs, k, w = self._pairs.springs(U, self._most)
+        entries = (self._stiffness * k[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
+        rows, columns = np.repeat(pairs, 4, axis=1).ravel(), np.tile(pairs, 4).ravel()
+        return sp.coo_array((entries, (rows, columns)), shape=(len(U), len(U))).tocsr()
+
+
+def _zones(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """1 for vertices near triangles that cross, 0 elsewhere, (n,)."""
+    zone = np.zeros(len(V), np.int64)
+    crossing = crossings(V, F)
+    if crossing is None or not len(crossing):
+        return zone
+    near = np.zeros(len(V), bool)
+    near[F[crossing]] = True
+    for _ in range(_RINGS):
+        near[F[near[F].any(axis=1)]] = True
+    zone[near] = 1
+    return zone
+
+
+@njit(cache=True, nogil=True)
+def _smooth(E: np.ndarray, shares: np.ndarray, rise: float, sweeps: int) -> None:
+    """Let the shares of the ends of an edge differ by at most ``rise``."""
+    for _ in range(sweeps):
+        changed = False
+        for e in range(len(E)):
+            a, b = E[e, 0], E[e, 1]
+            if shares[a] > shares[b] + rise:
+                shares[a] = shares[b] + rise
+                changed = True
+            elif shares[b] > shares[a] + rise:
+                shares[b] = shares[a] + rise
+                changed = True
+        if not changed:
+            break

@@ -1,0 +1,220 @@
+"""List of near pairs, kept complete along the way of a surface.
+
+Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound. Only
+where a step could use that up are two patches searched again.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.contact.collision_times import examine
+from apd_viewer.geometry.contact.distances import gaps
+from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
+from apd_viewer.geometry.contact.pair_search import PairSearch
+from apd_viewer.geometry.contact.patches import Patches
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+
+# In mean edges: how far patches may be apart to keep a bound, how far beyond its need a search looks, and how
+# much nearer two patches may come in one step. Larger values are more pairs, smaller ones more searches.
+_PATCHES_WITHIN = 2.0
+_LOOK_AHEAD = 0.5
+_FARTHEST = 2.0
+# Longer steps are taken in parts: all patches that may meet on the way must be listed.
+_LONGEST = 1.5
+# Bounds that come so near to the range are made exact, so that the next steps have a clearance.
+_MARGIN = 0.1
+_CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
+# Those that would be searched soon are searched at once.
+_SOON = 0.5
+# Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
+_OF_REST = 0.5
+# No step goes below the least of these parts: of the range, of the distance at rest, of the gap once listed.
+_FLOOR, _FLOOR_OF_REST, _FLOOR_OF_GAP = 5e-3, 0.05, 0.5
+
+
+class _Listed(NamedTuple):
+    """Listed pairs, by rows: see :class:`Found`.
+
+    ``low`` bounds the gaps from below; ``reach`` is the range of their energy, ``floor`` the least gap.
+    """
+
+    pairs: np.ndarray
+    edges: np.ndarray
+    owner: np.ndarray
+    low: np.ndarray
+    reach: np.ndarray
+    floor: np.ndarray
+
+    @classmethod
+    def none(cls) -> _Listed:
+        no = np.zeros(0)
+        return cls(np.zeros((0, 4), np.int32), np.zeros(0, bool), np.zeros(0, np.int32), no, no, no)
+
+    def among(self, kept: np.ndarray) -> _Listed:
+        """Rows of a mask."""
+        return _Listed(*(column[kept] for column in self))
+
+    def and_also(self, more: _Listed) -> _Listed:
+        """These and more rows."""
+        return _Listed(*(np.concatenate(columns) for columns in zip(self, more, strict=True)))
+
+
+class NearPairs:
+    """Near pairs of a moving surface, with their gap energy.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+        Rest positions.
+    F : (m, 3) int array
+    together : (z, n) int array
+        See :class:`PairSearch`.
+    reach : float
+        Range of the gap energy, mesh units.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, together: np.ndarray, reach: float) -> None:
+        self._V, self._reach = V, reach
+        E = _edges(F, len(V))
+        self.edges = E
+        self._edge = float(np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1).mean())
+        self._usual = _PATCHES_WITHIN * self._edge
+        self._patches = Patches(V, F, E)
+        self._search = PairSearch(F, E, self._patches, together)
+        self.enter(V)
+
+    def enter(self, U: np.ndarray) -> None:
+        """List the pairs anew at ``U`` (n, 3)."""
+        self._between, self._bound = np.zeros((0, 2), np.int64), np.zeros(0)
+        self._listed = _Listed.none()
+        self._owed = self._clearance = 0.0
+        self._relist(U, self._usual)
+        self.examine(U, U)
+        self.accept()
+
+    def examine(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+        """Free shares (n,) of the way from ``U`` to ``W``; None if all is free.
+
+        ``U`` is the shape of the last :meth:`enter` or :meth:`accept`.
+        """
+        step = _CORNER * largest_difference(W, U)
+        self._owes = 2.0 * step < self._clearance
+        if self._owes:
+            self._energy_after, self._owed_after = 0.0, 2.0 * step
+            return None
+        far = self._spend(U, W, step)
+        if far is not None:
+            return np.full(len(U), far)
+        listed = self._listed
+        self._low_after, share = np.empty(len(listed.low)), np.empty(len(listed.low))
+        pairs, bounds = (listed.pairs, listed.edges), (listed.low, listed.reach, listed.floor)
+        motions, after = (self._approach, listed.owner), (self._low_after, share)
+        margin = _MARGIN * self._edge
+        self._energy_after, blocked = examine(U, W, margin, *pairs, *bounds, *motions, *after)
+        if not blocked:
+            return None
+        shares, short = np.ones(len(U)), share < 1.0
+        np.minimum.at(shares, listed.pairs[short].ravel(), np.repeat(share[short], 4))
+        return shares
+
+    @property
+    def energy_ahead(self) -> float:
+        """Energy per stiffness at the end of the free way found last."""
+        return self._energy_after
+
+    def accept(self) -> None:
+        """Go the free way found last."""
+        if self._owes:
+            self._owed += self._owed_after
+            self._clearance -= self._owed_after
+            return
+        listed = self._listed = self._listed._replace(low=self._low_after)
+        self._bound = self._bound - self._approach
+        unlisted = float(self._bound.min(initial=np.inf)) - self._reach
+        self._clearance = min(float((listed.low - listed.reach).min(initial=np.inf)), unlisted)
+        self._clearance = min(self._clearance, self._unseen - self._moved_after)
+
+    def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
+        listed = self._listed
+        return gap_gradient(U, listed.pairs, listed.edges, listed.low, listed.reach)
+
+    @property
+    def may_touch(self) -> bool:
+        """True if some gap may be in the range of its energy."""
+        return bool((self._listed.low < self._listed.reach).any())
+
+    def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Springs in touch: vertices (p, 4), constants (p,) and weights (p, 4)."""
+        touching = self._listed.among(self._listed.low < self._listed.reach)
+        k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most)
+        return touching.pairs, k, w
+
+    def _pay(self) -> None:
+        """Take what steps within the clearance may have brought nearer from all bounds."""
+        if self._owed:
+            self._listed = self._listed._replace(low=self._listed.low - self._owed)
+            self._bound = self._bound - self._owed
+            self._owed = self._clearance = 0.0
+
+    def _spend(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
+        """List all pairs that may touch on the way; a share if it is too far at once."""
+        self._pay()
+        if step > _LONGEST * self._edge:
+            return 0.9 * _LONGEST * self._edge / step
+        moved, needed = _CORNER * largest_difference(U, self._listed_at), max(self._usual, 4.0 * step)
+        if 2.0 * (moved + step) > self._unseen or self._unseen > 2.0 * needed:
+            self._relist(U, needed)
+            moved = 0.0
+        self._moved_after = 2.0 * (moved + step)
+        self._approach = approach = self._patches.approaches(U, W, self._between)
+        left = self._bound - approach
+        most = float(approach[left < self._reach].max(initial=0.0))
+        if most > _FARTHEST * self._edge:
+            return 0.9 * _FARTHEST * self._edge / most
+        if (left < self._reach).any():
+            self._list(U, left < self._reach + _SOON * _LOOK_AHEAD * self._edge)
+        return None
+
+    def _list(self, U: np.ndarray, short: np.ndarray) -> None:
+        """List anew the pairs between some of the pairs of patches."""
+        rows, ahead = np.flatnonzero(short), _LOOK_AHEAD * self._edge
+        approach = self._approach[rows]
+        look = self._reach + approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
+        found = self._search.near(U, self._between[rows], look)
+        at_rest = gaps(self._V, found.pairs, found.edges)
+        reach = np.minimum(self._reach, _OF_REST * at_rest)
+        floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_REST * at_rest)
+        floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)
+        owner = rows[found.owner].astype(np.int32)
+        new = _Listed(found.pairs, found.edges, owner, found.gap, reach, floor)
+        self._listed = self._listed.among(~short[self._listed.owner]).and_also(new)
+        self._bound[rows] = look
+
+    def _relist(self, U: np.ndarray, beyond: float) -> None:
+        """Find the pairs of near patches; their bounds and listed pairs stay known."""
+        self._unseen = beyond
+        between, bound = self._patches.near(self._patches.boxes(U), self._reach + beyond)
+        old, new = self._key(self._between), self._key(between)
+        if len(old):
+            at = np.minimum(np.searchsorted(old, new), len(old) - 1)
+            same = old[at] == new
+            bound[same] = np.maximum(bound[same], self._bound[at[same]])
+            there = np.minimum(np.searchsorted(new, old), len(new) - 1)
+            back = np.where(new[there] == old, there, -1).astype(np.int32)
+            owner = back[self._listed.owner]
+            self._listed = self._listed._replace(owner=owner).among(owner >= 0)
+        self._between, self._bound, self._listed_at = between, bound, U
+
+    def _key(self, between: np.ndarray) -> np.ndarray:
+        return between[:, 0] << 32 | between[:, 1]
+
+
+def _edges(F: np.ndarray, n: int) -> np.ndarray:
+    """Edges (e, 2) of triangles, each once, its lower end first."""
+    a, b = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    key = np.unique(np.minimum(a, b).astype(np.int64) * n + np.maximum(a, b))
+    return np.column_stack([key // n, key % n])

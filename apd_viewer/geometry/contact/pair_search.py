@@ -1,0 +1,199 @@
+"""Search for near pairs between pairs of patches."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import njit, prange
+
+from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
+from apd_viewer.geometry.contact.patches import Patches
+from apd_viewer.geometry.linalg.threads import parallel
+
+_FIRST_CAPACITY = 20_000  # pairs a task
+_TASKS_PER_CORE = 4
+
+
+class Found(NamedTuple):
+    """Near pairs.
+
+    Attributes
+    ----------
+    pairs : (p, 4) int array
+    edges : (p,) bool array
+        True of two edges.
+    owner : (p,) int array
+        Row among the pairs of patches that were searched.
+    gap : (p,) float array
+    """
+
+    pairs: np.ndarray
+    edges: np.ndarray
+    owner: np.ndarray
+    gap: np.ndarray
+
+
+class PairSearch:
+    """Near pairs of a surface.
+
+    Parameters
+    ----------
+    F : (m, 3) int array
+    E : (e, 2) int array
+    patches : Patches
+    together : (z, n) int array
+        Groups that vertices belong to, 0 for none, in each row: a pair all of whose vertices are in one
+        group is left out.
+    """
+
+    def __init__(self, F: np.ndarray, E: np.ndarray, patches: Patches, together: np.ndarray) -> None:
+        self._F, self._E, self._patches, self._together = F, E, patches, together
+        self._capacity = _FIRST_CAPACITY
+
+    def near(self, U: np.ndarray, between: np.ndarray, reach: np.ndarray) -> Found:
+        """Pairs between pairs (k, 2) of patches that are nearer than their ``reach`` (k,)."""
+        patches = self._patches
+        boxes = _boxes(U, self._E), _boxes(U, self._F)
+        tasks = _TASKS_PER_CORE * numba.get_num_threads()
+        while True:
+            *found, count = _near(
+                U, *boxes, between, reach, *patches.edges, self._E, *patches.faces, self._F,
+                *patches.vertices, self._together, self._capacity, tasks,
+            )  # fmt: skip
+            if count.max(initial=0) <= self._capacity:
+                break
+            self._capacity = int(1.5 * count.max())
+        pairs, edges, owner, gap = (
+            np.concatenate([part[k, : count[k]] for k in range(tasks)]) for part in found
+        )
+        return Found(pairs, edges, owner, gap)
+
+
+@parallel()
+def _boxes(U: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """Bounding boxes (k, 6) of simplices (k, 2 or 3)."""
+    boxes = np.empty((len(S), 6))
+    for e in prange(len(S)):
+        for c in range(3):
+            low = high = U[S[e, 0], c]
+            for j in range(1, S.shape[1]):
+                x = U[S[e, j], c]
+                low, high = min(low, x), max(high, x)
+            boxes[e, c], boxes[e, c + 3] = low, high
+    return boxes
+
+
+@njit(inline="always")
+def _apart(A: np.ndarray, i: int, B: np.ndarray, j: int, r: float) -> bool:
+    """True if two boxes are farther apart than ``r`` along an axis."""
+    return (
+        A[i, 0] > B[j, 3] + r
+        or A[i, 3] < B[j, 0] - r
+        or A[i, 1] > B[j, 4] + r
+        or A[i, 4] < B[j, 1] - r
+        or A[i, 2] > B[j, 5] + r
+        or A[i, 5] < B[j, 2] - r
+    )
+
+
+@njit(inline="always")
+def _outside(U: np.ndarray, v: int, B: np.ndarray, j: int, r: float) -> bool:
+    """True if a vertex is farther from a box than ``r`` along an axis."""
+    return (
+        U[v, 0] > B[j, 3] + r
+        or U[v, 0] < B[j, 0] - r
+        or U[v, 1] > B[j, 4] + r
+        or U[v, 1] < B[j, 1] - r
+        or U[v, 2] > B[j, 5] + r
+        or U[v, 2] < B[j, 2] - r
+    )
+
+
+@njit(cache=True, nogil=True)
+def _goes_together(together: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
+    for z in range(len(together)):
+        one = together[z, a]
+        if one > 0 and one == together[z, b] and one == together[z, c] and one == together[z, d]:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _box_of_patch(
+    j: int, BE: np.ndarray, estart: np.ndarray, eitem: np.ndarray, U: np.ndarray,
+    vstart: np.ndarray, vitem: np.ndarray, BF: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    box = np.empty((1, 6))
+    for c in range(3):
+        low, high = np.inf, -np.inf
+        for e in range(estart[j], estart[j + 1]):
+            low, high = min(low, BE[eitem[e], c]), max(high, BE[eitem[e], c + 3])
+        for f in range(fstart[j], fstart[j + 1]):
+            low, high = min(low, BF[fitem[f], c]), max(high, BF[fitem[f], c + 3])
+        for v in range(vstart[j], vstart[j + 1]):
+            low, high = min(low, U[vitem[v], c]), max(high, U[vitem[v], c])
+        box[0, c], box[0, c + 3] = low, high
+    return box
+
+
+@parallel()
+def _near(
+    U: np.ndarray, BE: np.ndarray, BF: np.ndarray, between: np.ndarray, reach: np.ndarray,
+    estart: np.ndarray, eitem: np.ndarray, E: np.ndarray,
+    fstart: np.ndarray, fitem: np.ndarray, F: np.ndarray,
+    vstart: np.ndarray, vitem: np.ndarray, together: np.ndarray, capacity: int, tasks: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """Found pairs of every task, as many as there is room for, and their count."""
+    pairs = np.empty((tasks, capacity, 4), np.int32)
+    edges = np.empty((tasks, capacity), np.bool_)
+    owner = np.empty((tasks, capacity), np.int32)
+    gap = np.empty((tasks, capacity))
+    count = np.zeros(tasks, np.int64)
+    for task in prange(tasks):
+        n = 0
+        for o in range(task, len(between), tasks):
+            r, i, j = reach[o], between[o, 0], between[o, 1]
+            box = _box_of_patch(j, BE, estart, eitem, U, vstart, vitem, BF, fstart, fitem)
+            for x in range(estart[i], estart[i + 1]):
+                f = eitem[x]
+                if _apart(BE, f, box, 0, r):
+                    continue
+                a, b = E[f, 0], E[f, 1]
+                for y in range(estart[j], estart[j + 1]):
+                    g = eitem[y]
+                    if (i == j and g <= f) or _apart(BE, g, BE, f, r):
+                        continue
+                    c, d = E[g, 0], E[g, 1]
+                    if a in (c, d) or b in (c, d) or _goes_together(together, a, b, c, d):
+                        continue
+                    q = edge_edge(U, a, b, c, d)[0]
+                    if q < r * r:
+                        if n < capacity:
+                            pairs[task, n, 0], pairs[task, n, 1] = a, b
+                            pairs[task, n, 2], pairs[task, n, 3] = c, d
+                            edges[task, n], owner[task, n], gap[task, n] = True, o, np.sqrt(q)
+                        n += 1
+            for turn in range(1 if i == j else 2):
+                mine, its = (i, j) if turn == 0 else (j, i)
+                for x in range(vstart[mine], vstart[mine + 1]):
+                    v = vitem[x]
+                    if turn == 0 and _outside(U, v, box, 0, r):
+                        continue
+                    for y in range(fstart[its], fstart[its + 1]):
+                        f = fitem[y]
+                        a, b, c = F[f, 0], F[f, 1], F[f, 2]
+                        if v in (a, b, c) or _outside(U, v, BF, f, r):
+                            continue
+                        if _goes_together(together, v, a, b, c):
+                            continue
+                        q = vertex_triangle(U, v, a, b, c)[0]
+                        if q < r * r:
+                            if n < capacity:
+                                pairs[task, n, 0], pairs[task, n, 1] = v, a
+                                pairs[task, n, 2], pairs[task, n, 3] = b, c
+                                edges[task, n], owner[task, n], gap[task, n] = False, o, np.sqrt(q)
+                            n += 1
+        count[task] = n
+    return pairs, edges, owner, gap, count

@@ -1,0 +1,61 @@
+"""Path of held vertices from where they are to their targets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import transform
+from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pose.screw_motion import path_of
+
+# Parts whose motion is rigid up to this part of their displacement go along its screw.
+_RIGID = 1e-6
+
+
+class HeldPath:
+    """Screw motion of every handle; straight if deformed or half a turn.
+
+    Parameters
+    ----------
+    X, Y : (k, 3) float arrays
+        Positions at the start and at the end.
+    handle_of : (k,) int array
+        Vertices of one number move as one.
+    """
+
+    def __init__(self, X: np.ndarray, Y: np.ndarray, handle_of: np.ndarray) -> None:
+        self._X, self._Y = X, Y
+        moved = np.unique(handle_of[(X != Y).any(axis=1)])
+        self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved]
+        self.length = max((length for _, _, length in self._parts), default=0.0)
+
+    def at(self, share: float) -> np.ndarray:
+        """Positions (k, 3) at a share of the path, 0 to 1."""
+        if share >= 1.0:
+            return self._Y
+        at = self._X.copy()
+        for rows, place, _ in self._parts:
+            at[rows] = place(share)
+        return at
+
+
+def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, Callable, float]:
+    """Rows of one handle, its positions by share, and the longest way."""
+    x, y = X[rows], Y[rows]
+    straight = float(np.linalg.norm(y - x, axis=1).max())
+
+    def along_line(share: float) -> np.ndarray:
+        return x + share * (y - x)
+
+    try:
+        pose = fitted_motion(x, y)
+        if np.abs(transform(pose, x) - y).max() > _RIGID * straight:
+            return rows, along_line, straight
+        path = path_of(pose, x.mean(axis=0))
+    except InputError:
+        return rows, along_line, straight
+    ways = np.linalg.norm(np.diff([transform(path.at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2)
+    return rows, lambda share: transform(path.at(share), x), float(ways.sum(axis=0).max())

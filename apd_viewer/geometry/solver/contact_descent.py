@@ -1,0 +1,250 @@
+"""Descent of a surface that does not pass through itself.
+
+As long as nothing is in the way, the shapes are those of the solver that knows of no contact, each reached by
+a way that was found free. Where that ends, the surface descends in contact with itself, until it is aimed
+anew with nothing in touch.
+"""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.contact import THICKNESS, Contact
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.pose.held_path import HeldPath
+from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
+from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.methods import Method
+from apd_viewer.geometry.solver.touching_descent import TouchingDescent
+from apd_viewer.geometry.solver.touching_surface import TouchingSurface
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.elastic import Elastic
+
+# In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
+_PART, _STEPS = 0.05, 10
+# So many shapes in a row that cannot be reached mean contact; the first after a move may be rough.
+_PATIENCE = 6
+
+
+def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
+    """Raise InputError unless walls can be kept apart so."""
+    if plain or method.plain_only:
+        raise InputError(
+            tr(
+                "Contact needs one of the methods Exact, Local and ARAP, and no number of plain iterations; "
+                "choose another method, or deform without contact."
+            )
+        )
+    if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
+        raise InputError(tr("The wall thickness must be greater than 0."))
+
+
+def in_contact(
+    inner: IterativeSolver,
+    goals: tuple[Goal, ...],
+    rest: RestMesh,
+    handle_of: np.ndarray,
+    thickness: float | None = None,
+) -> ContactDescent:
+    """Solver whose shapes do not cross themselves.
+
+    Parameters
+    ----------
+    inner : IterativeSolver
+        Steps without contact.
+    goals : tuple of Goal
+        Of the inner solver too.
+    rest : RestMesh
+    handle_of : (k + s,) int array
+        Handle of the held and soft vertices, counted from 1; 0 for the base.
+    thickness : float, optional
+        Distance that walls keep, mesh units.
+    """
+    shape, fixed = rest.shape, inner.elastic.fixed
+    together = np.zeros(len(shape.V), np.int64)
+    together[fixed] = handle_of[: len(fixed)] + 1
+    moves = np.isin(shape.piece[shape.F[:, 0]], shape.piece[fixed])
+    firmness = float(shape.L.diagonal().mean())
+    apart = THICKNESS * rest.diagonal if thickness is None else thickness
+    contact = Contact(shape.V, np.ascontiguousarray(shape.F[moves]), together, firmness, apart)
+    return ContactDescent(inner, goals, contact, handle_of)
+
+
+class ContactDescent:
+    """Steps of a surface whose shapes do not cross themselves.
+
+    Parameters
+    ----------
+    inner : IterativeSolver
+        Steps without contact.
+    goals : tuple of Goal
+        Of the inner solver too.
+    contact : Contact
+    handle_of : (k + s,) int array
+        Held and soft vertices of one number move as one.
+
+    Attributes
+    ----------
+    elastic : Elastic
+    contact : Contact
+    held : (k + s, 3) float array
+        Positions that the held vertices have reached, then the targets of the soft ones.
+    """
+
+    def __init__(
+        self, inner: IterativeSolver, goals: tuple[Goal, ...], contact: Contact, handle_of: np.ndarray
+    ) -> None:
+        self.elastic: Elastic = inner.elastic
+        self.contact = contact
+        self._inner, self._goals, self._handle_of = inner, goals, handle_of
+        self._tolerance = TOLERANCE
+        self._touching: TouchingDescent | None = None
+        self._U = V = self.elastic.rest.V
+        self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
+        self.held = self._targets = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
+        self._set_path()
+
+    @property
+    def U(self) -> np.ndarray:
+        """The shape to show, (n, 3) float array."""
+        return self._U
+
+    @property
+    def values(self) -> np.ndarray:
+        """Values of the goals at the iterated shape, (g,)."""
+        return (self._touching or self._inner).values
+
+    @property
+    def met(self) -> bool:
+        """True if all goals are met at the iterated shape."""
+        return (self._touching or self._inner).met
+
+    @property
+    def energy(self) -> float | None:
+        """The energy of ``U`` without that of the gaps; None if it is not known."""
+        return self.elastic.energy if self._touching else self._inner.energy
+
+    @property
+    def hides(self) -> bool:
+        """True if ``U`` is not the iterated shape, or stands still on its path."""
+        return self.is_on_its_way or (self._touching is None and self._inner.hides)
+
+    @property
+    def ready(self) -> bool:
+        """True if a step has nothing to wait for."""
+        return self._inner.ready
+
+    @property
+    def stuck(self) -> bool:
+        """True once the goals are given up."""
+        return self._touching is None and self._inner.stuck
+
+    @property
+    def share_reached(self) -> float:
+        """Share of the path from the last shape aimed at that the held vertices have gone."""
+        return self._share
+
+    @property
+    def is_stopped(self) -> bool:
+        """True if contact lets the held vertices go no farther."""
+        return self._touching is not None and self._touching.is_stopped
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """True if the held vertices go on."""
+        return self._share < 1.0 and not self.is_stopped
+
+    @property
+    def converged(self) -> bool | None:
+        """True if the path has ended, and further steps would gain next to nothing."""
+        return False if self.is_on_its_way else (self._touching or self._inner).converged
+
+    @property
+    def gap(self) -> float | None:
+        """Gain of the last steps in multiples of its tolerance; None before them."""
+        return None if self.is_on_its_way else (self._touching or self._inner).gap
+
+    def stop_at(self, tolerance: float) -> None:
+        """Converge once ten steps together reduce the energy by at most this part."""
+        self._tolerance = tolerance
+        self._inner.stop_at(tolerance)
+        if self._touching:
+            self._touching.tolerance = tolerance
+
+    def keep(self, goals: tuple[Goal, ...]) -> None:
+        """Meet these goals from now on."""
+        self._goals = goals
+        self._inner.keep(goals)
+        if self._touching:
+            self._touch()
+        self._set_path()
+
+    def restart(self, U: np.ndarray) -> None:
+        """Continue from positions ``U`` (n, 3), or from rest if those cross."""
+        if not self.contact.may_enter(U):
+            U = self.elastic.rest.V
+        self.contact.enter(U)
+        self._U = U
+        self.held = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
+        self._release()
+        self._set_path()
+
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
+        self._targets = targets
+        if self._touching and not self.contact.may_touch:
+            self._release()
+        self._set_path()
+
+    def _set_path(self) -> None:
+        self._path = HeldPath(self.held, self._targets, self._handle_of)
+        self._share = self._ahead = 0.0 if self._path.length else 1.0
+        self._part = _PART * self._size / max(self._path.length, _PART * self._size)
+        self._steps, self._refused = _STEPS, 0
+        if self._touching:
+            self._touching.follow(self._path, self._share)
+        else:
+            self._inner.aim(self._path.at(self._share))
+
+    def step(self) -> None:
+        """Step to a shape with a free way to it."""
+        if self._touching is None:
+            self._step_freely()
+        else:
+            self._touching.step()
+            self._U, self._share, self.held = self._touching.U, self._touching.share, self._touching.held
+
+    def _step_freely(self) -> None:
+        """Take the next shape of the inner solver, if the way is free."""
+        if self._ahead < 1.0 and self._share == self._ahead and self._steps >= _STEPS:
+            self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
+            self._inner.aim(self._path.at(self._ahead))
+        self._steps += 1
+        self._inner.step()
+        W = self._inner.U
+        if W is self._U:
+            return
+        if self.contact.leads_to(W):
+            self._U, self._share, self.held, self._refused = W, self._ahead, self._inner.held, 0
+            return
+        self._refused += 1
+        if self._refused >= _PATIENCE or self._inner.converged:
+            self._touch()
+
+    def _touch(self) -> None:
+        """Descend in contact from the last shape."""
+        surface = TouchingSurface(self.elastic, self.contact)
+        self._touching = TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
+        self._touching.follow(self._path, self._share)
+
+    def _release(self) -> None:
+        """Descend without contact from the last shape."""
+        self._touching = None
+        self._inner.restart(self._U)

@@ -1,0 +1,168 @@
+"""Descent of a surface in contact with itself, along a path.
+
+The held vertices go in short parts, as far as the way is free, and the free ones follow by the response of
+the surface. Between two parts the surface descends with its gap energy.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from apd_viewer.geometry.goals.goal_projection import MET
+from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.pose.held_path import HeldPath
+from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
+from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
+from apd_viewer.geometry.solver.touching_surface import FreeProjection, TouchingSurface
+
+# Lengths of parts, in sizes of the mesh: the first, the longest, and what is no part any more.
+_FIRST, _LONGEST, _NONE = 2e-3, 8e-3, 1e-4
+# A part that is refused is tried with less, so many times; the next one is longer.
+_TRIES, _LESS, _MORE = 6, 0.4, 1.4
+# Steps between two parts, as many as bring more than this part of the energy: a shape that has not followed
+# would be wound up.
+_LEAST_STEPS, _MOST_STEPS, _FOLLOWS = 4, 40, 1e-3
+# The path ends where so many parts together bring the held vertices no farther.
+_PATIENCE = 12
+# Convergence is judged over so many steps.
+_WINDOW = 10
+# Where much is in the way, about as long a step as the last is what can be gone.
+_GROWTH = 1.6
+
+
+class TouchingDescent:
+    """Steps of a surface in contact with itself.
+
+    Parameters
+    ----------
+    surface : TouchingSurface
+    U : (n, 3) float array
+        Where it begins; contact stands there.
+    held : (k + s, 3) float array
+        Positions of the held vertices there, and targets of the soft ones.
+    goals : tuple of Goal
+    tolerance : float
+        Converged once ten steps together reduce the energy by at most this part of it.
+
+    Attributes
+    ----------
+    held : (k + s, 3) float array
+        Positions that the held vertices have reached.
+    share : float
+        Of the path, as far as it has been gone.
+    """
+
+    def __init__(
+        self,
+        surface: TouchingSurface,
+        U: np.ndarray,
+        held: np.ndarray,
+        goals: tuple[Goal, ...],
+        tolerance: float = TOLERANCE,
+    ) -> None:
+        self._surface, self.held, self.tolerance = surface, held, tolerance
+        surface.elastic.restart(U)
+        surface.local_step(U)
+        self._projection = FreeProjection(surface, goals)
+        self._projection.refresh(U)
+        self._quasi_newton = QuasiNewton(surface, self._projection, _GROWTH)
+        self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
+        self.share = 1.0
+        self._begin_to_converge()
+
+    @property
+    def U(self) -> np.ndarray:
+        """Current shape, (n, 3) float array."""
+        return self._surface.U
+
+    @property
+    def values(self) -> np.ndarray:
+        """Values of the goals at ``U``, (g,) float array."""
+        return self._projection.values
+
+    @property
+    def met(self) -> bool:
+        """True if all goals are met at ``U``."""
+        return self._projection.worst <= MET
+
+    @property
+    def is_stopped(self) -> bool:
+        """True if contact lets the held vertices go no farther."""
+        return self.share < 1.0 and self._waited >= _PATIENCE
+
+    @property
+    def converged(self) -> bool:
+        """True if the path has ended, and further steps would gain next to nothing."""
+        if self.share < 1.0 and not self.is_stopped:
+            return False
+        return self._at_minimum or (self.gap is not None and self.gap <= 1.0)
+
+    @property
+    def gap(self) -> float | None:
+        """Gain of the last steps in multiples of its tolerance; None before them."""
+        E = self._energies
+        return float(E[0] - E[-1]) / (self.tolerance * float(E[-1])) if len(E) > _WINDOW else None
+
+    def follow(self, path: HeldPath, share: float) -> None:
+        """Walk ``path`` from a share of it on, where the held vertices are."""
+        self._path, self.share = path, share
+        part = self._size / max(path.length, _NONE * self._size)
+        self._part, self._longest, self._no_part = _FIRST * part, _LONGEST * part, _NONE * part
+        self._steps, self._waited, self._mark = 0, 0, share
+        self._begin_to_converge()
+        self._quasi_newton.resume()
+
+    def _begin_to_converge(self) -> None:
+        self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
+        self._at_minimum = False
+
+    def step(self) -> None:
+        """Walk the next part if it is time, or reduce the energy."""
+        if self.share < 1.0 and self._has_followed and not self.is_stopped:
+            self._walk()
+            return
+        self._steps += 1
+        if self._surface.renew_springs():
+            self._quasi_newton.resume()
+        self._at_minimum = not self._quasi_newton.step(self.held)
+        self._energies.append(self._quasi_newton.energy)
+
+    @property
+    def _has_followed(self) -> bool:
+        """True if the shape has come to where the held vertices are, by and large."""
+        E = self._energies
+        slow = len(E) > 1 and E[-2] - E[-1] <= _FOLLOWS * E[-1]
+        return self._steps >= _MOST_STEPS or (self._steps >= _LEAST_STEPS and slow)
+
+    def _walk(self) -> None:
+        """Go the next part of the path, or as much of it as is free."""
+        self._steps = 0
+        for _ in range(_TRIES):
+            share = min(1.0, self.share + self._part)
+            if self._goes_to(self._path.at(share)):
+                self.share = share
+                self._part = min(self._longest, _MORE * self._part)
+                break
+            self._part = max(_LESS * self._part, self._no_part)
+        if self.share - self._mark > _PATIENCE * self._no_part:
+            self._mark, self._waited = self.share, 0
+        self._waited += 1
+        self._begin_to_converge()
+        self._quasi_newton.resume()
+
+    def _goes_to(self, held: np.ndarray) -> bool:
+        """Move the held vertices, the free ones following; False if refused."""
+        elastic, projection, start = self._surface.elastic, self._projection, self._surface.U
+        pull = elastic.from_held(self.held) - elastic.from_held(held)
+        X = parallel_ops.taken(start, elastic.free) + self._surface.solve(pull)
+        W, _ = projection.onto(elastic.assembled(X, held))
+        if not projection.met:
+            projection.evaluate(start)
+            return False
+        elastic.local_step(W)
+        self._surface.contact.go(W)
+        self.held = held
+        return True

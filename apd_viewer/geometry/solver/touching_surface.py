@@ -1,0 +1,115 @@
+"""Elastic surface in contact with itself, and its projection.
+
+Both stand in for what they wrap, so that a quasi-Newton descent needs to know nothing of contact: the energy
+and the forces have those of the gaps, and no shape is reached but by a free way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.goals.goal_projection import MET, Projection
+from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
+
+# The springs of what touches are renewed after so many steps.
+_RENEWED = 40
+# Attempts at a free way: so many with shares of their own for all vertices, then with one for all.
+_LOCAL, _ATTEMPTS = 4, 8
+_MOST_AT_ONCE = 0.5
+
+
+class TouchingSurface:
+    """Elastic surface with gap energy.
+
+    Parameters
+    ----------
+    elastic : Elastic
+    contact : Contact
+    """
+
+    def __init__(self, elastic: Elastic, contact: Contact) -> None:
+        self.elastic, self.contact = elastic, contact
+        self.rest, self.free = elastic.rest, elastic.free
+        self.metric: Factor = elastic.factor
+        self._age = _RENEWED
+
+    @property
+    def U(self) -> np.ndarray:
+        """Current positions, (n, 3) float array."""
+        return self.elastic.U
+
+    @property
+    def energy(self) -> float:
+        """The energy of the current positions."""
+        return self.elastic.energy + self.contact.energy_at(self.elastic.U)
+
+    def residual(self, targets: np.ndarray) -> np.ndarray:
+        """A quarter of the gradient on the free vertices, (f, 3); ways begin here."""
+        self.contact.go(self.elastic.U)
+        residual = self.elastic.residual(targets)
+        residual += self.contact.gradient(self.elastic.U)[self.free]
+        return residual
+
+    def solve(self, b_f: np.ndarray) -> np.ndarray:
+        """Response to forces ``b_f``, both (f, 3), with the springs of what touches."""
+        return self.metric.solve(b_f)
+
+    def renew_springs(self) -> bool:
+        """Renew the springs of what touches, if due; False if nothing changed."""
+        self._age += 1
+        if self._age <= _RENEWED:
+            return False
+        if not self.contact.may_touch:
+            was, self.metric = self.metric, self.elastic.factor
+            return was is not self.metric
+        springs = self.contact.springs(self.elastic.U)[self.free][:, self.free]
+        self.metric, self._age = LinearSolver((self.elastic.K_ff + springs).tocsr()), 0
+        return True
+
+    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
+        return self.elastic.assembled(X, targets)
+
+    def local_step(self, U: np.ndarray) -> None:
+        """Make ``U`` (n, 3) current and compute each term's projection there."""
+        self.elastic.local_step(U)
+
+
+class FreeProjection(Projection):
+    """Projection onto goals that leads only to shapes with a free way to them.
+
+    Parameters
+    ----------
+    surface : TouchingSurface
+    goals : tuple of Goal
+    """
+
+    def __init__(self, surface: TouchingSurface, goals: tuple[Goal, ...]) -> None:
+        super().__init__(surface, goals)
+        self._contact, self._held = surface.contact, surface.elastic.fixed
+        self._is_free = True
+
+    @property
+    def met(self) -> bool:
+        """True if all goals are met at the last positions, and the way there is free."""
+        return self._is_free and super().met
+
+    def onto(self, U: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions near ``U`` (n, 3) that meet the goals by a free way, and steps."""
+        start, self._is_free = self._contact.start, False
+        W, mu = super().onto(U)
+        for attempt in range(_ATTEMPTS):
+            if self.worst > MET:
+                break
+            shares = self._contact.shares(W)
+            if shares is None:
+                self._is_free = True
+                break
+            if attempt >= _LOCAL:
+                shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
+            shares[self._held] = 1.0
+            W, mu = super().onto(start + shares[:, None] * (W - start))
+        return W, mu
