@@ -108,6 +108,11 @@ class CoarseLevel:
                     break
                 self._solver.step()
 
+    def smooth(self, iterations: int) -> None:
+        """Do iterations without a coarser level, before the shape is shown."""
+        with cores_for(len(self.vertices)):
+            self._solver.smooth(iterations)
+
     def turns(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
         turns = blended(self._turned(), self._near, self._weight)

@@ -194,6 +194,14 @@ class ConstrainedDescent:
             self.multipliers = self._quasi_newton.multipliers
             self._energies.append(self._quasi_newton.energy)
 
+    def smooth(self, iterations: int) -> None:
+        """Iterate without a coarser level, plainly until quasi-Newton steps have begun."""
+        for _ in range(iterations):
+            if self._quasi_newton is None:
+                self.iterate()
+            else:
+                self.step()
+
     def _update_metric(self) -> None:
         """Measure steps by the Hessian near the minimum."""
         metric = self._metric

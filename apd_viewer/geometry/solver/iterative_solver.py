@@ -86,3 +86,6 @@ class Level(IterativeSolver, Protocol):
 
     def restore(self, shapes: list[np.ndarray]) -> None:
         """Continue from the result of an earlier :meth:`shapes`."""
+
+    def smooth(self, iterations: int) -> None:
+        """Iterate without a coarser level: its rotations leave a stiff surface rough."""
