@@ -12,16 +12,21 @@ from numba import njit, prange
 
 from apd_viewer.geometry.linalg.threads import parallel
 
-# Edges whose directions differ by a smaller squared sine are compared end by end too: rounding would decide
-# where two parallel edges are nearest.
-_PARALLEL = 1e-6
-# So thin a triangle, by the squared sine of an angle, is as near as its edges are.
-_NEEDLE = 1e-12
+# Below this squared sine of an angle rounding may decide where edges or a triangle are nearest: their ends
+# and sides are looked at as well, and the nearest of all counts.
+_THIN = 1e-6
 
 
 @njit(inline="always")
 def _clamped(x: float) -> float:
     return 0.0 if x < 0.0 else (1.0 if x > 1.0 else x)
+
+
+@njit(inline="always")
+def _cross(
+    ax: float, ay: float, az: float, bx: float, by: float, bz: float
+) -> tuple[float, float, float]:
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 @njit(cache=True, nogil=True)
@@ -41,20 +46,24 @@ def vertex_triangle(X: np.ndarray, p: int, a: int, b: int, c: int) -> tuple[floa
     abx, aby, abz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
     acx, acy, acz = X[c, 0] - X[a, 0], X[c, 1] - X[a, 1], X[c, 2] - X[a, 2]
     apx, apy, apz = X[p, 0] - X[a, 0], X[p, 1] - X[a, 1], X[p, 2] - X[a, 2]
-    d1 = abx * apx + aby * apy + abz * apz
-    d2 = acx * apx + acy * apy + acz * apz
-    aa = abx * abx + aby * aby + abz * abz
-    bb = acx * acx + acy * acy + acz * acz
-    ab = abx * acx + aby * acy + abz * acz
-    area = aa * bb - ab * ab
-    v, w = bb * d1 - ab * d2, aa * d2 - ab * d1
-    if v > 0.0 and w > 0.0 and v + w < area and area > _NEEDLE * aa * bb:
-        v, w = v / area, w / area
-        x, y, z = apx - v * abx - w * acx, apy - v * aby - w * acy, apz - v * abz - w * acz
-        return x * x + y * y + z * z, 1.0 - v - w, v, w
-    # The nearest point is on an edge; so it is for a triangle without area.
-    best, t = _on_segment(X, p, a, b)
-    u, v, w = 1.0 - t, t, 0.0
+    # By the normal: differences of products of lengths would cancel in slivers.
+    nx, ny, nz = _cross(abx, aby, abz, acx, acy, acz)
+    area = nx * nx + ny * ny + nz * nz
+    best, u, v, w = np.inf, 1.0, 0.0, 0.0
+    if area > 0.0:
+        x, y, z = _cross(apx, apy, apz, acx, acy, acz)
+        s = (x * nx + y * ny + z * nz) / area
+        x, y, z = _cross(abx, aby, abz, apx, apy, apz)
+        t = (x * nx + y * ny + z * nz) / area
+        if s > 0.0 and t > 0.0 and s + t < 1.0:
+            x, y, z = apx - s * abx - t * acx, apy - s * aby - t * acy, apz - s * abz - t * acz
+            best, u, v, w = x * x + y * y + z * z, 1.0 - s - t, s, t
+            aa, bb = abx * abx + aby * aby + abz * abz, acx * acx + acy * acy + acz * acz
+            if area > _THIN * aa * bb:
+                return best, u, v, w
+    q, t = _on_segment(X, p, a, b)
+    if q < best:
+        best, u, v, w = q, 1.0 - t, t, 0.0
     q, t = _on_segment(X, p, b, c)
     if q < best:
         best, u, v, w = q, 0.0, 1.0 - t, t
@@ -69,19 +78,24 @@ def edge_edge(X: np.ndarray, a: int, b: int, c: int, d: int) -> tuple[float, flo
     """Squared distance of two edges, and the places on them, each 0 to 1."""
     ux, uy, uz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
     vx, vy, vz = X[d, 0] - X[c, 0], X[d, 1] - X[c, 1], X[d, 2] - X[c, 2]
-    rx, ry, rz = X[a, 0] - X[c, 0], X[a, 1] - X[c, 1], X[a, 2] - X[c, 2]
-    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
-    uv = ux * vx + uy * vy + uz * vz
-    ur, vr = ux * rx + uy * ry + uz * rz, vx * rx + vy * ry + vz * rz
-    across = uu * vv - uv * uv
+    rx, ry, rz = X[c, 0] - X[a, 0], X[c, 1] - X[a, 1], X[c, 2] - X[a, 2]
+    nx, ny, nz = _cross(ux, uy, uz, vx, vy, vz)
+    across = nx * nx + ny * ny + nz * nz
     best, s, t = np.inf, 0.0, 0.0
-    if across > _PARALLEL * uu * vv:
-        s, t = (uv * vr - ur * vv) / across, (uu * vr - ur * uv) / across
+    if across > 0.0:
+        x, y, z = _cross(rx, ry, rz, vx, vy, vz)
+        s = (x * nx + y * ny + z * nz) / across
+        x, y, z = _cross(rx, ry, rz, ux, uy, uz)
+        t = (x * nx + y * ny + z * nz) / across
         if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
-            x, y, z = rx + s * ux - t * vx, ry + s * uy - t * vy, rz + s * uz - t * vz
-            return x * x + y * y + z * z, s, t
+            x, y, z = rx - s * ux + t * vx, ry - s * uy + t * vy, rz - s * uz + t * vz
+            best = x * x + y * y + z * z
+            uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+            if across > _THIN * uu * vv:
+                return best, s, t
     q, place = _on_segment(X, a, c, d)
-    best, s, t = q, 0.0, place
+    if q < best:
+        best, s, t = q, 0.0, place
     q, place = _on_segment(X, b, c, d)
     if q < best:
         best, s, t = q, 1.0, place
