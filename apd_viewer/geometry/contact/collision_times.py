@@ -58,7 +58,8 @@ def _free_share(
             for c in range(3):
                 X[k, c] = U[pair[k], c] + tried * (W[pair[k], c] - U[pair[k], c])
         left = gap(X, own, edges)[0] - floor
-        if left < wanted:
+        # The first step leaves as much as is wanted, but for rounding.
+        if left < wanted and share > 0.0:
             return share
         share = tried
         step = _TAKEN * left / motion
