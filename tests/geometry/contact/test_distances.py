@@ -119,7 +119,7 @@ KINDS = (spread, needle, sliver, nearly_parallel, parallel, coincident, without_
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_distances_are_those_of_exact_arithmetic(kind, edges):
     rng = np.random.default_rng(7)
-    for _ in range(300):
+    for _ in range(100):
         X = kind(rng)
         size = np.ptp(X, axis=0).max() + 1e-300
         assert abs(gap(X, PAIR, edges)[0] - exact(X, edges)) <= 2e-8 * size
@@ -162,7 +162,7 @@ def test_the_weights_say_where_the_parts_are_nearest(edges):
 
 def test_distances_are_those_of_another_library():
     rng = np.random.default_rng(11)
-    for _ in range(300):
+    for _ in range(100):
         X = rng.normal(size=(4, 3))
         assert vertex_triangle(X, *PAIR)[0] == pytest.approx(ipctk.point_triangle_distance(*X), rel=1e-9)
         assert edge_edge(X, *PAIR)[0] == pytest.approx(ipctk.edge_edge_distance(*X), rel=1e-9)
