@@ -65,4 +65,6 @@ def step_gap(steps: Sequence[float], tolerance: float) -> float | None:
         return None
     last, first = steps[-1], steps[0]
     rate = (last / first) ** (1.0 / MEMORY)
+    if rate == 1.0:  # by rounding
+        return None
     return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance

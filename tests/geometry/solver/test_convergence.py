@@ -5,6 +5,7 @@ import pytest
 from meshes import box, ends, rotation, sphere
 
 from apd_viewer import Convergence, Deformation, InputError, deform
+from apd_viewer.geometry.solver.convergence import MEMORY, step_gap
 
 V, F = box(2, 2, 8)
 BASE, HANDLE = ends(V)
@@ -90,3 +91,8 @@ def test_a_settled_shape_goes_on_once_more_is_asked_for(subdivisions):
 def test_criteria_that_cannot_be_used_are_refused(criteria, sentence):
     with pytest.raises(InputError, match=sentence):
         result(**criteria)
+
+
+def test_steps_that_hardly_become_shorter_say_nothing_of_those_to_come():
+    assert step_gap([*[1.0] * MEMORY, 1.0 - 1e-16], 1e-5) is None
+    assert step_gap([0.5**k for k in range(MEMORY + 1)], 1e-5) == pytest.approx(0.5**MEMORY / 1e-5)
