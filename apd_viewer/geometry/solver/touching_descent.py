@@ -128,6 +128,7 @@ class TouchingDescent:
         if self._surface.renew_springs():
             self._quasi_newton.resume()
         self._at_minimum = not self._quasi_newton.step(self.held)
+        self._surface.contact.go(self.U)
         self._energies.append(self._quasi_newton.energy)
 
     @property

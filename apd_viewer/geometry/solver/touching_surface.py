@@ -47,8 +47,7 @@ class TouchingSurface:
         return self.elastic.energy + self.contact.energy_at(self.elastic.U)
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
-        """A quarter of the gradient on the free vertices, (f, 3); ways begin here."""
-        self.contact.go(self.elastic.U)
+        """A quarter of the gradient on the free vertices, (f, 3)."""
         residual = self.elastic.residual(targets)
         residual += self.contact.gradient(self.elastic.U)[self.free]
         return residual
