@@ -109,6 +109,7 @@ class FreeProjection(Projection):
                 break
             if attempt >= _LOCAL:
                 shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
-            shares[self._held] = 1.0
-            W, mu = super().onto(start + shares[:, None] * (W - start))
+            nearer = start + shares[:, None] * (W - start)
+            nearer[self._held] = W[self._held]
+            W, mu = super().onto(nearer)
         return W, mu
