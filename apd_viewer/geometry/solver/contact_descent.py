@@ -134,7 +134,7 @@ class ContactDescent:
     @property
     def hides(self) -> bool:
         """True if ``U`` is not the iterated shape, or stands still on its path."""
-        return self.is_on_its_way or (self._touching is None and self._inner.hides)
+        return self.is_on_its_way or (self._touching is None and (self._inner.hides or self._refused > 0))
 
     @property
     def ready(self) -> bool:
@@ -241,6 +241,7 @@ class ContactDescent:
     def _touch(self) -> None:
         """Descend in contact from the last shape."""
         surface = TouchingSurface(self.elastic, self.contact)
+            self.step()
         self._touching = TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
         self._touching.follow(self._path, self._share)
 
