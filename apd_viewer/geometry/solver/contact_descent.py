@@ -11,6 +11,7 @@ from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import THICKNESS, Contact
@@ -63,11 +64,14 @@ def in_contact(
         Of the inner solver too.
     rest : RestMesh
     handle_of : (k + s,) int array
-        Handle of the held and soft vertices, counted from 1; 0 for the base.
+        Handle of the held and soft vertices, counted from 1; 0 for the base. Where there is no handle, each
+        connected part of the held vertices is taken for one.
     thickness : float, optional
         Distance that walls keep, mesh units.
     """
     shape, fixed = rest.shape, inner.elastic.fixed
+    if not handle_of.any():
+        handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     together = np.zeros(len(shape.V), np.int64)
     together[fixed] = handle_of[: len(fixed)] + 1
     moves = np.isin(shape.piece[shape.F[:, 0]], shape.piece[fixed])
@@ -237,11 +241,11 @@ class ContactDescent:
         self._refused += 1
         if self._refused >= _PATIENCE or self._inner.converged:
             self._touch()
+            self.step()
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""
         surface = TouchingSurface(self.elastic, self.contact)
-            self.step()
         self._touching = TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
         self._touching.follow(self._path, self._share)
 
