@@ -68,7 +68,8 @@ class Contact:
     def may_enter(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""
         crossing = crossings(U, self._F)
-        return crossing is None or bool(np.isin(self._F[crossing], self.exempt).all())
+        # At the rim a triangle of the zone is crossed by those with one corner in it.
+        return crossing is None or bool(np.isin(self._F[crossing], self.exempt).any(axis=1).all())
 
     def enter(self, U: np.ndarray) -> None:
         """Begin at ``U`` (n, 3), which must not cross itself anew."""
