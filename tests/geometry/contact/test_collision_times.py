@@ -63,7 +63,7 @@ def test_a_way_never_closes_a_gap_within_its_free_share():
 
 
 def test_a_share_ends_only_where_a_gap_is_about_to_close():
-    blocked = free = 0
+    blocked = free = open_ways = 0
     for U, W in ways(100):
         share, d = shares(U, W), least(U)
         if share < 1.0:
@@ -72,10 +72,12 @@ def test_a_share_ends_only_where_a_gap_is_about_to_close():
             assert share >= 0.85 * min(1.0, d / motion)
         else:
             free += 1
-        sampled = min(least(at(U, W, s)) for s in np.linspace(0, 1, 50))
-        if sampled > 0.3 * d:
+        sampled = np.min([gaps(at(U, W, s), PAIRS, EDGES) for s in np.linspace(0, 1, 50)], axis=0)
+        if (sampled > 0.2 * gaps(U, PAIRS, EDGES)).all():
             assert share == 1.0
+            open_ways += 1
     assert blocked >= 10 < free
+    assert open_ways >= 10
 
 
 @pytest.mark.parametrize("seed", range(8))

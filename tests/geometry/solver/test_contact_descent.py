@@ -1,0 +1,300 @@
+"""Surfaces that do not pass through themselves: every frame checked by another library."""
+
+from functools import cache
+
+import ipctk
+import numpy as np
+import pytest
+from meshes import box, ends, grid, moved, rotation, sample_bottle, sphere, tube
+from scipy.spatial.distance import pdist
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.contact.distances import gaps
+from apd_viewer.geometry.goals.goals import Region
+from apd_viewer.geometry.mesh.operators import volume
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+
+Y, Z = np.eye(3)[1:]
+
+
+@cache
+def bottle():
+    """A coarse bottle, its held vertices and its cap."""
+    V, F, labels = sample_bottle(2.5)
+    return V, F, np.flatnonzero(labels != 1), np.flatnonzero(labels == 2)
+
+
+def bottle_at(R=None, shift=(0.0, 0.0, 0.0)):
+    """Where the held vertices of the bottle are with its cap turned and shifted."""
+    V, _, fixed, cap = bottle()
+    U = V.copy()
+    U[cap] = moved(V[cap], R, shift)
+    return U[fixed]
+
+
+TWIST = rotation(Y, np.radians(150.0))
+
+
+def hairpin():
+    """A strip bent around, its held arms, and the upper one of them."""
+    V, F = grid(20, 6, 0.25, 0.25)
+    x, R = V[:, 0], 1.0 / np.pi
+    turn = np.pi * np.clip(x - 2.0, 0.0, 1.0)
+    V = np.column_stack(
+        [
+            np.where(x < 2, x, np.where(x > 3, 5 - x, 2 + R * np.sin(turn))),
+            V[:, 1] + 0.02 * x,
+            -R * np.cos(turn),
+        ]
+    )
+    upper = np.flatnonzero(x >= 3.1)
+    return V, F, np.concatenate([np.flatnonzero(x <= 1.9), upper]), upper
+
+
+def closed_hairpin():
+    """Targets that lead its upper arm through the lower one."""
+    V, _, fixed, upper = hairpin()
+    U, pivot = V.copy(), np.array([2.0, 0.0, 1.0 / np.pi])
+    U[upper] = (V[upper] - pivot) @ rotation(Y, -np.radians(40.0)).T + pivot
+    return U[fixed]
+
+
+class Checked:
+    """Another library's eye on the frames of a deformation."""
+
+    def __init__(self, V, F, exempt=()):
+        away = ~np.isin(F, exempt).any(axis=1)
+        F = F[away]
+        edges = ipctk.edges(np.asfortranarray(F, dtype=np.int32))
+        self._mesh = ipctk.CollisionMesh(np.asfortranarray(V), edges, np.asfortranarray(F, dtype=np.int32))
+
+    def crosses(self, U):
+        return ipctk.has_intersections(self._mesh, np.asfortranarray(U))
+
+
+def settle(solver, targets, most=1500, area_too=True, **more):
+    """Iterate to the end; every frame is checked. The last frame, and how many shapes there were."""
+    checked = Checked(solver.rest.shape.V, solver.rest.shape.F)
+    solver.aim(targets, **more)
+    for count in range(most):
+        if solver.settled:
+            break
+        frame = solver.step()
+        assert not checked.crosses(frame.U), f"frame {count}"
+        assert not area_too or abs(frame.area_error) <= 1e-9
+    return solver.frame(), count
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {},
+        {"method": "local", "area": 100.0},
+        {"method": "arap", "area": 100.0},
+        {"stiffness": 0.001},
+        {"volume": 80.0},
+        {"regions": [Region("label", np.arange(300, 700), 100.0)]},
+    ],
+    ids=lambda asked: " ".join(asked) or "exact",
+)
+def test_no_frame_of_a_twist_beyond_touching_crosses_itself(asked):
+    V, F, fixed, cap = bottle()
+    solver = Deformation(V, F, fixed, handle=cap, contact=True, **asked)
+    targets = bottle_at(TWIST)
+    frame, count = settle(solver, targets, most=120)
+    assert frame.converged or count == 119
+    assert frame.share_reached == 1.0
+    assert np.array_equal(frame.U[fixed], targets)
+    if "volume" in asked:
+        assert volume(frame.U, F) == pytest.approx(0.8 * volume(V, F), rel=1e-8)
+
+
+def test_a_bottle_is_pushed_together_in_every_frame_without_crossing():
+    V, F, fixed, cap = bottle()
+    solver = Deformation(V, F, fixed, handle=cap, contact=True)
+    checked, base = Checked(V, F), np.setdiff1d(fixed, cap)
+    solver.aim(bottle_at(shift=-11.0 * Y))
+    for _ in range(300):
+        frame = solver.step()
+        assert not checked.crosses(frame.U)
+        assert abs(frame.area_error) <= 1e-9
+        assert np.array_equal(frame.U[base], V[base])
+        assert np.allclose(pdist(frame.U[cap[::7]]), pdist(V[cap[::7]]), rtol=1e-12)
+
+
+def test_where_nothing_touches_shapes_are_those_without_contact():
+    V, F, fixed, cap = bottle()
+    targets = bottle_at(rotation(Y, np.radians(60.0)))
+    without, with_contact = (
+        deform(V, F, fixed, targets, handle=cap, contact=contact) for contact in (False, True)
+    )
+    size = np.ptp(V, axis=0).max()
+    assert with_contact.converged
+    assert with_contact.energy == pytest.approx(without.energy, rel=1e-4)
+    assert with_contact.volume == pytest.approx(without.volume, rel=1e-4)
+    assert np.abs(with_contact.U - without.U).max() <= 1e-2 * size
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["handle", "no handle named"])
+def test_contact_stops_a_handle_says_so_and_lets_it_go_back(told):
+    V, F, fixed, upper = hairpin()
+    solver = Deformation(V, F, fixed, handle=upper if told else None, contact=True)
+    frame, _ = settle(solver, closed_hairpin())
+    assert solver.settled
+    assert 0.2 < frame.share_reached < 0.9
+    assert not frame.converged
+    percent = int(100 * frame.share_reached)
+    assert frame.unreached == f"Contact stops the handle at {percent} % of the way."
+    assert np.allclose(pdist(frame.U[upper]), pdist(V[upper]), rtol=1e-12), "it is there as a whole"
+    frame, _ = settle(solver, V[fixed])
+    assert frame.converged
+    assert frame.unreached is None
+    assert frame.share_reached == 1.0
+    assert np.abs(frame.U - V).max() <= 1e-3 * np.ptp(V, axis=0).max()
+
+
+def test_the_energy_of_gaps_is_that_of_the_shape_even_after_a_refused_move():
+    """Steps descend in the energy of where they are, not of where they have been."""
+    V, F, fixed, upper = hairpin()
+    solver = Deformation(V, F, fixed, handle=upper, contact=True)
+    solver.aim(closed_hairpin())
+    inside = solver._contact  # its gap energy is in no frame
+    held = np.zeros(len(V), np.int64)
+    held[fixed] = 1
+    held[upper] = 2
+    reach, stiffness = 1e-3 * solver.rest.diagonal, float(solver.rest.shape.L.diagonal().mean())
+    fresh, seen = Contact(V, F, held, stiffness, reach), 0
+    for step in range(150):
+        solver.iterate()
+        if step % 5 == 0 and inside.contact.touching:
+            U = inside.U
+            fresh.enter(U)
+            seen += fresh.energy_at(U) > 0.0
+            assert inside.contact.energy_at(inside.U) == pytest.approx(fresh.energy_at(U), rel=1e-9)
+    assert seen >= 5
+
+
+def test_what_is_refused_is_not_taken_for_the_end():
+    """A shape that cannot be reached leaves the last one; the surface has not come to rest there."""
+    V, F, fixed, cap = bottle()
+    solver = Deformation(V, F, fixed, handle=cap, contact=True)
+    frame, _ = settle(solver, bottle_at(TWIST))
+    energy = frame.energy
+    for _ in range(100):
+        frame = solver.step()
+    assert frame.energy == pytest.approx(energy, rel=1e-3)
+
+
+def test_without_contact_the_same_twist_crosses_itself():
+    V, F, fixed, cap = bottle()
+    result = deform(V, F, fixed, bottle_at(TWIST), handle=cap)
+    assert Checked(V, F).crosses(result.U)
+
+
+@pytest.mark.parametrize(("scale", "away"), [(1e-6, 0.0), (1e3, 1e6)])
+def test_the_shape_does_not_depend_on_the_unit_nor_on_the_origin(scale, away):
+    V, F, fixed, upper = hairpin()
+    shapes = []
+    for unit, shift in ((1.0, 0.0), (scale, away)):
+        solver = Deformation(unit * V + shift, F, fixed, handle=upper, contact=True)
+        frame, _ = settle(solver, unit * closed_hairpin() + shift)
+        shapes.append((frame.U - shift) / unit)
+        assert 0.2 < frame.share_reached < 0.9
+    assert np.abs(shapes[0] - shapes[1]).max() <= 0.02 * np.ptp(V, axis=0).max()
+
+
+def two_spheres(apart):
+    """Two balls, each with a base below; and the second one's lid."""
+    V, F = sphere(3)
+    W = np.vstack([V, V + [apart, 0.03, 0.02]])
+    G = np.vstack([F, F + len(V)])
+    low = W[:, 2] < -0.8
+    high = (W[:, 2] > 0.8) & (np.arange(len(W)) >= len(V))
+    return W, G, np.flatnonzero(low | high), np.flatnonzero(high)
+
+
+def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
+    V, F, fixed, lid = two_spheres(1.7)
+    rest = crossings(V, F)
+    assert len(rest)
+    solver = Deformation(V, F, fixed, handle=lid, contact=True)
+    U = V.copy()
+    U[lid] += [-0.8, 0.0, -0.6]
+    exempt = solver._contact.contact.exempt
+    checked = Checked(V, F, exempt)
+    solver.aim(U[fixed])
+    for _ in range(100):
+        frame = solver.step()
+        assert not checked.crosses(frame.U)
+        assert np.isin(F[crossings(frame.U, F)], exempt).any(axis=1).all()
+    without = deform(V, F, fixed, U[fixed], handle=lid)
+    assert not np.isin(F[crossings(without.U, F)], exempt).any(axis=1).all()
+    solver.aim(U[fixed], frame.U)
+    assert np.abs(solver.step().U - frame.U).max() <= 0.1, "it may be entered again"
+
+
+def test_pieces_that_are_held_do_not_pass_through_each_other():
+    V, F, fixed, lid = two_spheres(2.3)
+    solver = Deformation(V, F, fixed, handle=lid, contact=True)
+    U = V.copy()
+    U[lid] += [-1.2, 0.0, 0.0]
+    frame, _ = settle(solver, U[fixed], most=300)
+    without = deform(V, F, fixed, U[fixed], handle=lid)
+    assert Checked(V, F).crosses(without.U)
+    assert np.ptp(frame.U, axis=0).max() > 1.0
+
+
+def test_a_loose_piece_far_away_goes_along():
+    V, F, fixed, upper = hairpin()
+    ball, G = sphere(1)
+    W = np.vstack([V, 0.2 * ball + [0.5, 0.5, 3.0]])
+    solver = Deformation(W, np.vstack([F, G + len(V)]), fixed, handle=upper, contact=True)
+    frame, _ = settle(solver, closed_hairpin())
+    assert np.allclose(pdist(frame.U[len(V) :]), pdist(W[len(V) :]), rtol=1e-9)
+
+
+@pytest.mark.parametrize("thickness", [0.02, 0.1])
+def test_walls_in_contact_keep_about_the_thickness_apart(thickness):
+    V, F, fixed, upper = hairpin()
+    solver = Deformation(V, F, fixed, handle=upper, contact=True, thickness=thickness)
+    frame, _ = settle(solver, closed_hairpin())
+    assert frame.share_reached < 1.0
+    lower = np.setdiff1d(np.unique(F), upper)
+    T = F[np.isin(F, np.setdiff1d(fixed, upper)).all(axis=1)]
+    pairs = np.array([(v, *t) for v in upper for t in T])
+    least = gaps(frame.U, pairs, np.zeros(len(pairs), bool)).min()
+    assert len(lower)
+    assert 0.0 < least <= thickness
+    assert least >= 0.005 * thickness
+
+
+def test_two_handles_and_soft_vertices():
+    V, F = tube(16, 40)
+    low, high = ends(V)
+    middle = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) < 0.2)
+    fixed = np.concatenate([low, high, middle])
+    solver = Deformation(V, F, fixed, handle=[high, middle], contact=True)
+    U = V.copy()
+    U[high] = moved(V[high], rotation(Z, 2.5))
+    U[middle] = moved(V[middle], shift=(1.5, 0.0, -1.0))
+    frame, _ = settle(solver, U[fixed], most=600)
+    assert np.array_equal(frame.U[fixed], U[fixed])
+
+
+@pytest.mark.parametrize("thickness", [0.0, -1.0, float("nan"), float("inf"), "thin"])
+def test_a_thickness_must_be_a_length(thickness):
+    V, F = box()
+    with pytest.raises(InputError, match="thickness"):
+        Deformation(V, F, np.arange(4), contact=True, thickness=thickness)
+
+
+@pytest.mark.parametrize("method", ["paper", "sr-arap"])
+def test_methods_that_descend_in_no_energy_know_no_contact(method):
+    V, F = box()
+    with pytest.raises(InputError, match="Contact needs"):
+        Deformation(V, F, np.arange(4), handle=np.arange(2), method=method, contact=True)
+    with pytest.raises(InputError, match="Contact needs"):
+        deform(V, F, np.arange(4), V[:4], iterations=3, contact=True)
