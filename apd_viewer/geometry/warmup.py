@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from apd_viewer.geometry.analysis import area_change, deviation
+from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Region
@@ -36,6 +37,12 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
     membrane = METHODS["local"].material(0.0, DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS)
     elastic = Elastic(SolveMesh(V, F), fixed, membrane)
     elastic.hessian.factored_at(V).solve(V[elastic.free])
+    if enough():
+        return
+    contact = Contact(V, F, np.zeros(len(V), np.int64), 1.0, 0.01)
+    contact.shares(2.0 * V)  # so far at once that nobody may take all of it
+    contact.gradient(V)
+    contact.springs(V)
     if not enough():
         deviation.warm_up()
 

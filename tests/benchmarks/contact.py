@@ -1,0 +1,130 @@
+"""What contact costs on the sample bottle, and where twists and pushes end with it.
+
+    python tests/benchmarks/contact.py [CASE ...]
+
+A case is ``twist:DEGREES``, ``push:SHARE`` (of the height) or ``none`` (steps of 2° up to 50°, where nothing
+touches, with and without contact in turns). Every frame of a case is checked by ipctk. Times are those of the
+processor on one core, without the checks.
+"""
+
+import os
+import sys
+import time
+
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import ipctk
+import numpy as np
+
+from apd_viewer.files.samples import open_sample
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.pose.constraints import FREE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
+
+CASES = ["none", "twist:60", "twist:120", "twist:180", "push:0.3", "push:0.5"]
+MOST = 3000
+RUNS = 3
+QUARTER = 90.0  # degrees; a turn goes in such steps, each to its end but the last frames
+
+
+class Bottle:
+    """The sample with its paint, twisted or pushed."""
+
+    def __init__(self) -> None:
+        mesh, labels = open_sample("bottle")
+        self.V, self.F = mesh.V, mesh.F
+        self.fixed = np.flatnonzero(labels != FREE)
+        self.handle = np.flatnonzero(labels >= HANDLE)
+        self.rows = labels[self.fixed] >= HANDLE
+        self.height = float(np.ptp(self.V[:, 1]))
+
+    def solver(self, **options: object) -> Deformation:
+        return Deformation(self.V, self.F, self.fixed, handle=self.handle, **options)
+
+    def twisted(self, degrees: float) -> np.ndarray:
+        """Targets with the handle turned about the axis of the bottle."""
+        a, X = np.radians(degrees), self.V[self.fixed].copy()
+        x, z = X[self.rows, 0].copy(), X[self.rows, 2].copy()
+        X[self.rows, 0], X[self.rows, 2] = np.cos(a) * x + np.sin(a) * z, np.cos(a) * z - np.sin(a) * x
+        return X
+
+    def pushed(self, share: float) -> np.ndarray:
+        """Targets with the handle lowered by a share of the height."""
+        X = self.V[self.fixed].copy()
+        X[self.rows, 1] -= share * self.height
+        return X
+
+    def way(self, case: str) -> list[np.ndarray]:
+        """Targets one after another."""
+        kind, amount = case.split(":")[0], float(case.split(":")[1])
+        if kind == "push":
+            return [self.pushed(amount)]
+        steps = int(np.ceil(amount / QUARTER))
+        return [self.twisted(amount * (k + 1) / steps) for k in range(steps)]
+
+
+def timed(solver: Deformation) -> float:
+    """Milliseconds of the processor that an iteration takes."""
+    begun = time.process_time()
+    solver.iterate()
+    return 1e3 * (time.process_time() - begun)
+
+
+def end_of(bottle: Bottle, case: str) -> str:
+    """Row of the table of ends."""
+    F = np.asfortranarray(bottle.F, dtype=np.int32)
+    checked = ipctk.CollisionMesh(np.asfortranarray(bottle.V), ipctk.edges(F), F)
+    solver, times, crossed, worst = bottle.solver(contact=True), [], 0, 0.0
+    for targets in (way := bottle.way(case)):
+        solver.aim(targets)
+        while not solver.settled and len(times) < MOST:
+            times.append(timed(solver))
+            frame = solver.frame()
+            crossed += ipctk.has_intersections(checked, np.asfortranarray(frame.U))
+            worst = max(worst, abs(frame.area_error))
+            if targets is not way[-1] and not solver.is_on_its_way:
+                break
+    late = "" if solver.settled else ", not settled"
+    return (
+        f"| {case} | {100 * frame.share_reached:.0f} % | {len(times)}{late} | {crossed} | {worst:.0e} | "
+        f"{frame.energy:.4f} | {frame.volume:.2f} | {np.mean(times):.1f} | {np.median(times):.1f} | "
+        f"{np.percentile(times, 95):.0f} |"
+    )
+
+
+def print_cost(bottle: Bottle) -> None:
+    """Print what contact costs where nothing touches."""
+    print("\n| | drag, ms | converging, ms |\n|---|---|---|")
+    for _ in range(RUNS):
+        for contact in (False, True):
+            solver = bottle.solver(contact=contact)
+            solver.aim(bottle.twisted(1.0))
+            solver.iterate()
+            drag = []
+            for degrees in range(2, 51, 2):
+                solver.aim(bottle.twisted(degrees))
+                drag += [timed(solver) for _ in range(4)]
+            converging = []
+            while not solver.settled and len(converging) < 300:
+                converging.append(timed(solver))
+            name = "with contact" if contact else "without"
+            print(f"| {name} | {np.mean(drag):.2f} | {np.mean(converging):.2f} |")
+
+
+def main() -> None:
+    """Print the tables."""
+    bottle, cases = Bottle(), sys.argv[1:] or CASES
+    with cores_for(len(bottle.V)):
+        print(
+            "| | reached | iterations | crossed frames | area error | energy | volume | ms | median | p95 |"
+        )
+        print("|---|---|---|---|---|---|---|---|---|---|")
+        for case in cases:
+            if case != "none":
+                print(end_of(bottle, case), flush=True)
+        if "none" in cases:
+            print_cost(bottle)
+
+
+main()
