@@ -93,6 +93,21 @@ def deform_parser() -> Parser:
         action="store_false",
         help=tr("let 'exact' change the area of calm parts, those that the handles do not reach"),
     )
+    parser.add_argument(
+        "--contact", action="store_true", help=tr("keep walls from passing through each other")
+    )
+    parser.add_argument(
+        "--no-contact", dest="contact", action="store_false", help=tr("let walls pass through each other")
+    )
+    parser.add_argument(
+        "--thickness",
+        type=float,
+        metavar="LENGTH",
+        help=tr(
+            "distance that walls in contact keep, in the unit of the mesh (default: a thousandth of the "
+            "diagonal of the bounding box)"
+        ),
+    )
     _add_targets(parser)
     _add_convergence(parser)
     _add_stiffness(parser)
@@ -241,6 +256,8 @@ def _deform(options: argparse.Namespace) -> None:
         volume=options.volume,
         loose=options.loose,
         calm=options.calm,
+        contact=options.contact,
+        thickness=options.thickness,
         regions=regions,
         convergence=convergence,
         progress=progress_line(*last) if sys.stderr.isatty() else None,

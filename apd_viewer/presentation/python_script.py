@@ -176,6 +176,8 @@ def _settings(document: Document) -> str:
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
     if method.keeps_calm_parts and not document.calm:
         words.append("calm=False")
+    if method.may_touch and document.contact:
+        words.append("contact=True")
     if document.convergence != DEFAULT_CONVERGENCE:
         words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

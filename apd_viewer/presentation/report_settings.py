@@ -40,6 +40,8 @@ def settings_blocks(state: State) -> Iterator[Block]:
     rows.append((tr("Volume target"), tr("free") if volume is None else f"{volume:g} %", ""))
     if method.keeps_calm_parts:
         rows.append((tr("Calm parts"), tr("kept") if document.calm else tr("not kept"), ""))
+    if method.may_touch:
+        rows.append((tr("Contact"), tr("kept apart") if document.contact else tr("not regarded"), ""))
     if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
     if method.has_moduli:

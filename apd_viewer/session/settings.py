@@ -69,6 +69,10 @@ class Settings:
         """Keep the area of calm parts too, or the total alone."""
         self._set(tr("Keep calm parts") if on else tr("Let calm parts change"), calm=on)
 
+    def keep_apart(self, on: bool) -> None:
+        """Keep walls from passing through each other, or let them."""
+        self._set(tr("Turn contact on") if on else tr("Turn contact off"), contact=on)
+
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
         """Have the method "local" resist changes of areas and of shapes by other weights."""
         given = {"area_stiffness": area_stiffness, "shear_stiffness": shear_stiffness}

@@ -36,7 +36,7 @@ _PATIENCE = 6
 
 def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
     """Raise InputError unless walls can be kept apart so."""
-    if plain or method.plain_only:
+    if plain or not method.may_touch:
         raise InputError(
             tr(
                 "Contact needs one of the methods Exact, Local and ARAP, and no number of plain iterations; "
@@ -154,6 +154,11 @@ class ContactDescent:
     def share_reached(self) -> float:
         """Share of the path from the last shape aimed at that the held vertices have gone."""
         return self._share
+
+    @property
+    def least_gap(self) -> float | None:
+        """Least gap of what is in touch; None if nothing is."""
+        return self.contact.least if self._touching and self.contact.touching else None
 
     @property
     def is_stopped(self) -> bool:

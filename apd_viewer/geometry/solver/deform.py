@@ -46,6 +46,10 @@ class Result:
         What the user should know about the mesh or the result.
     convergence : Convergence
         What the iterations were ended by.
+    share_reached : float
+        Share of the way that contact has let the held vertices go.
+    least_gap : float or None
+        Of what is in touch; None without contact, or if nothing is.
     """
 
     U: np.ndarray
@@ -71,6 +75,8 @@ class Result:
     seconds_per_iteration: float
     warnings: tuple[str, ...]
     convergence: Convergence
+    share_reached: float = 1.0
+    least_gap: float | None = None
 
 
 def deform(
@@ -213,4 +219,6 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         seconds_per_iteration=seconds_per_iteration,
         warnings=solver.warnings + unsettled,
         convergence=solver.convergence,
+        share_reached=frame.share_reached,
+        least_gap=None if solver.contact is None else solver.contact.least_gap,
     )

@@ -110,6 +110,7 @@ class Deformation:
     Attributes
     ----------
     loose : LooseParts
+    contact : ContactDescent or None
 
     Raises
     ------
@@ -167,12 +168,12 @@ class Deformation:
             started = time.perf_counter()
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
             self._solver = self._solver_of(elastic, plain)
-            self._contact = None
+            self.contact = None
             if contact:
                 check_contact(self._traits, plain, thickness)
                 of = np.concatenate([self._handle_of, self._soft.handle + 1])
-                self._contact = in_contact(self._solver, self._kept.goals, rest, of, thickness)
-                self._solver = self._contact
+                self.contact = in_contact(self._solver, self._kept.goals, rest, of, thickness)
+                self._solver = self.contact
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
@@ -331,12 +332,12 @@ class Deformation:
     @property
     def share_reached(self) -> float:
         """Share of the way to the targets that contact has let the handles go."""
-        return 1.0 if self._contact is None else self._contact.share_reached
+        return 1.0 if self.contact is None else self.contact.share_reached
 
     @property
     def is_on_its_way(self) -> bool:
         """True if the held vertices have not come as far as they can."""
-        return self._contact is not None and self._contact.is_on_its_way
+        return self.contact is not None and self.contact.is_on_its_way
 
     def _spread(self, U: np.ndarray) -> np.ndarray:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
@@ -387,7 +388,7 @@ class Deformation:
         return self._kept.missed(self._solver.values)
 
     def _unreached(self) -> str | None:
-        if self._contact is not None and self._contact.is_stopped:
+        if self.contact is not None and self.contact.is_stopped:
             return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
                 percent=math.floor(100.0 * self.share_reached)
             )

@@ -48,6 +48,8 @@ class Method:
         Area and shear stiffness matter.
     plain_only : bool
         There is no energy of its own to descend in: all iterations are plain ones.
+    may_touch : bool
+        Walls can be kept apart.
     slow : bool
         Takes several times as long as the others.
     """
@@ -65,6 +67,7 @@ class Method:
     has_tolerance: bool = False
     has_moduli: bool = False
     plain_only: bool = False
+    may_touch: bool = False
     slow: bool = False
 
     @property
@@ -94,6 +97,7 @@ METHODS = {
         material=_rigid,
         keeps_total_area=True,
         keeps_calm_parts=True,
+        may_touch=True,
     ),
     "local": Method(
         title=tr("Local"),
@@ -103,6 +107,7 @@ METHODS = {
         material=_fabric,
         may_keep_total_area=True,
         has_moduli=True,
+        may_touch=True,
         slow=True,
     ),
     "paper": Method(
@@ -123,6 +128,7 @@ METHODS = {
         keeps=tr("Keeps the shape as rigid as possible and the handles in place."),
         gives_up=tr("Gives up the area."),
         material=_rigid,
+        may_touch=True,
     ),
     "sr-arap": Method(
         title=tr("SR-ARAP"),

@@ -67,6 +67,8 @@ class Document:
         Lowest vertex of each connected part that stays at rest while neither base nor handle is on it.
     calm : bool
         Whether "exact" keeps the area of calm parts too.
+    contact : bool
+        Whether walls are kept from passing through each other, by a method that can.
     base : PartFlags
     measurements : tuple of Measurement
     target : TargetShape or None
@@ -97,6 +99,7 @@ class Document:
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     calm: bool = field(default=True, metadata=NOT_FACTORED)
+    contact: bool = field(default=False, metadata=FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)

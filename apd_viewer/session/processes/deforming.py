@@ -34,5 +34,6 @@ def deformation_of(
         soft=held.soft,
         loose=document.staying,
         calm=document.calm,
+        contact=document.contact and document.traits.may_touch,
         convergence=document.convergence,
     )

@@ -62,7 +62,8 @@ class Walk:
         """Iterate once, and go a step further when it is time."""
         self._solver.iterate()
         self._iterations += 1
-        if not self.arrived and self._iterations % ITERATIONS_A_STEP == 0:
+        may_go_on = self._iterations % ITERATIONS_A_STEP == 0 and not self._solver.is_on_its_way
+        if not self.arrived and may_go_on:
             stop = next(self._stops, None)
             self.arrived = stop is None
             self.hides = self.hides and not self.arrived

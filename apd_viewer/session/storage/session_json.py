@@ -65,6 +65,7 @@ def document_said(document: Document) -> dict[str, Any]:
         "volume": number_said(document.volume),
         # Sessions without it are from a time when no calm parts were kept.
         **({"calm": True} if document.calm else {}),
+        **({"contact": True} if document.contact else {}),
         **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
@@ -123,6 +124,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         hold_area=said.flag("hold_area"),
         volume=percent_of(said, "volume"),
         calm=said.says("calm") and said.flag("calm"),
+        contact=said.says("contact") and said.flag("contact"),
         base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),
@@ -158,6 +160,7 @@ def frame_said(frame: Frame) -> dict[str, Any]:
         "handle_drift": float(frame.handle_drift),
         "unreached": frame.unreached,
         "energy": None if frame.energy is None else float(frame.energy),
+        **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
     }
 
 
@@ -180,6 +183,7 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
         regions=state.document.region_areas(U),
         unreached=said.text("unreached") if said.says("unreached") else None,
         energy=said.number("energy", 0.0) if said.says("energy") else None,
+        share_reached=said.number("share_reached", 0.0, 1.0) if said.says("share_reached") else 1.0,
     )
 
 

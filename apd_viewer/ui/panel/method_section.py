@@ -27,7 +27,7 @@ class MethodSection(Section):
     Attributes
     ----------
     method_chosen : Signal(str)
-    calm_chosen : Signal(bool)
+    calm_chosen, contact_chosen : Signal(bool)
     tolerance_chosen : Signal(float)
         Relative, so 0.001 where the field says 0.1 %.
     area_stiffness_chosen, shear_stiffness_chosen : Signal(float)
@@ -37,6 +37,7 @@ class MethodSection(Section):
 
     method_chosen = Signal(str)
     calm_chosen = Signal(bool)
+    contact_chosen = Signal(bool)
     tolerance_chosen = Signal(float)
     area_stiffness_chosen = Signal(float)
     shear_stiffness_chosen = Signal(float)
@@ -63,6 +64,12 @@ class MethodSection(Section):
         )
         self.calm.clicked.connect(self.calm_chosen)
         self.column.addWidget(self.calm)
+        self.contact = Check(
+            tr("Contact"),
+            toolTip=tr("Keep walls from passing through each other; slower where they touch"),
+        )
+        self.contact.clicked.connect(self.contact_chosen)
+        self.column.addWidget(self.contact)
         self.tolerance = Number(
             accessibleName=tr("Area tolerance in percent"),
             toolTip=tr("Allowed deviation of the total area from its target"),
@@ -108,6 +115,8 @@ class MethodSection(Section):
         self._describe(method)
         self.calm.setVisible(method.keeps_calm_parts)
         self.calm.setChecked(document.calm)
+        self.contact.setVisible(method.may_touch)
+        self.contact.setChecked(document.contact)
         self._tolerance.setVisible(method.has_tolerance)
         for row in self._moduli:
             row.setVisible(method.has_moduli)

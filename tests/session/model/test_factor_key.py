@@ -44,6 +44,7 @@ OF_DOCUMENT = {
     "hold_area": lambda said: replace(said, hold_area=True),
     "volume": lambda said: replace(said, volume=80.0),
     "calm": lambda said: replace(said, calm=False),
+    "contact": lambda said: replace(said, contact=True),
     "staying": lambda said: replace(said, staying=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
     "mirror": lambda said: replace(said, mirror=0),
