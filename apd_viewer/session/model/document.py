@@ -99,7 +99,7 @@ class Document:
     volume: float | None = field(default=None, metadata=NOT_FACTORED)
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     calm: bool = field(default=True, metadata=NOT_FACTORED)
-    contact: bool = field(default=False, metadata=FACTORED)
+    contact: bool = field(default=False, metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)

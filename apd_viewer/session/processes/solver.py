@@ -189,7 +189,7 @@ class Solver:
         request = order.request
         document = request.document
         held = document.constraints()
-        key = factored_for(document)
+        key = *factored_for(document), document.contact
         names = tuple(region.name for region in document.regions)
         goals = (document.percentages, document.hold_area, document.member, names, document.calm)
         poses = tuple(handle.pose for handle in document.handles)
