@@ -45,7 +45,7 @@ class Contact:
     Attributes
     ----------
     exempt : (k,) int array
-        Vertices near triangles that cross at rest, which nothing keeps apart.
+        Vertices near triangles that cross at rest, and of what touches there: nothing keeps them apart.
     start : (n, 3) float array
         Where ways begin.
     touching : int
@@ -62,6 +62,7 @@ class Contact:
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
         self._pairs = NearPairs(V, F, np.stack([held, zone]), thickness)
+        self.exempt = np.union1d(self.exempt, self._pairs.joined)
         self.touching, self.least = 0, np.inf
         self._set_out(V)
 

@@ -31,6 +31,8 @@ _CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
 _SOON = 0.5
 # Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
 _OF_REST = 0.5
+# In sizes of the mesh: what is so near at rest touches there, and nothing can keep it apart.
+_TOUCHES = 1e-9
 # No step goes below the least of these parts: of the range, of the distance at rest, of the gap once listed.
 _FLOOR, _FLOOR_OF_REST, _FLOOR_OF_GAP = 5e-3, 0.05, 0.5
 
@@ -74,6 +76,11 @@ class NearPairs:
         See :class:`PairSearch`.
     reach : float
         Range of the gap energy, mesh units.
+
+    Attributes
+    ----------
+    joined : int array
+        Vertices of the pairs found that touch at rest, as where a vertex hangs on an edge.
     """
 
     def __init__(self, V: np.ndarray, F: np.ndarray, together: np.ndarray, reach: float) -> None:
@@ -84,6 +91,8 @@ class NearPairs:
         self._usual = _PATCHES_WITHIN * self._edge
         self._patches = Patches(V, F, E)
         self._search = PairSearch(F, E, self._patches, together)
+        self._touches = _TOUCHES * float(np.ptp(V, axis=0).max())
+        self.joined = np.zeros(0, np.int32)
         self.enter(V)
 
     def enter(self, U: np.ndarray) -> None:
@@ -186,6 +195,10 @@ class NearPairs:
         look = self._reach + approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
         found = self._search.near(U, self._between[rows], look)
         at_rest = gaps(self._V, found.pairs, found.edges)
+        apart = at_rest > self._touches
+        if not apart.all():
+            self.joined = np.union1d(self.joined, found.pairs[~apart])
+            found, at_rest = found.among(apart), at_rest[apart]
         reach = np.minimum(self._reach, _OF_REST * at_rest)
         floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_REST * at_rest)
         floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)

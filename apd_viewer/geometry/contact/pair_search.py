@@ -34,6 +34,10 @@ class Found(NamedTuple):
     owner: np.ndarray
     gap: np.ndarray
 
+    def among(self, kept: np.ndarray) -> Found:
+        """Rows of a mask."""
+        return Found(*(column[kept] for column in self))
+
 
 class PairSearch:
     """Near pairs of a surface.

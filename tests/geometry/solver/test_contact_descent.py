@@ -161,7 +161,7 @@ def test_the_energy_of_gaps_is_that_of_the_shape_even_after_a_refused_move():
     V, F, fixed, upper = hairpin()
     solver = Deformation(V, F, fixed, handle=upper, contact=True)
     solver.aim(closed_hairpin())
-    inside = solver._contact  # its gap energy is in no frame
+    inside = solver.contact  # its gap energy is in no frame
     held = np.zeros(len(V), np.int64)
     held[fixed] = 1
     held[upper] = 2
@@ -223,7 +223,7 @@ def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
     solver = Deformation(V, F, fixed, handle=lid, contact=True)
     U = V.copy()
     U[lid] += [-0.8, 0.0, -0.6]
-    exempt = solver._contact.contact.exempt
+    exempt = solver.contact.contact.exempt
     checked = Checked(V, F, exempt)
     solver.aim(U[fixed])
     for _ in range(100):
@@ -298,3 +298,22 @@ def test_methods_that_descend_in_no_energy_know_no_contact(method):
         Deformation(V, F, np.arange(4), handle=np.arange(2), method=method, contact=True)
     with pytest.raises(InputError, match="Contact needs"):
         deform(V, F, np.arange(4), V[:4], iterations=3, contact=True)
+
+
+def test_vertices_that_hang_on_an_edge_at_rest_do_not_lock_the_surface():
+    """Two sheets side by side, one with twice as many vertices on the seam."""
+    V, F = grid(4, 4)
+    W, G = grid(8, 8, 0.5, 0.5)
+    X, H = np.vstack([V, W + [4.0, 0.0, 0.0]]), np.vstack([F, G + len(V)])
+    left, right = ends(X, 0)
+    fixed = np.concatenate([left, right])
+    solver = Deformation(X, H, fixed, handle=right, contact=True)
+    U = X.copy()
+    U[right] = moved(X[right], rotation([1.0, 0.0, 0.0], 0.5), (-0.5, 0.0, 1.0))
+    solver.aim(U[fixed])
+    for _ in range(60):
+        frame = solver.step()
+    assert frame.share_reached == 1.0
+    assert np.array_equal(frame.U[fixed], U[fixed])
+    solver.aim(U[fixed], frame.U)
+    assert np.abs(solver.step().U - frame.U).max() <= 0.1
