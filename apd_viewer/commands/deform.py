@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from contextlib import ExitStack
@@ -37,7 +38,6 @@ from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
 
 if TYPE_CHECKING:
-    import argparse
     from collections.abc import Sequence
 
     from apd_viewer.files.selections.selection import Selection
@@ -94,19 +94,16 @@ def deform_parser() -> Parser:
         help=tr("let 'exact' change the area of calm parts, those that the handles do not reach"),
     )
     parser.add_argument(
-        "--contact", action="store_true", help=tr("keep walls from passing through each other")
-    )
-    parser.add_argument(
-        "--no-contact", dest="contact", action="store_false", help=tr("let walls pass through each other")
+        "--contact",
+        action=argparse.BooleanOptionalAction,
+        default=False,
+        help=tr("keep walls from passing through each other; default: off"),
     )
     parser.add_argument(
         "--thickness",
-        type=float,
         metavar="LENGTH",
-        help=tr(
-            "distance that walls in contact keep, in the unit of the mesh (default: a thousandth of the "
-            "diagonal of the bounding box)"
-        ),
+        type=float,
+        help=tr("distance that walls keep with --contact, in mesh units; default: 1/1000 of the diagonal"),
     )
     _add_targets(parser)
     _add_convergence(parser)
@@ -233,6 +230,8 @@ def _deform(options: argparse.Namespace) -> None:
     if options.picture:
         check_picture(options.picture)
     check_scalar_options(options)
+    if options.thickness is not None and not options.contact:
+        raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     mesh = open_mesh(options.mesh)
     selection = read_selection_file(options.selection, mesh)
     regions = [_region(words, len(mesh.V)) for words in options.region]

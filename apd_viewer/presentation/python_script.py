@@ -40,7 +40,12 @@ for step in way:
     solver.aim(targets(step))
     for _ in range({iterations}):
         solver.step()
-solver.aim(targets(poses))
+    while solver.is_on_its_way:
+        solver.step()
+    if solver.share_reached < 1.0:  # contact lets the handles go no farther
+        break
+else:
+    solver.aim(targets(poses))
 for _ in range({most}):
     result = solver.step()
     if solver.settled:
@@ -176,8 +181,9 @@ def _settings(document: Document) -> str:
     words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
     if method.keeps_calm_parts and not document.calm:
         words.append("calm=False")
-    if method.may_touch and document.contact:
+    if document.contact and method.may_touch:
         words.append("contact=True")
+        words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
     if document.convergence != DEFAULT_CONVERGENCE:
         words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

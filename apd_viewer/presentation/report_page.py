@@ -68,7 +68,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.apart),
         *_measurements(subject),
-        PageSection(tr("Settings and targets"), tuple(settings_blocks(state))),
+        PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
         PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
         PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),

@@ -30,7 +30,7 @@ _DIGITS = 8  # digits of numbers for repeating the deformation
 _ROUNDING = 1e-12  # of the size of a mesh
 
 
-def settings_blocks(state: State) -> Iterator[Block]:
+def settings_blocks(state: State, unit: Unit) -> Iterator[Block]:
     """Blocks on the method and all settings."""
     document = state.document
     method = document.traits
@@ -42,6 +42,8 @@ def settings_blocks(state: State) -> Iterator[Block]:
         rows.append((tr("Calm parts"), tr("kept") if document.calm else tr("not kept"), ""))
     if method.may_touch:
         rows.append((tr("Contact"), tr("kept apart") if document.contact else tr("not regarded"), ""))
+    if document.contact and document.thickness is not None and method.may_touch:
+        rows.append((tr("Distance of walls"), unit.length(significant(document.thickness, 4)), ""))
     if method.has_tolerance:
         rows.append((tr("Tolerance"), f"{short(100 * document.tolerance)} %", ""))
     if method.has_moduli:

@@ -69,9 +69,19 @@ class Settings:
         """Keep the area of calm parts too, or the total alone."""
         self._set(tr("Keep calm parts") if on else tr("Let calm parts change"), calm=on)
 
-    def keep_apart(self, on: bool) -> None:
-        """Keep walls from passing through each other, or let them."""
-        self._set(tr("Turn contact on") if on else tr("Turn contact off"), contact=on)
+    def keep_apart(self, on: bool, thickness: float | None = None) -> None:
+        """Keep walls from passing through each other, or let them.
+
+        Parameters
+        ----------
+        on : bool
+        thickness : float, optional
+            Distance to keep, mesh units; a thousandth of the size of the mesh without it.
+        """
+        on_already = on and self._store.required().document.contact
+        switch = tr("Turn contact on") if on else tr("Turn contact off")
+        gesture = tr("Change distance of walls") if on_already else switch
+        self._set(gesture, contact=on, thickness=thickness if on else None)
 
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
         """Have the method "local" resist changes of areas and of shapes by other weights."""

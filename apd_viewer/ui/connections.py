@@ -30,7 +30,6 @@ def connect_settings(panel: Panel, session: Session) -> None:
     panel.volume.target.chosen.connect(session.settings.set_volume)
     panel.method.method_chosen.connect(session.settings.set_method)
     panel.method.calm_chosen.connect(session.settings.keep_calm)
-    panel.method.contact_chosen.connect(session.settings.keep_apart)
     panel.method.tolerance_chosen.connect(session.settings.set_tolerance)
     panel.method.convergence.chosen.connect(session.settings.set_convergence)
     panel.method.stiffness.chosen.connect(session.settings.set_stiffness)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from meshes import box, ends, grid, rotation, sphere
+from meshes import box, ends, grid, rotation, sphere, tube
 
 import apd_viewer
 from apd_viewer.__main__ import main
@@ -276,6 +276,20 @@ def test_stiffness_and_the_stiffnesses_of_local_change_the_shape(bar, deformed):
         assert all(np.abs(shape - other).max() > 1e-3 for other in shapes[:i])
 
 
+def test_walls_are_kept_apart_when_asked(tmp_path, deformed):
+    V, F = tube(12, 12)
+    wrung = np.eye(4)
+    wrung[:3, :3], wrung[2, 3] = rotation((0, 0, 1), 2.8), -0.3 * V[:, 2].max()
+    case = Case(tmp_path, V, F, M=wrung)
+    plain, mesh, _ = deformed(case, "--no-contact")
+    assert len(crossings(mesh.V, F)) == plain["self_intersections"] > 0
+    assert (plain["share_reached"], plain["least_gap"]) == (1.0, None)
+    kept, mesh, _ = deformed(case, "--contact", "--thickness", 0.02)
+    assert kept["self_intersections"] == 0
+    assert 0.0 < kept["least_gap"] < 0.02
+    assert abs(kept["area_error"]) <= 1e-9
+
+
 def test_regions_are_read_measured_and_kept(bar, deformed):
     z = bar.V[:, 2]
     for name, inside in (("low", z <= 2), ("high", z >= 3)):
@@ -492,6 +506,8 @@ def test_a_wrong_output(out, words, bar, refused):
         ("--tolerance", "small", "invalid float value: 'small'"),
         ("--stiffness", "-1", "stiffness must be a number of at least 0"),
         ("--area-stiffness", "nan", "area stiffness must be a number of at least 0"),
+        ("--thickness", "0.1", "add --contact"),
+        ("--thickness", "thin", "invalid float value: 'thin'"),
         ("--area", "0", "The target of the area must be a percentage from 1 to 1000"),
         ("--volume", "-10", "The target of the volume must be a percentage from 1 to 1000"),
         ("--region", "lid", "--region takes a name, a file"),
@@ -501,6 +517,19 @@ def test_a_wrong_output(out, words, bar, refused):
 )
 def test_a_wrong_option(option, value, words, refused):
     assert words in refused("--iterations", "1", option, value)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--iterations", "1"], "no number of plain iterations"),
+        (["--method", "paper"], "Contact needs one of the methods Exact, Local and ARAP"),
+        (["--thickness", "0"], "wall thickness must be greater than 0"),
+        (["--thickness", "nan"], "wall thickness must be greater than 0"),
+    ],
+)
+def test_contact_that_cannot_be_had(words, said, refused):
+    assert said in refused("--contact", *words)
 
 
 @pytest.mark.parametrize("option", ["--report", "--picture"])

@@ -23,6 +23,7 @@ SETTINGS = {
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
     "another end": {"set_convergence": (Convergence(40, 1e-4),)},
+    "in contact": {"keep_apart": (True, 0.01)},
     "what stays": {"let_stay": ((0,), True)},
 }
 

@@ -7,6 +7,7 @@ anew with nothing in touch.
 
 from __future__ import annotations
 
+import math
 from numbers import Real
 from typing import TYPE_CHECKING
 
@@ -45,6 +46,13 @@ def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
         )
     if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
         raise InputError(tr("The wall thickness must be greater than 0."))
+
+
+def stopped_at(share: float) -> str:
+    """Sentence on a handle that contact stops at a share of its way."""
+    return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
+        percent=math.floor(100.0 * share)
+    )
 
 
 def in_contact(
@@ -157,8 +165,10 @@ class ContactDescent:
 
     @property
     def least_gap(self) -> float | None:
-        """Least gap of what is in touch; None if nothing is."""
-        return self.contact.least if self._touching and self.contact.touching else None
+        """Least distance of walls in touch at ``U``, mesh units; None where none are."""
+        self.contact.go(self._U)
+        self.contact.gradient(self._U)
+        return float(self.contact.least) if self.contact.touching else None
 
     @property
     def is_stopped(self) -> bool:

@@ -47,9 +47,9 @@ class Result:
     convergence : Convergence
         What the iterations were ended by.
     share_reached : float
-        Share of the way that contact has let the held vertices go.
+        Share of the way to the targets that contact has let the handles go.
     least_gap : float or None
-        Of what is in touch; None without contact, or if nothing is.
+        Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
     """
 
     U: np.ndarray
@@ -75,8 +75,8 @@ class Result:
     seconds_per_iteration: float
     warnings: tuple[str, ...]
     convergence: Convergence
-    share_reached: float = 1.0
-    least_gap: float | None = None
+    share_reached: float
+    least_gap: float | None
 
 
 def deform(
@@ -158,6 +158,7 @@ def iterated(
     started: float,
     iterations: int | None = None,
     progress: Callable[[Frame], None] | None = None,
+    last: Callable[[], Frame] | None = None,
 ) -> Result:
     """Iterate until the shape has settled, or ``iterations`` times.
 
@@ -169,6 +170,8 @@ def iterated(
         When work began, by ``time.perf_counter()``.
     iterations, progress
         See :func:`deform`.
+    last : callable, optional
+        Gives the last frame, where it is not simply the solver's.
     """
     iterating = time.perf_counter()
     count, most = 0, iterations or solver.convergence.most_iterations
@@ -177,7 +180,7 @@ def iterated(
         count += 1
         if progress:
             progress(solver.frame())
-    frame = solver.frame()
+    frame = (last or solver.frame)()
     ended = time.perf_counter()
     return result_of(solver, frame, ended - started, (ended - iterating) / frame.iteration)
 

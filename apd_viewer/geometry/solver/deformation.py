@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections import deque
 from collections.abc import Sequence
@@ -23,7 +22,7 @@ from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, start_of, targets_of, vertex_ids
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
-from apd_viewer.geometry.solver.contact_descent import check_contact, in_contact
+from apd_viewer.geometry.solver.contact_descent import check_contact, in_contact, stopped_at
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
     MEMORY,
@@ -389,9 +388,7 @@ class Deformation:
 
     def _unreached(self) -> str | None:
         if self.contact is not None and self.contact.is_stopped:
-            return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
-                percent=math.floor(100.0 * self.share_reached)
-            )
+            return stopped_at(self.share_reached)
         missed = self.missed if self._solver.stuck else None
         if missed is None:
             return _CALM_GAVE_WAY if self._kept.has_let_calm_go else None

@@ -68,7 +68,9 @@ class Document:
     calm : bool
         Whether "exact" keeps the area of calm parts too.
     contact : bool
-        Whether walls are kept from passing through each other, by a method that can.
+        Whether walls are kept from passing through each other, by methods that can.
+    thickness : float or None
+        Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
     base : PartFlags
     measurements : tuple of Measurement
     target : TargetShape or None
@@ -100,6 +102,7 @@ class Document:
     staying: tuple[int, ...] = field(default=(), metadata=NOT_FACTORED)
     calm: bool = field(default=True, metadata=NOT_FACTORED)
     contact: bool = field(default=False, metadata=NOT_FACTORED)
+    thickness: float | None = field(default=None, metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)

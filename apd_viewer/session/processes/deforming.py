@@ -35,5 +35,6 @@ def deformation_of(
         loose=document.staying,
         calm=document.calm,
         contact=document.contact and document.traits.may_touch,
+        thickness=document.thickness,
         convergence=document.convergence,
     )

@@ -156,7 +156,7 @@ class Solver:
                     time.sleep(_MOMENT)
             if tray is None or (tray.free and (finished or tray.seen)):
                 seconds = (time.perf_counter() - since) / (iterations - last)
-                frame = solver.frame()
+                frame = walk.frame()
                 put = None
                 if finished and order.request.with_cost:
                     cost = Cost(solver.rest.energy(frame.U), took)
@@ -189,7 +189,7 @@ class Solver:
         request = order.request
         document = request.document
         held = document.constraints()
-        key = *factored_for(document), document.contact
+        key = *factored_for(document), document.contact, document.thickness
         names = tuple(region.name for region in document.regions)
         goals = (document.percentages, document.hold_area, document.member, names, document.calm)
         poses = tuple(handle.pose for handle in document.handles)
@@ -206,7 +206,8 @@ class Solver:
         # Aiming again would reset the paper method's handle to its target.
         if fresh or elsewhere or not alike(poses, self._poses):
             U = request.U if fresh or elsewhere else None
-            self._walk = Walk(self._solver, document, U, walks=elsewhere and request.iterate)
+            walks = request.iterate and (elsewhere or (fresh and _begins_at_rest(self._solver, request.U)))
+            self._walk = Walk(self._solver, document, U, walks)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
         return self._solver
 
@@ -231,6 +232,12 @@ class Solver:
             if _is_large(rest) and not order.thinnings:
                 self._tell(Message(order.number, make_ready(rest)))
         return self._rest[1]
+
+
+def _begins_at_rest(solver: Deformation, U: np.ndarray) -> bool:
+    """True if contact cannot go on from ``U`` (n, 3), which crosses itself."""
+    contact = solver.contact
+    return contact is not None and not contact.contact.may_enter(U[solver.rest.weld.first])
 
 
 def _is_large(rest: RestMesh) -> bool:

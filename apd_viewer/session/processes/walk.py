@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from apd_viewer.geometry.solver.contact_descent import stopped_at
 from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, stops_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.constraints import Constraints
+    from apd_viewer.geometry.pose.frame import Frame
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
 
@@ -36,7 +39,7 @@ class Walk:
     Attributes
     ----------
     arrived : bool
-        True once the handles are at their poses.
+        True once the handles are at their poses, or as far as contact lets them go.
     hides : bool
         True on the way to where the shape on screen is already.
     """
@@ -45,11 +48,15 @@ class Walk:
         self, solver: Deformation, document: Document, U: np.ndarray | None = None, walks: bool = True
     ) -> None:
         self._solver, self._end, self._iterations = solver, document.constraints(), 0
-        self._stops = stops_of(document) if walks else iter(())
-        stop = next(self._stops, None)
-        self.arrived = stop is None
+        self._stops = list(stops_of(document)) if walks else []
+        self._legs, self._leg = len(self._stops) + 1, 0
+        self.arrived = not self._stops
         self.hides = not self.arrived and U is not None and self._is_in_place(U)
-        self._aim(stop or self._end, U if self.arrived else document.grip)
+        self._aim(self._goal, U if self.arrived else document.grip)
+
+    @property
+    def _goal(self) -> Constraints:
+        return self._stops[self._leg] if self._leg < len(self._stops) else self._end
 
     def _is_in_place(self, U: np.ndarray) -> bool:
         away = float(np.abs(U[self._end.fixed] - self._end.targets).max())
@@ -62,9 +69,24 @@ class Walk:
         """Iterate once, and go a step further when it is time."""
         self._solver.iterate()
         self._iterations += 1
-        may_go_on = self._iterations % ITERATIONS_A_STEP == 0 and not self._solver.is_on_its_way
-        if not self.arrived and may_go_on:
-            stop = next(self._stops, None)
-            self.arrived = stop is None
-            self.hides = self.hides and not self.arrived
-            self._aim(stop or self._end)
+        if self.arrived or self._iterations < ITERATIONS_A_STEP or self._solver.is_on_its_way:
+            return
+        self._iterations = 0
+        if self._solver.share_reached < 1.0:
+            self.arrived, self.hides = True, False  # contact lets the handles go no farther
+            return
+        self._leg += 1
+        self.arrived = self._leg == len(self._stops)
+        self.hides = self.hides and not self.arrived
+        self._aim(self._goal)
+
+    def frame(self) -> Frame:
+        """The frame of the last iteration, its share that of the whole way."""
+        frame = self._solver.frame()
+        if not self._stops:
+            return frame
+        share = (self._leg + frame.share_reached) / self._legs
+        stopped = frame.share_reached < 1.0 and frame.unreached is not None
+        return replace(
+            frame, share_reached=share, unreached=stopped_at(share) if stopped else frame.unreached
+        )

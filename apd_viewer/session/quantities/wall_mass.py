@@ -81,6 +81,15 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
     return 1000.0 * litres * density(wall.density)
 
 
+def thickness_of(wall: Wall, unit: Unit) -> float | None:
+    """Thickness in mesh units; None where no usable one was typed."""
+    try:
+        thickness = length(wall.thickness, unit, {})
+    except InputError:
+        return None
+    return thickness if thickness > 0.0 else None
+
+
 def _is_bare(text: str) -> bool:
     try:
         number(text, {})

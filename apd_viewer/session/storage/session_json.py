@@ -65,7 +65,9 @@ def document_said(document: Document) -> dict[str, Any]:
         "volume": number_said(document.volume),
         # Sessions without it are from a time when no calm parts were kept.
         **({"calm": True} if document.calm else {}),
+        # Sessions without it are from a time when walls passed through each other.
         **({"contact": True} if document.contact else {}),
+        **({"thickness": number_said(document.thickness)} if document.thickness else {}),
         **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
@@ -125,6 +127,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         volume=percent_of(said, "volume"),
         calm=said.says("calm") and said.flag("calm"),
         contact=said.says("contact") and said.flag("contact"),
+        thickness=said.number("thickness", LEAST, MOST) if said.says("thickness") else None,
         base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),

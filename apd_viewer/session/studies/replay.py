@@ -58,8 +58,8 @@ def replay(
     while not walk.arrived:
         walk.iterate()
         if progress:
-            progress(solver.frame())
-    return document, iterated(solver, started, progress=progress)
+            progress(walk.frame())
+    return document, iterated(solver, started, progress=progress, last=walk.frame)
 
 
 def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject
 
 from apd_viewer.presentation.scales import Measure
 from apd_viewer.session.model.status_text import of_crossings
-from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall
+from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, thickness_of
 from apd_viewer.ui.preferences.preferences import own_file
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ class Measuring(QObject):
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
         panel.measures.wall_typed.connect(self._type)
+        panel.measures.wall_typed.connect(self._keep_distance)
+        panel.method.contact_chosen.connect(self._keep_apart)
         panel.volume.crossings.clicked.connect(health.open_last)
 
     def show(self) -> None:
@@ -94,3 +96,14 @@ class Measuring(QObject):
         path = own_file(mesh)
         if path is not None:
             self._memory.remember_wall(path, wall)
+
+    def _keep_distance(self) -> None:
+        """Keep walls apart by another thickness, if they are kept apart."""
+        state = self._session.store.state
+        if state is not None and state.document.contact:
+            self._keep_apart(True)
+
+    def _keep_apart(self, on: bool) -> None:
+        """Keep walls apart by their thickness, or let them pass."""
+        wall, unit = self._panel.measures.wall, self._session.store.unit
+        self._session.settings.keep_apart(on, thickness_of(wall, unit))

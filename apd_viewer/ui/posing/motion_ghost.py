@@ -61,10 +61,20 @@ class MotionGhost(MouseTool):
 
     def hide(self) -> None:
         """Show nothing."""
-        if self.traces:
+        if self.traces or len(self.patches.shown):
             self.traces = []
             self.patches.hide()
             self._viewport.overlay.update()
+
+    def show_asked(self, document: Document) -> None:
+        """Show all handles where a document has them, without a path."""
+        self.traces, patches = [], []
+        for k, handle in enumerate(document.handles):
+            ids, F = _patch(document, k)
+            if len(F):
+                patches.append((transform(handle.pose, document.grip[ids]), F, handle_color(k)))
+        self._show_patches(patches)
+        self._viewport.overlay.update()
 
     def _show_patches(self, patches: list[tuple[np.ndarray, np.ndarray, tuple[int, int, int]]]) -> None:
         if not patches:

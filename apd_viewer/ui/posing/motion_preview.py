@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 class MotionPreview:
     """Shows where the active handle would go while an amount is typed.
 
+    It also shows where handles were asked to be that contact has stopped on their way.
+
     Parameters
     ----------
     canvas : Canvas
@@ -28,13 +30,13 @@ class MotionPreview:
 
     Attributes
     ----------
-    ghost : MotionGhost
+    ghost, asked : MotionGhost
     """
 
     def __init__(self, canvas: Canvas, field: MotionField, session: Session, parts: ActiveParts) -> None:
         self._canvas, self._field = canvas, field
         self._session, self._parts = session, parts
-        self.ghost = MotionGhost(canvas.viewport)
+        self.ghost, self.asked = MotionGhost(canvas.viewport), MotionGhost(canvas.viewport)
         field.edited.connect(self._preview)
         field.left.connect(self.ghost.hide)
 
@@ -42,6 +44,10 @@ class MotionPreview:
         """Begin from another document, if an amount is being typed."""
         if self._field.amount.hasFocus() and old is not None and old.document is not new.document:
             self._field.edit()
+        if new.frame.share_reached < 1.0 and new.frame.settled:
+            self.asked.show_asked(new.document)
+        else:
+            self.asked.hide()
 
     def _preview(self, motion: TypedMotion, text: str, to: bool) -> None:
         if self._session.store.state is None:

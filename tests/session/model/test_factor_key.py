@@ -45,6 +45,7 @@ OF_DOCUMENT = {
     "volume": lambda said: replace(said, volume=80.0),
     "calm": lambda said: replace(said, calm=False),
     "contact": lambda said: replace(said, contact=True),
+    "thickness": lambda said: replace(said, contact=True, thickness=0.125),
     "staying": lambda said: replace(said, staying=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
     "mirror": lambda said: replace(said, mirror=0),

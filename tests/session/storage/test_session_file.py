@@ -43,6 +43,7 @@ SETTINGS: dict[str, dict[str, tuple]] = {
     "arap": {"set_method": ("arap",), "set_stiffness": (1 / 3,)},
     "a soft handle": {"set_falloff": (1, 1.7)},
     "sr-arap": {"set_method": ("sr-arap",), "set_stiffness": (0.02,)},
+    "in contact": {"keep_apart": (True, 0.0123)},
 }
 assert {settings.get("set_method", ("exact",))[0] for settings in SETTINGS.values()} == set(METHODS)
 

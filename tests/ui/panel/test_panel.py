@@ -1,13 +1,15 @@
 """What the panel says and asks, in a real window."""
 
 import re
+from dataclasses import replace
 
 import meshes
 import numpy as np
 import pytest
 from driving import Mouse, document, drag, idle, ring_grip
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 
+from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import verdict
@@ -83,6 +85,56 @@ def test_each_method_shows_the_settings_that_matter_for_it(bottle):
         assert document(bottle).method == method
         assert shown(bottle) == settings | always
         assert bottle.panel.method.stiffness.field.isEnabled()
+
+
+def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(qtbot, bottle):
+    box, thickness = bottle.panel.method.contact, bottle.panel.measures.thickness
+    for method, may in (("paper", False), ("sr-arap", False), ("local", True), ("exact", True)):
+        choose(bottle, method)
+        assert box.isVisible() is may
+    assert not box.isChecked()
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    assert (document(bottle).contact, document(bottle).thickness) == (True, None)
+    assert bottle.session.gestures.history.next_undo == "Turn contact on"
+    thickness.setText("0.02")
+    thickness.editingFinished.emit()
+    assert document(bottle).thickness == 0.02
+    bottle.actions_.undo.trigger()
+    assert (document(bottle).contact, document(bottle).thickness) == (True, None)
+    bottle.actions_.undo.trigger()
+    assert not document(bottle).contact
+    assert not box.isChecked()
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    assert document(bottle).thickness == 0.02, "what was typed before is used as well"
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    assert (document(bottle).contact, document(bottle).thickness) == (False, None)
+
+
+def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
+    found = []
+    for on in (False, True):
+        bottle.session.settings.keep_apart(on)
+        bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+        idle(qtbot, bottle)
+        state = bottle.session.store.state
+        found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
+        assert state.frame.share_reached == 1.0
+        bottle.session.gestures.undo()
+    assert found[0] > 0
+    assert found[1] == 0
+
+
+def test_a_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
+    drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
+    idle(qtbot, bottle)
+    state, ghost = bottle.session.store.state, bottle.preview.asked.patches
+    assert len(ghost.shown) == 0
+    stopped = replace(state, frame=replace(state.frame, share_reached=0.6, settled=True))
+    bottle.preview.follow(state, stopped)
+    held = state.document.constraints()
+    assert np.array_equal(ghost.shown, held.targets[np.isin(held.fixed, held.handles[0])])
+    bottle.preview.follow(stopped, replace(stopped, frame=replace(stopped.frame, settled=False)))
+    assert len(ghost.shown) == 0
 
 
 def test_the_method_can_be_changed_while_a_pose_is_held(qtbot, bottle):
