@@ -262,16 +262,14 @@ def test_walls_in_contact_keep_about_the_thickness_apart(thickness):
     solver = Deformation(V, F, fixed, handle=upper, contact=True, thickness=thickness)
     frame, _ = settle(solver, closed_hairpin())
     assert frame.share_reached < 1.0
-    lower = np.setdiff1d(np.unique(F), upper)
     T = F[np.isin(F, np.setdiff1d(fixed, upper)).all(axis=1)]
     pairs = np.array([(v, *t) for v in upper for t in T])
     least = gaps(frame.U, pairs, np.zeros(len(pairs), bool)).min()
-    assert len(lower)
     assert 0.0 < least <= thickness
     assert least >= 0.005 * thickness
 
 
-def test_two_handles_and_soft_vertices():
+def test_two_handles_arrive_each_by_its_own_path():
     V, F = tube(16, 40)
     low, high = ends(V)
     middle = np.flatnonzero(np.abs(V[:, 2] - V[:, 2].mean()) < 0.2)
