@@ -49,7 +49,7 @@ class Frame:
         Measure of convergence in multiples of its tolerance; None while it is not known. Above 1 the shape
         has not converged; below, a lower minimum may still be looked for.
     share_reached : float
-        Share of the way to the targets that contact has let the held vertices go.
+        Share of the way from rest to the targets that contact has let the held vertices go.
     """
 
     U: np.ndarray

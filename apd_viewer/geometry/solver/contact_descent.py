@@ -29,6 +29,8 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.elastic import Elastic
 
+# In diagonals of the bounding box: with thicker walls every part of the surface is near every other.
+_THICKEST = 0.05
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
 _PART, _STEPS = 0.05, 10
 # So many shapes in a row that cannot be reached mean contact; the first after a move may be rough.
@@ -85,6 +87,12 @@ def in_contact(
     moves = np.isin(shape.piece[shape.F[:, 0]], shape.piece[fixed])
     firmness = float(shape.L.diagonal().mean())
     apart = THICKNESS * rest.diagonal if thickness is None else thickness
+    if apart > _THICKEST * rest.diagonal:
+        raise InputError(
+            tr("The wall thickness must be at most {most:.3g} here; check the unit.").format(
+                most=_THICKEST * rest.diagonal
+            )
+        )
     contact = Contact(shape.V, np.ascontiguousarray(shape.F[moves]), together, firmness, apart)
     return ContactDescent(inner, goals, contact, handle_of)
 
@@ -120,7 +128,8 @@ class ContactDescent:
         self._touching: TouchingDescent | None = None
         self._U = V = self.elastic.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
-        self.held = self._targets = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
+        self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
+        self.held = self._targets = self._at_rest
         self._set_path()
 
     @property
@@ -159,9 +168,15 @@ class ContactDescent:
         return self._touching is None and self._inner.stuck
 
     @property
-    def share_reached(self) -> float:
-        """Share of the path from the last shape aimed at that the held vertices have gone."""
+    def share_of_path(self) -> float:
+        """Share of the path from where they were aimed that the held vertices have gone."""
         return self._share
+
+    @property
+    def share_reached(self) -> float:
+        """Share of the way from rest to their targets that the held vertices have gone."""
+        left = (1.0 - self._share) * self._path.length
+        return 1.0 - left / max(self._whole, left) if left else 1.0
 
     @property
     def least_gap(self) -> float | None:
@@ -224,6 +239,7 @@ class ContactDescent:
 
     def _set_path(self) -> None:
         self._path = HeldPath(self.held, self._targets, self._handle_of)
+        self._whole = HeldPath(self._at_rest, self._targets, self._handle_of).length
         self._share = self._ahead = 0.0 if self._path.length else 1.0
         self._part = _PART * self._size / max(self._path.length, _PART * self._size)
         self._steps, self._refused = _STEPS, 0

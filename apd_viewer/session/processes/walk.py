@@ -85,7 +85,8 @@ class Walk:
         frame = self._solver.frame()
         if not self._stops:
             return frame
-        share = (self._leg + frame.share_reached) / self._legs
+        contact = self._solver.contact
+        share = (self._leg + (1.0 if contact is None else contact.share_of_path)) / self._legs
         stopped = frame.share_reached < 1.0 and frame.unreached is not None
         return replace(
             frame, share_reached=share, unreached=stopped_at(share) if stopped else frame.unreached

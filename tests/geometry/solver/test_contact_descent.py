@@ -315,3 +315,24 @@ def test_vertices_that_hang_on_an_edge_at_rest_do_not_lock_the_surface():
     assert np.array_equal(frame.U[fixed], U[fixed])
     solver.aim(U[fixed], frame.U)
     assert np.abs(solver.step().U - frame.U).max() <= 0.1
+
+
+def test_the_share_is_that_of_the_whole_way_however_often_it_is_aimed_anew():
+    V, F = tube(24, 24)
+    low, high = ends(V)
+    fixed = np.concatenate([low, high])
+    solver = Deformation(V, F, fixed, handle=high, contact=True)
+    height = float(np.ptp(V[:, 2]))
+    for share in (0.1, 0.2):
+        targets = V[fixed].copy()
+        targets[len(low) :, 2] -= share * height
+        solver.aim(targets)
+        solver.iterate()
+    way = V[high, 2] - solver.frame().U[high, 2]
+    assert solver.share_reached == pytest.approx(way.mean() / (0.2 * height), abs=1e-6)
+
+
+def test_walls_as_thick_as_the_mesh_are_refused():
+    V, F = tube(12, 8)
+    with pytest.raises(InputError, match="at most"):
+        Deformation(V, F, ends(V)[0], contact=True, thickness=float(np.ptp(V)))
