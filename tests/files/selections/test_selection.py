@@ -8,8 +8,8 @@ from painted_meshes import N, painted
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.selections.selection import LEAST_AREA, MOST_AREA, Selection
+from apd_viewer.geometry.goals import goals
 from apd_viewer.geometry.pose.constraints import BASE, FREE
-from apd_viewer.geometry.solver import goals
 
 
 @pytest.mark.parametrize(

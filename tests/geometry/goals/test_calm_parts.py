@@ -5,12 +5,12 @@ import pytest
 from meshes import character, rotation, tube
 
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.goals import calm_parts
 from apd_viewer.geometry.goals.calm_parts import calm_levels, calmness, flux, share_calm
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.mesh.operators import face_areas
 from apd_viewer.geometry.pose.constraints import FREE, NO_SOFT, Soft
-from apd_viewer.geometry.solver import calm_parts
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = character()
