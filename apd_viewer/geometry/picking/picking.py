@@ -11,6 +11,7 @@ from numba import njit
 
 BLOCK = 128  # triangles per box; neighbours in a file are mostly neighbours in space
 _SLACK = 1e-9  # margin: rounding must not let a ray miss the box of a triangle it hits
+_RIM = 1e-9  # the same of a triangle's weights: nor slip through a vertex or between two triangles
 
 
 @njit(cache=True, nogil=True)
@@ -83,11 +84,11 @@ def ray_hit(
                 continue
             sx, sy, sz = ox - U[i, 0], oy - U[i, 1], oz - U[i, 2]
             u = (sx * px + sy * py + sz * pz) / det
-            if u < 0.0 or u > 1.0:
+            if u < -_RIM or u > 1.0 + _RIM:
                 continue
             qx, qy, qz = sy * ez - sz * ey, sz * ex - sx * ez, sx * ey - sy * ex
             v = (dx * qx + dy * qy + dz * qz) / det
-            if v < 0.0 or u + v > 1.0:
+            if v < -_RIM or u + v > 1.0 + _RIM:
                 continue
             s = (gx * qx + gy * qy + gz * qz) / det
             if 0.0 < s < distance:

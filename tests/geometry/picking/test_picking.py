@@ -131,3 +131,17 @@ def test_a_brush_finer_than_the_mesh_paints_the_nearest_corner(slab):
     graph = vertex_neighbours(F, len(U))
     hit = 0.6 * U[F[7, 1]] + 0.2 * U[F[7, 0]] + 0.2 * U[F[7, 2]]
     assert brush(*graph, U, F[7], hit, hit, 1e-6).tolist() == [F[7, 1]]
+
+
+def test_a_ray_to_a_vertex_hits_the_surface_there():
+    """It meets only corners of triangles, where each one alone may round it away."""
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    U, F = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32)
+    around = boxes(U, F)
+    eye = np.array([3.1, 2.3, 1.7])
+    front = U[np.einsum("ij,ij->i", mesh.vertex_normals, eye - U) > 0.2]
+    assert len(front) > 100
+    for vertex in front:
+        way = (vertex - eye) / np.linalg.norm(vertex - eye)
+        _, distance, *_ = ray_hit(eye, way, U, F, around)
+        assert distance == pytest.approx(np.linalg.norm(vertex - eye), abs=1e-9)
