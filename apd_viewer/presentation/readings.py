@@ -126,6 +126,26 @@ def volume(state: State, unit: Unit) -> Volume:
     )
 
 
+class ContactWords(NamedTuple):
+    """Pairs in contact, their least gap, and the share of the way gone."""
+
+    pairs: str
+    least_gap: str
+    share: str
+
+
+def contact(state: State, unit: Unit) -> ContactWords:
+    """Contact of the shape with itself in words; dots while unknown."""
+    touch = state.frame.contact
+    share = f"{math.floor(100.0 * state.frame.share_reached)} %"
+    if touch is None and not state.is_at_rest:
+        return ContactWords(LATER, LATER, LATER)
+    if touch is None or touch.least_gap is None:
+        return ContactWords(trc("pairs in contact", "none"), NOTHING, share)
+    gap = unit.length(length(touch.least_gap, max(state.inspection.size)))
+    return ContactWords(f"{touch.pairs:,}", gap, share)
+
+
 def compact(state: State) -> tuple[str, str]:
     """Compactness of a closed shape, and its change."""
     rest, now = state.inspection, state.frame

@@ -106,6 +106,11 @@ def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
     for line in said.more:
         yield "", line, ""
     yield tr("Self-intersections"), _crossing(subject.found), ""
+    if subject.state.keeps_apart:
+        touch = readings.contact(subject.state, subject.unit)
+        yield tr("Pairs in contact"), touch.pairs, ""
+        yield tr("Least gap"), touch.least_gap, ""
+        yield tr("Way of the handle"), touch.share, ""
 
 
 def _crossing(found: ShapeCheck | None) -> str:

@@ -278,6 +278,8 @@ class Workbench(QObject):
         self.symmetry.follow()
         if old is None or old.document is not document:
             self.poses.follow()
+        if old is not None and old.keeps_apart != new.keeps_apart:
+            self.measuring.show()
         self.actions_.pose.show_symmetry(document.mirror is not None)
         self.plots.follow()
         self.health.follow()

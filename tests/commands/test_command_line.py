@@ -283,10 +283,11 @@ def test_walls_are_kept_apart_when_asked(tmp_path, deformed):
     case = Case(tmp_path, V, F, M=wrung)
     plain, mesh, _ = deformed(case, "--no-contact")
     assert len(crossings(mesh.V, F)) == plain["self_intersections"] > 0
-    assert (plain["share_reached"], plain["least_gap"]) == (1.0, None)
+    assert (plain["share_reached"], plain["least_gap"], plain["pairs_in_contact"]) == (1.0, None, 0)
     kept, mesh, _ = deformed(case, "--contact", "--thickness", 0.02)
     assert kept["self_intersections"] == 0
     assert 0.0 < kept["least_gap"] < 0.02
+    assert kept["pairs_in_contact"] > 0
     assert abs(kept["area_error"]) <= 1e-9
 
 

@@ -3,12 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 # Relative accuracy of area and volume targets; the paper's method has a
 # tolerance of its own.
 MET = 1e-9
+
+
+class Touch(NamedTuple):
+    """Contact of a shape with itself.
+
+    Attributes
+    ----------
+    pairs : int
+        Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep.
+    least_gap : float or None
+        Their least distance, mesh units; None without any.
+    exempt : int
+        Vertices that nothing keeps apart: near triangles that cross or touch at rest, or of loose parts.
+    """
+
+    pairs: int
+    least_gap: float | None
+    exempt: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +69,8 @@ class Frame:
         has not converged; below, a lower minimum may still be looked for.
     share_reached : float
         Share of the way from rest to the targets that contact has let the held vertices go.
+    contact : Touch or None
+        None without contact.
     """
 
     U: np.ndarray
@@ -68,3 +89,4 @@ class Frame:
     total: int = 0
     gap: float | None = None
     share_reached: float = 1.0
+    contact: Touch | None = None

@@ -18,6 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import THICKNESS, Contact
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.pose.frame import Touch
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
@@ -28,6 +29,7 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.elastic import Elastic
+    from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
 # In diagonals of the bounding box: with thicker walls every part of the surface is near every other.
 _THICKEST = 0.05
@@ -84,7 +86,7 @@ def in_contact(
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     together = np.zeros(len(shape.V), np.int64)
     together[fixed] = handle_of[: len(fixed)] + 1
-    moves = np.isin(shape.piece[shape.F[:, 0]], shape.piece[fixed])
+    moves = _moves(shape, fixed)[shape.F[:, 0]]
     firmness = float(shape.L.diagonal().mean())
     apart = THICKNESS * rest.diagonal if thickness is None else thickness
     if apart > _THICKEST * rest.diagonal:
@@ -129,6 +131,8 @@ class ContactDescent:
         self._U = V = self.elastic.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
         self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
+        shape = self.elastic.rest
+        self._loose = len(np.setdiff1d(shape.F, np.flatnonzero(_moves(shape, self.elastic.fixed))))
         self.held = self._targets = self._at_rest
         self._set_path()
 
@@ -179,11 +183,13 @@ class ContactDescent:
         return 1.0 - left / max(self._whole, left) if left else 1.0
 
     @property
-    def least_gap(self) -> float | None:
-        """Least distance of walls in touch at ``U``, mesh units; None where none are."""
-        self.contact.go(self._U)
-        self.contact.gradient(self._U)
-        return float(self.contact.least) if self.contact.touching else None
+    def touch(self) -> Touch:
+        """Contact at ``U``."""
+        contact = self.contact
+        contact.go(self._U)
+        contact.gradient(self._U)
+        least = float(contact.least) if contact.touching else None
+        return Touch(int(contact.touching), least, len(contact.exempt) + self._loose)
 
     @property
     def is_stopped(self) -> bool:
@@ -284,3 +290,8 @@ class ContactDescent:
         """Descend without contact from the last shape."""
         self._touching = None
         self._inner.restart(self._U)
+
+
+def _moves(shape: SolveMesh, fixed: np.ndarray) -> np.ndarray:
+    """Mask (n,) of the vertices connected with the ``fixed`` ones (k,)."""
+    return np.isin(shape.piece, shape.piece[fixed])

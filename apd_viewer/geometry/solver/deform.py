@@ -50,6 +50,8 @@ class Result:
         Share of the way to the targets that contact has let the handles go.
     least_gap : float or None
         Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
+    pairs_in_contact : int
+        Pairs of vertex and triangle, or of two edges, in touch.
     """
 
     U: np.ndarray
@@ -77,6 +79,7 @@ class Result:
     convergence: Convergence
     share_reached: float
     least_gap: float | None
+    pairs_in_contact: int
 
 
 def deform(
@@ -223,5 +226,6 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         warnings=solver.warnings + unsettled,
         convergence=solver.convergence,
         share_reached=frame.share_reached,
-        least_gap=None if solver.contact is None else solver.contact.least_gap,
+        least_gap=None if frame.contact is None else frame.contact.least_gap,
+        pairs_in_contact=0 if frame.contact is None else frame.contact.pairs,
     )

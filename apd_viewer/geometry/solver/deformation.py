@@ -326,6 +326,7 @@ class Deformation:
             total=self._total,
             gap=self._step_gap if solver.converged is None else solver.gap,
             share_reached=self.share_reached,
+            contact=None if self.contact is None else self.contact.touch,
         )
 
     @property

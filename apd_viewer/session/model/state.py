@@ -63,6 +63,17 @@ class State:
         return self.frame.U is document.mesh.V and not document.posed and not asks
 
     @property
+    def keeps_apart(self) -> bool:
+        """True if contact is on, and the method has it."""
+        return self.document.contact and self.document.traits.may_touch
+
+    @property
+    def cannot_cross(self) -> bool:
+        """True if contact keeps all of the shape apart, on its way too."""
+        touch = self.frame.contact
+        return self.keeps_apart and touch is not None and not touch.exempt
+
+    @property
     def lacks(self) -> bool:
         """True if a target of area or volume is not met."""
         document, rest, now = self.document, self.inspection, self.frame

@@ -18,7 +18,7 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE, MOST_HANDLES
-from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.frame import Frame, Touch
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence, check_convergence
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
@@ -164,6 +164,7 @@ def frame_said(frame: Frame) -> dict[str, Any]:
         "unreached": frame.unreached,
         "energy": None if frame.energy is None else float(frame.energy),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
+        **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
     }
 
 
@@ -187,7 +188,13 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
         unreached=said.text("unreached") if said.says("unreached") else None,
         energy=said.number("energy", 0.0) if said.says("energy") else None,
         share_reached=said.number("share_reached", 0.0, 1.0) if said.says("share_reached") else 1.0,
+        contact=_touch(said.part("contact")) if said.says("contact") else None,
     )
+
+
+def _touch(said: Fields) -> Touch:
+    least = said.number("least_gap", 0.0) if said.says("least_gap") else None
+    return Touch(said.count("pairs"), least, said.count("exempt"))
 
 
 def view_said(view: View) -> dict[str, Any]:

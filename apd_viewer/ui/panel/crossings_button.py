@@ -12,6 +12,8 @@ from apd_viewer.language import tr
 from apd_viewer.ui.widgets.icons import icon
 from apd_viewer.ui.widgets.theme import LIGHT, Theme
 
+_KEPT_APART = tr("Contact keeps walls apart: no triangles intersect, and the volume counts nothing twice")
+
 
 class CrossingsButton(QToolButton):
     """Line under the volume about self-intersections; empty if there are none."""
@@ -24,8 +26,11 @@ class CrossingsButton(QToolButton):
         self._theme, self._symbol = LIGHT, ""
         self.show_moving()
 
-    def show_moving(self) -> None:
-        """The shape is on its way to somewhere else."""
+    def show_moving(self, cannot_cross: bool = False) -> None:
+        """The shape is on its way to somewhere else, kept from crossing itself or not."""
+        if cannot_cross:
+            self._say(tr("no self-intersections"), _KEPT_APART, "sound")
+            return
         tip = tr("Self-intersections are checked when the shape stops moving")
         self._say(tr("self-intersections: checked when it stops"), tip)
 
@@ -33,16 +38,28 @@ class CrossingsButton(QToolButton):
         """It is being found out."""
         self._say(tr("checking for self-intersections…"), tr("Checking whether triangles intersect"))
 
-    def show_count(self, triangles: int | None) -> None:
-        """Show the number of intersecting triangles; None if unknown."""
+    def show_count(self, triangles: int | None, kept_apart: bool = False) -> None:
+        """Show the number of intersecting triangles; None if unknown.
+
+        With ``kept_apart`` contact is on.
+        """
         if triangles is None:
             tip = tr("The library ipctk, which checks this, is missing or does not respond")
             self._say(tr("self-intersections: not checked"), tip)
         elif triangles == 0:
-            self._say(tr("no self-intersections"), tr("No triangles intersect"), "sound")
+            self._say(
+                tr("no self-intersections"),
+                _KEPT_APART if kept_apart else tr("No triangles intersect"),
+                "sound",
+            )
         else:
             said = tr("{n:,} intersecting triangles")
             tip = tr("The volume counts overlaps twice. Show where this is")
+            if kept_apart:
+                tip = tr(
+                    "Contact leaves what crosses at rest, and loose parts, as they are, and the volume "
+                    "counts their overlaps twice. Show where this is"
+                )
             self._say(said.format(n=triangles), tip, "warning")
 
     def set_theme(self, theme: Theme) -> None:

@@ -61,7 +61,7 @@ class Measuring(QObject):
         checks, mesh = self._session.shape_checks, state.document.mesh
         found = checks.found
         self._panel.measures.show_check(found, checks.at_rest)
-        self._panel.volume.show_check(found, checks.under_way)
+        self._panel.volume.show_check(state, found, checks.under_way)
         self._health.show_shape(of_crossings(mesh, found.crossing) if found is not None else ())
 
     def welcome(self, mesh: Mesh) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from apd_viewer.language import tr
 from apd_viewer.presentation import readings
@@ -32,7 +33,7 @@ class VolumeSection(Section):
         In percent.
     kept : Signal(object)
         The volume to keep in percent, or None to leave it free.
-    volume, litres : QLabel
+    volume, litres, pairs, least_gap, share : QLabel
     crossings : CrossingsButton
     """
 
@@ -46,11 +47,39 @@ class VolumeSection(Section):
         self.why_not = quiet(tr("Why the volume cannot be kept"))
         self.litres = quiet(tr("Volume in litres, and how its openings were closed"))
         self.crossings = CrossingsButton()
-        for part in (self.volume, self.litres, self.crossings, self.target, self.why_not):
+        for part in (self.volume, self.litres, self.crossings):
             self.column.addWidget(part)
+        self._add_contact()
+        self.column.addWidget(self.target)
+        self.column.addWidget(self.why_not)
         for later in (self.target.field, self.target.slider, self.why_not):
             later.hide()  # until a volume can be kept
         self.keep.toggled.connect(lambda on: self.kept.emit(self.target.value if on else None))
+
+    def _add_contact(self) -> None:
+        self._contact = QWidget()
+        grid = QGridLayout(self._contact, horizontalSpacing=8, verticalSpacing=4)
+        grid.setContentsMargins(0, 0, 0, 4)
+        grid.setColumnStretch(0, 1)
+        rows = (
+            (
+                tr("Pairs in contact"),
+                tr("Pairs of vertex and triangle, or of two edges, nearer than the distance that walls keep"),
+            ),
+            (tr("Least gap"), tr("Least distance of what is in contact")),
+            (
+                tr("Way of the handle"),
+                tr("Share of its way from rest that contact has let the handle go"),
+            ),
+        )
+        values = []
+        for row, (title, tip) in enumerate(rows):
+            values.append(QLabel(readings.NOTHING, accessibleName=title, toolTip=tip))
+            grid.addWidget(QLabel(title, objectName="quiet", toolTip=tip), row, 0)
+            grid.addWidget(values[-1], row, 1, Qt.AlignmentFlag.AlignRight)
+        self.pairs, self.least_gap, self.share = values
+        self._contact.hide()  # until contact is on
+        self.column.addWidget(self._contact)
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the parts beyond the style sheet's reach."""
@@ -90,12 +119,18 @@ class VolumeSection(Section):
         self.volume.setText(said.sizes)
         self.litres.setText("\n".join(said.more))
         self.litres.setVisible(bool(said.more))
+        if state.keeps_apart:
+            touch = readings.contact(state, unit)
+            for label, text in zip((self.pairs, self.least_gap, self.share), touch, strict=True):
+                label.setText(text)
+        self._contact.setVisible(state.keeps_apart)
 
-    def show_check(self, found: ShapeCheck | None, under_way: bool) -> None:
-        """Show the self-intersections as far as known."""
+    def show_check(self, state: State, found: ShapeCheck | None, under_way: bool) -> None:
+        """Show the self-intersections of a state as far as known."""
         if found is not None:
-            self.crossings.show_count(None if found.crossing is None else len(found.crossing))
-        elif under_way:
+            count = None if found.crossing is None else len(found.crossing)
+            self.crossings.show_count(count, state.keeps_apart)
+        elif under_way and not state.cannot_cross:
             self.crossings.show_checking()
         else:
-            self.crossings.show_moving()
+            self.crossings.show_moving(state.cannot_cross)

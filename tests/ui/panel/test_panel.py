@@ -119,9 +119,30 @@ def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
         state = bottle.session.store.state
         found.append(len(crossings(state.frame.U, state.document.mesh.joined_F)))
         assert state.frame.share_reached == 1.0
+        assert bottle.panel.volume.pairs.isVisible() is on
         bottle.session.gestures.undo()
     assert found[0] > 0
     assert found[1] == 0
+
+
+def test_contact_is_read_where_the_volume_is(qtbot, bottle):
+    volume = bottle.panel.volume
+    bottle.session.settings.keep_apart(True, 0.03)
+    assert [label.text() for label in (volume.pairs, volume.least_gap, volume.share)] == [
+        "none",
+        "–",
+        "100 %",
+    ]
+    bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+    idle(qtbot, bottle)
+    frame = bottle.session.store.state.frame
+    assert frame.contact.pairs == int(volume.pairs.text().replace(",", "")) > 0
+    assert 0.0 < frame.contact.least_gap < 0.03
+    assert float(volume.least_gap.text()) == pytest.approx(frame.contact.least_gap, rel=1e-3)
+    bottle.session.handles.move_by(TypedMotion.TWIST, "2deg", 0)
+    qtbot.waitUntil(lambda: bottle.session.shape_checks.found is None)
+    assert volume.crossings.text() == "no self-intersections", "on the way too"
+    idle(qtbot, bottle)
 
 
 def test_a_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
