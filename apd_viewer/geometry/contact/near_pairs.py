@@ -20,8 +20,8 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 # In mean edges: how far patches may be apart to keep a bound, how far beyond its need a search looks, and how
 # much nearer two patches may come in one step. Larger values are more pairs, smaller ones more searches.
 _PATCHES_WITHIN = 2.0
-_LOOK_AHEAD = 0.5
-_FARTHEST = 2.0
+_LOOK_AHEAD = 0.4
+_FARTHEST = 1.0
 # Longer steps are taken in parts: all patches that may meet on the way must be listed.
 _LONGEST = 1.5
 # Bounds that come so near to the range are made exact, so that the next steps have a clearance.
@@ -57,7 +57,8 @@ class _Listed(NamedTuple):
 
     def among(self, kept: np.ndarray) -> _Listed:
         """Rows of a mask."""
-        return _Listed(*(column[kept] for column in self))
+        rows = np.flatnonzero(kept)
+        return _Listed(*(column.take(rows, axis=0) for column in self))
 
     def and_also(self, more: _Listed) -> _Listed:
         """These and more rows."""
@@ -99,7 +100,7 @@ class NearPairs:
         """List the pairs anew at ``U`` (n, 3)."""
         self._between, self._bound = np.zeros((0, 2), np.int64), np.zeros(0)
         self._listed = _Listed.none()
-        self._owed = self._clearance = 0.0
+        self._paid_at, self._clearance = U, 0.0
         self._relist(U, self._usual)
         self.examine(U, U)
         self.accept()
@@ -109,15 +110,14 @@ class NearPairs:
 
         ``U`` is the shape of the last :meth:`enter` or :meth:`accept`.
         """
-        step = _CORNER * largest_difference(W, U)
-        self._owes = 2.0 * step < self._clearance
-        if self._owes:
-            self._energy_after, self._owed_after = 0.0, 2.0 * step
+        self._within = 2.0 * _CORNER * largest_difference(W, self._paid_at) < self._clearance
+        if self._within:
+            self._energy_after = 0.0
             return None
-        far = self._spend(U, W, step)
+        far = self._spend(U, W, _CORNER * largest_difference(W, U))
         if far is not None:
             return np.full(len(U), far)
-        listed = self._listed
+        listed, self._ahead = self._listed, W
         self._low_after, share = np.empty(len(listed.low)), np.empty(len(listed.low))
         pairs, bounds = (listed.pairs, listed.edges), (listed.low, listed.reach, listed.floor)
         motions, after = (self._approach, listed.owner), (self._low_after, share)
@@ -136,10 +136,9 @@ class NearPairs:
 
     def accept(self) -> None:
         """Go the free way found last."""
-        if self._owes:
-            self._owed += self._owed_after
-            self._clearance -= self._owed_after
+        if self._within:
             return
+        self._paid_at = self._ahead
         listed = self._listed = self._listed._replace(low=self._low_after)
         self._bound = self._bound - self._approach
         unlisted = float(self._bound.min(initial=np.inf)) - self._reach
@@ -162,16 +161,17 @@ class NearPairs:
         k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most)
         return touching.pairs, k, w
 
-    def _pay(self) -> None:
-        """Take what steps within the clearance may have brought nearer from all bounds."""
-        if self._owed:
-            self._listed = self._listed._replace(low=self._listed.low - self._owed)
-            self._bound = self._bound - self._owed
-            self._owed = self._clearance = 0.0
+    def _pay(self, U: np.ndarray) -> None:
+        """Take what the steps within the clearance have brought nearer from all bounds."""
+        if U is not self._paid_at:
+            approach = self._patches.approaches(self._paid_at, U, self._between)
+            self._listed = self._listed._replace(low=self._listed.low - approach[self._listed.owner])
+            self._bound = self._bound - approach
+            self._paid_at, self._clearance = U, 0.0
 
     def _spend(self, U: np.ndarray, W: np.ndarray, step: float) -> float | None:
         """List all pairs that may touch on the way; a share if it is too far at once."""
-        self._pay()
+        self._pay(U)
         if step > _LONGEST * self._edge:
             return 0.9 * _LONGEST * self._edge / step
         moved, needed = _CORNER * largest_difference(U, self._listed_at), max(self._usual, 4.0 * step)

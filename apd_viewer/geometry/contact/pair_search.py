@@ -58,13 +58,12 @@ class PairSearch:
 
     def near(self, U: np.ndarray, between: np.ndarray, reach: np.ndarray) -> Found:
         """Pairs between pairs (k, 2) of patches that are nearer than their ``reach`` (k,)."""
-        patches = self._patches
-        boxes = _boxes(U, self._E), _boxes(U, self._F)
+        patches, vertices = self._patches, np.arange(len(U))[:, None]
         tasks = _TASKS_PER_CORE * numba.get_num_threads()
         while True:
             *found, count = _near(
-                U, *boxes, between, reach, *patches.edges, self._E, *patches.faces, self._F,
-                *patches.vertices, self._together, self._capacity, tasks,
+                U, between, reach, *patches.reached, *patches.vertices, vertices, *patches.edges, self._E,
+                *patches.faces, self._F, self._together, self._capacity, tasks,
             )  # fmt: skip
             if count.max(initial=0) <= self._capacity:
                 break
@@ -73,20 +72,6 @@ class PairSearch:
             np.concatenate([part[k, : count[k]] for k in range(tasks)]) for part in found
         )
         return Found(pairs, edges, owner, gap)
-
-
-@parallel()
-def _boxes(U: np.ndarray, S: np.ndarray) -> np.ndarray:
-    """Bounding boxes (k, 6) of simplices (k, 2 or 3)."""
-    boxes = np.empty((len(S), 6))
-    for e in prange(len(S)):
-        for c in range(3):
-            low = high = U[S[e, 0], c]
-            for j in range(1, S.shape[1]):
-                x = U[S[e, j], c]
-                low, high = min(low, x), max(high, x)
-            boxes[e, c], boxes[e, c + 3] = low, high
-    return boxes
 
 
 @njit(inline="always")
@@ -102,17 +87,36 @@ def _apart(A: np.ndarray, i: int, B: np.ndarray, j: int, r: float) -> bool:
     )
 
 
-@njit(inline="always")
-def _outside(U: np.ndarray, v: int, B: np.ndarray, j: int, r: float) -> bool:
-    """True if a vertex is farther from a box than ``r`` along an axis."""
-    return (
-        U[v, 0] > B[j, 3] + r
-        or U[v, 0] < B[j, 0] - r
-        or U[v, 1] > B[j, 4] + r
-        or U[v, 1] < B[j, 1] - r
-        or U[v, 2] > B[j, 5] + r
-        or U[v, 2] < B[j, 2] - r
-    )
+@njit(cache=True, nogil=True)
+def _box_of(U: np.ndarray, start: np.ndarray, item: np.ndarray, p: int, box: np.ndarray) -> None:
+    """Write the bounding box of the vertices of a patch."""
+    for c in range(3):
+        low, high = np.inf, -np.inf
+        for e in range(start[p], start[p + 1]):
+            x = U[item[e], c]
+            low, high = min(low, x), max(high, x)
+        box[0, c], box[0, c + 3] = low, high
+
+
+@njit(cache=True, nogil=True)
+def _gathered(
+    U: np.ndarray, start: np.ndarray, item: np.ndarray, S: np.ndarray, p: int, other: np.ndarray, r: float,
+    ids: np.ndarray, boxes: np.ndarray,
+) -> int:  # fmt: skip
+    """Write simplices of a patch within ``r`` of a box, and their boxes; return their number."""
+    n = 0
+    for e in range(start[p], start[p + 1]):
+        f = item[e]
+        for c in range(3):
+            low = high = U[S[f, 0], c]
+            for j in range(1, S.shape[1]):
+                x = U[S[f, j], c]
+                low, high = min(low, x), max(high, x)
+            boxes[n, c], boxes[n, c + 3] = low, high
+        if not _apart(boxes, n, other, 0, r):
+            ids[n] = f
+            n += 1
+    return n
 
 
 @njit(cache=True, nogil=True)
@@ -124,30 +128,12 @@ def _goes_together(together: np.ndarray, a: int, b: int, c: int, d: int) -> bool
     return False
 
 
-@njit(cache=True, nogil=True)
-def _box_of_patch(
-    j: int, BE: np.ndarray, estart: np.ndarray, eitem: np.ndarray, U: np.ndarray,
-    vstart: np.ndarray, vitem: np.ndarray, BF: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
-) -> np.ndarray:  # fmt: skip
-    box = np.empty((1, 6))
-    for c in range(3):
-        low, high = np.inf, -np.inf
-        for e in range(estart[j], estart[j + 1]):
-            low, high = min(low, BE[eitem[e], c]), max(high, BE[eitem[e], c + 3])
-        for f in range(fstart[j], fstart[j + 1]):
-            low, high = min(low, BF[fitem[f], c]), max(high, BF[fitem[f], c + 3])
-        for v in range(vstart[j], vstart[j + 1]):
-            low, high = min(low, U[vitem[v], c]), max(high, U[vitem[v], c])
-        box[0, c], box[0, c + 3] = low, high
-    return box
-
-
 @parallel()
 def _near(
-    U: np.ndarray, BE: np.ndarray, BF: np.ndarray, between: np.ndarray, reach: np.ndarray,
-    estart: np.ndarray, eitem: np.ndarray, E: np.ndarray,
-    fstart: np.ndarray, fitem: np.ndarray, F: np.ndarray,
-    vstart: np.ndarray, vitem: np.ndarray, together: np.ndarray, capacity: int, tasks: int,
+    U: np.ndarray, between: np.ndarray, reach: np.ndarray, rstart: np.ndarray, ritem: np.ndarray,
+    vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray, estart: np.ndarray, eitem: np.ndarray,
+    E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray, F: np.ndarray,
+    together: np.ndarray, capacity: int, tasks: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Found pairs of every task, as many as there is room for, and their count."""
     pairs = np.empty((tasks, capacity, 4), np.int32)
@@ -155,19 +141,24 @@ def _near(
     owner = np.empty((tasks, capacity), np.int32)
     gap = np.empty((tasks, capacity))
     count = np.zeros(tasks, np.int64)
+    most = 1 + max(np.diff(vstart).max(), np.diff(estart).max(), np.diff(fstart).max())
     for task in prange(tasks):
         n = 0
+        box = np.empty((2, 1, 6))
+        one, other = np.empty(most, np.int64), np.empty(most, np.int64)
+        A, B = np.empty((most, 6)), np.empty((most, 6))
         for o in range(task, len(between), tasks):
             r, i, j = reach[o], between[o, 0], between[o, 1]
-            box = _box_of_patch(j, BE, estart, eitem, U, vstart, vitem, BF, fstart, fitem)
-            for x in range(estart[i], estart[i + 1]):
-                f = eitem[x]
-                if _apart(BE, f, box, 0, r):
-                    continue
+            _box_of(U, rstart, ritem, i, box[0])
+            _box_of(U, rstart, ritem, j, box[1])
+            ones = _gathered(U, estart, eitem, E, i, box[1], r, one, A)
+            others = _gathered(U, estart, eitem, E, j, box[0], r, other, B) if ones > 0 else 0
+            for x in range(ones):
+                f = one[x]
                 a, b = E[f, 0], E[f, 1]
-                for y in range(estart[j], estart[j + 1]):
-                    g = eitem[y]
-                    if (i == j and g <= f) or _apart(BE, g, BE, f, r):
+                for y in range(others):
+                    g = other[y]
+                    if (i == j and g <= f) or _apart(A, x, B, y, r):
                         continue
                     c, d = E[g, 0], E[g, 1]
                     if a in (c, d) or b in (c, d) or _goes_together(together, a, b, c, d):
@@ -181,16 +172,14 @@ def _near(
                         n += 1
             for turn in range(1 if i == j else 2):
                 mine, its = (i, j) if turn == 0 else (j, i)
-                for x in range(vstart[mine], vstart[mine + 1]):
-                    v = vitem[x]
-                    if turn == 0 and _outside(U, v, box, 0, r):
-                        continue
-                    for y in range(fstart[its], fstart[its + 1]):
-                        f = fitem[y]
+                ones = _gathered(U, vstart, vitem, S, mine, box[1 - turn], r, one, A)
+                others = _gathered(U, fstart, fitem, F, its, box[turn], r, other, B) if ones > 0 else 0
+                for x in range(ones):
+                    v = one[x]
+                    for y in range(others):
+                        f = other[y]
                         a, b, c = F[f, 0], F[f, 1], F[f, 2]
-                        if v in (a, b, c) or _outside(U, v, BF, f, r):
-                            continue
-                        if _goes_together(together, v, a, b, c):
+                        if _apart(A, x, B, y, r) or v in (a, b, c) or _goes_together(together, v, a, b, c):
                             continue
                         q = vertex_triangle(U, v, a, b, c)[0]
                         if q < r * r:

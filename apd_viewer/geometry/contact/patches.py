@@ -76,25 +76,13 @@ class Patches:
 
         In ascending order; each patch makes a pair with itself.
         """
-        middle, size = (boxes[:, :3] + boxes[:, 3:]) / 2, np.linalg.norm(boxes[:, 3:] - boxes[:, :3], axis=1)
-        # Few patches are large; they ask for themselves, so that they do not widen the search of all.
-        usual = float(np.median(size))
-        large = np.flatnonzero(size > 2.0 * usual)
-        tree = KDTree(middle)
-        found = [tree.query_pairs(gap + 2.0 * usual, output_type="ndarray")]
-        found.append(np.column_stack([np.arange(len(boxes))] * 2))
-        if len(large):
-            around = tree.query_ball_point(middle[large], gap + (size[large] + size.max()) / 2)
-            found += [
-                np.column_stack([np.full(len(near), i), near]) for i, near in zip(large, around, strict=True)
-            ]
-        both = np.sort(np.concatenate(found), axis=1).astype(np.int64)
-        key = np.sort(both[:, 0] * self._count + both[:, 1])
-        key = key[np.diff(key, prepend=-1) > 0]
-        pairs = np.column_stack([key // self._count, key % self._count])
-        apart = _box_distances(boxes, pairs)
-        close = apart <= gap
-        return pairs[close], apart[close]
+        axis = int(np.ptp(boxes[:, :3], axis=0).argmax())
+        order = np.argsort(boxes[:, axis])
+        first = np.concatenate([[0], np.cumsum(_count_near(boxes, order, axis, gap))])
+        key, apart = _keys_near(boxes, order, axis, gap, first)
+        ascending = np.argsort(key)
+        key = key[ascending]
+        return np.column_stack([key >> 32, key & 0xFFFFFFFF]), apart[ascending]
 
     def approaches(self, U: np.ndarray, W: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         """Upper bounds (k,) of the approach of pairs (k, 2) from ``U`` to ``W``."""
@@ -127,18 +115,48 @@ def _boxes(U: np.ndarray, start: np.ndarray, item: np.ndarray) -> np.ndarray:
     return boxes
 
 
-@njit(cache=True, nogil=True)
-def _box_distances(boxes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    apart = np.empty(len(pairs))
-    for e in range(len(pairs)):
-        i, j = pairs[e, 0], pairs[e, 1]
-        q = 0.0
-        for c in range(3):
-            d = max(boxes[j, c] - boxes[i, c + 3], boxes[i, c] - boxes[j, c + 3])
-            if d > 0.0:
-                q += d * d
-        apart[e] = np.sqrt(q)
-    return apart
+@njit(inline="always")
+def _distance(boxes: np.ndarray, i: int, j: int) -> float:
+    """Distance of two boxes."""
+    q = 0.0
+    for c in range(3):
+        d = max(boxes[j, c] - boxes[i, c + 3], boxes[i, c] - boxes[j, c + 3])
+        if d > 0.0:
+            q += d * d
+    return np.sqrt(q)
+
+
+@parallel()
+def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
+    """Number of boxes within ``gap`` of each, among itself and those after it in ``order``."""
+    count = np.ones(len(order), np.int64)
+    for a in prange(len(order)):
+        for b in range(a + 1, len(order)):
+            if boxes[order[b], axis] > boxes[order[a], axis + 3] + gap:
+                break
+            if _distance(boxes, order[a], order[b]) <= gap:
+                count[a] += 1
+    return count
+
+
+@parallel()
+def _keys_near(
+    boxes: np.ndarray, order: np.ndarray, axis: int, gap: float, first: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Keys of these pairs, the lower number in their upper half, and distances."""
+    key, apart = np.empty(first[-1], np.int64), np.zeros(first[-1])
+    for a in prange(len(order)):
+        i, n = order[a], first[a]
+        key[n] = i << 32 | i
+        for b in range(a + 1, len(order)):
+            j = order[b]
+            if boxes[j, axis] > boxes[i, axis + 3] + gap:
+                break
+            d = _distance(boxes, i, j)
+            if d <= gap:
+                n += 1
+                key[n], apart[n] = min(i, j) << 32 | max(i, j), d
+    return key, apart
 
 
 @parallel()
@@ -150,56 +168,54 @@ def _motions(U: np.ndarray, W: np.ndarray, start: np.ndarray, item: np.ndarray) 
     motions = np.empty((len(start) - 1, 11))
     for p in prange(len(start) - 1):
         first, last = start[p], start[p + 1]
-        centre, shift = np.zeros(3), np.zeros(3)
+        cx = cy = cz = sx = sy = sz = 0.0
         for e in range(first, last):
             v = item[e]
-            for c in range(3):
-                centre[c] += U[v, c] / (last - first)
-                shift[c] += (W[v, c] - U[v, c]) / (last - first)
-        inertia, moment = np.zeros((3, 3)), np.zeros(3)
+            cx, cy, cz = cx + U[v, 0], cy + U[v, 1], cz + U[v, 2]
+            sx, sy, sz = sx + W[v, 0], sy + W[v, 1], sz + W[v, 2]
+        n = last - first
+        cx, cy, cz = cx / n, cy / n, cz / n
+        sx, sy, sz = sx / n - cx, sy / n - cy, sz / n - cz
+        xx = yy = zz = xy = yz = zx = mx = my = mz = 0.0
         for e in range(first, last):
             v = item[e]
-            x, y, z = U[v, 0] - centre[0], U[v, 1] - centre[1], U[v, 2] - centre[2]
-            dx, dy = W[v, 0] - U[v, 0] - shift[0], W[v, 1] - U[v, 1] - shift[1]
-            dz = W[v, 2] - U[v, 2] - shift[2]
-            inertia[0, 0] += y * y + z * z
-            inertia[1, 1] += x * x + z * z
-            inertia[2, 2] += x * x + y * y
-            inertia[0, 1] -= x * y
-            inertia[1, 2] -= y * z
-            inertia[0, 2] -= z * x
-            moment[0] += y * dz - z * dy
-            moment[1] += z * dx - x * dz
-            moment[2] += x * dy - y * dx
-        spin = _solved(inertia, moment)
+            x, y, z = U[v, 0] - cx, U[v, 1] - cy, U[v, 2] - cz
+            dx, dy, dz = W[v, 0] - U[v, 0] - sx, W[v, 1] - U[v, 1] - sy, W[v, 2] - U[v, 2] - sz
+            xx, yy, zz = xx + x * x, yy + y * y, zz + z * z
+            xy, yz, zx = xy + x * y, yz + y * z, zx + z * x
+            mx, my, mz = mx + y * dz - z * dy, my + z * dx - x * dz, mz + x * dy - y * dx
+        wx, wy, wz = _spin(yy + zz, zz + xx, xx + yy, xy, yz, zx, mx, my, mz)
         radius = left = 0.0
         for e in range(first, last):
             v = item[e]
-            x, y, z = U[v, 0] - centre[0], U[v, 1] - centre[1], U[v, 2] - centre[2]
-            dx = W[v, 0] - U[v, 0] - shift[0] - (spin[1] * z - spin[2] * y)
-            dy = W[v, 1] - U[v, 1] - shift[1] - (spin[2] * x - spin[0] * z)
-            dz = W[v, 2] - U[v, 2] - shift[2] - (spin[0] * y - spin[1] * x)
+            x, y, z = U[v, 0] - cx, U[v, 1] - cy, U[v, 2] - cz
+            dx = W[v, 0] - U[v, 0] - sx - (wy * z - wz * y)
+            dy = W[v, 1] - U[v, 1] - sy - (wz * x - wx * z)
+            dz = W[v, 2] - U[v, 2] - sz - (wx * y - wy * x)
             radius = max(radius, x * x + y * y + z * z)
             left = max(left, dx * dx + dy * dy + dz * dz)
-        motions[p, 0:3], motions[p, 3:6], motions[p, 6:9] = centre, shift, spin
+        motions[p, 0], motions[p, 1], motions[p, 2] = cx, cy, cz
+        motions[p, 3], motions[p, 4], motions[p, 5] = sx, sy, sz
+        motions[p, 6], motions[p, 7], motions[p, 8] = wx, wy, wz
         motions[p, 9], motions[p, 10] = np.sqrt(radius), np.sqrt(left)
     return motions
 
 
-@njit(cache=True, nogil=True)
-def _solved(A: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Solution of a regularised symmetric (3, 3) system, upper triangle given."""
-    trace = 1e-6 * (A[0, 0] + A[1, 1] + A[2, 2]) + 1e-300
-    a, d, f = A[0, 0] + trace, A[1, 1] + trace, A[2, 2] + trace
-    p, q, r = A[0, 1], A[0, 2], A[1, 2]
-    c00, c01, c02 = d * f - r * r, r * q - p * f, p * r - d * q
-    c11, c12, c22 = a * f - q * q, p * q - a * r, a * d - p * p
-    whole = a * c00 + p * c01 + q * c02
-    x = np.empty(3)
-    x[0] = (c00 * b[0] + c01 * b[1] + c02 * b[2]) / whole
-    x[1] = (c01 * b[0] + c11 * b[1] + c12 * b[2]) / whole
-    x[2] = (c02 * b[0] + c12 * b[1] + c22 * b[2]) / whole
-    return x
+@njit(inline="always")
+def _spin(
+    a: float, d: float, f: float, xy: float, yz: float, zx: float, mx: float, my: float, mz: float
+) -> tuple[float, float, float]:
+    """Angular velocity of moments of inertia and momentum, regularised."""
+    trace = 1e-6 * (a + d + f) + 1e-300
+    a, d, f = a + trace, d + trace, f + trace
+    c00, c01, c02 = d * f - yz * yz, yz * zx + xy * f, xy * yz + d * zx
+    c11, c12, c22 = a * f - zx * zx, xy * zx + a * yz, a * d - xy * xy
+    whole = a * c00 - xy * c01 - zx * c02
+    return (
+        (c00 * mx + c01 * my + c02 * mz) / whole,
+        (c01 * mx + c11 * my + c12 * mz) / whole,
+        (c02 * mx + c12 * my + c22 * mz) / whole,
+    )
 
 
 @njit(cache=True, nogil=True)
