@@ -1,7 +1,7 @@
 """List of near pairs, kept complete along the way of a surface.
 
-Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound. Only
-where a step could use that up are two patches searched again.
+Listed are all pairs that may be in touch; of all others, every pair of near patches keeps a lower bound of
+what their gaps exceed their range by. Only where a step could use that up are two patches searched again.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 from apd_viewer.geometry.contact.collision_times import examine
-from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
 from apd_viewer.geometry.contact.pair_search import PairSearch
 from apd_viewer.geometry.contact.patches import Patches
@@ -19,7 +18,7 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 
 # In mean edges: how far patches may be apart to keep a bound, how far beyond its need a search looks, and how
 # much nearer two patches may come in one step. Larger values are more pairs, smaller ones more searches.
-_PATCHES_WITHIN = 2.0
+_PATCHES_WITHIN = 3.0
 _LOOK_AHEAD = 0.4
 _FARTHEST = 1.0
 # Longer steps are taken in parts: all patches that may meet on the way must be listed.
@@ -29,12 +28,8 @@ _MARGIN = 0.1
 _CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
 # Those that would be searched soon are searched at once.
 _SOON = 0.5
-# Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
-_OF_REST = 0.5
-# In sizes of the mesh: what is so near at rest touches there, and nothing can keep it apart.
-_TOUCHES = 1e-9
-# No step goes below the least of these parts: of the range, of the distance at rest, of the gap once listed.
-_FLOOR, _FLOOR_OF_REST, _FLOOR_OF_GAP = 5e-3, 0.05, 0.5
+# No step goes below the least of these parts: of the longest range, of its own, of the gap once listed.
+_FLOOR, _FLOOR_OF_RANGE, _FLOOR_OF_GAP = 5e-3, 0.1, 0.5
 
 
 class _Listed(NamedTuple):
@@ -85,14 +80,17 @@ class NearPairs:
     """
 
     def __init__(self, V: np.ndarray, F: np.ndarray, together: np.ndarray, reach: float) -> None:
-        self._V, self._reach = V, reach
+        self._reach = reach
         E = _edges(F, len(V))
         self.edges = E
-        self._edge = float(np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1).mean())
+        lengths = np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
+        self._edge = float(lengths.mean())
         self._usual = _PATCHES_WITHIN * self._edge
         self._patches = Patches(V, F, E)
-        self._search = PairSearch(F, E, self._patches, together)
-        self._touches = _TOUCHES * float(np.ptp(V, axis=0).max())
+        start, edges = self._patches.edges
+        self._edges_of = np.add.reduceat(np.append(lengths[edges], 0.0), start[:-1])
+        self._edges_of /= np.maximum(np.diff(start), 1)
+        self._search = PairSearch(V, F, E, self._patches, together, reach)
         self.joined = np.zeros(0, np.int32)
         self.enter(V)
 
@@ -141,9 +139,8 @@ class NearPairs:
         self._paid_at = self._ahead
         listed = self._listed = self._listed._replace(low=self._low_after)
         self._bound = self._bound - self._approach
-        unlisted = float(self._bound.min(initial=np.inf)) - self._reach
-        self._clearance = min(float((listed.low - listed.reach).min(initial=np.inf)), unlisted)
-        self._clearance = min(self._clearance, self._unseen - self._moved_after)
+        apart = float((listed.low - listed.reach).min(initial=np.inf)), float(self._bound.min(initial=np.inf))
+        self._clearance = min(*apart, self._unseen - self._moved_after)
 
     def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
         """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
@@ -181,36 +178,34 @@ class NearPairs:
         self._moved_after = 2.0 * (moved + step)
         self._approach = approach = self._patches.approaches(U, W, self._between)
         left = self._bound - approach
-        most = float(approach[left < self._reach].max(initial=0.0))
+        most = float(approach[left < 0.0].max(initial=0.0))
         if most > _FARTHEST * self._edge:
             return 0.9 * _FARTHEST * self._edge / most
-        if (left < self._reach).any():
-            self._list(U, left < self._reach + _SOON * _LOOK_AHEAD * self._edge)
+        if (left < 0.0).any():
+            self._list(U, left < _SOON * self._look_ahead)
         return None
 
     def _list(self, U: np.ndarray, short: np.ndarray) -> None:
         """List anew the pairs between some of the pairs of patches."""
-        rows, ahead = np.flatnonzero(short), _LOOK_AHEAD * self._edge
-        approach = self._approach[rows]
-        look = self._reach + approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
-        found = self._search.near(U, self._between[rows], look)
-        at_rest = gaps(self._V, found.pairs, found.edges)
-        apart = at_rest > self._touches
+        rows = np.flatnonzero(short)
+        approach, ahead = self._approach[rows], self._look_ahead[rows]
+        beyond = approach + np.maximum(ahead, np.minimum(approach, 1.2 * ahead))
+        found, self._bound[rows] = self._search.near(U, self._between[rows], beyond)
+        apart = found.reach > 0.0
         if not apart.all():
             self.joined = np.union1d(self.joined, found.pairs[~apart])
-            found, at_rest = found.among(apart), at_rest[apart]
-        reach = np.minimum(self._reach, _OF_REST * at_rest)
-        floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_REST * at_rest)
+            found = found.among(apart)
+        floor = np.minimum(_FLOOR * self._reach, _FLOOR_OF_RANGE * found.reach)
         floor = np.minimum(floor, _FLOOR_OF_GAP * found.gap)
         owner = rows[found.owner].astype(np.int32)
-        new = _Listed(found.pairs, found.edges, owner, found.gap, reach, floor)
+        new = _Listed(found.pairs, found.edges, owner, found.gap, found.reach, floor)
         self._listed = self._listed.among(~short[self._listed.owner]).and_also(new)
-        self._bound[rows] = look
 
     def _relist(self, U: np.ndarray, beyond: float) -> None:
         """Find the pairs of near patches; their bounds and listed pairs stay known."""
         self._unseen = beyond
         between, bound = self._patches.near(self._patches.boxes(U), self._reach + beyond)
+        bound -= self._reach
         old, new = self._key(self._between), self._key(between)
         if len(old):
             at = np.minimum(np.searchsorted(old, new), len(old) - 1)
@@ -221,6 +216,7 @@ class NearPairs:
             owner = back[self._listed.owner]
             self._listed = self._listed._replace(owner=owner).among(owner >= 0)
         self._between, self._bound, self._listed_at = between, bound, U
+        self._look_ahead = _LOOK_AHEAD * self._edges_of[between].min(axis=1)
 
     def _key(self, between: np.ndarray) -> np.ndarray:
         return between[:, 0] << 32 | between[:, 1]

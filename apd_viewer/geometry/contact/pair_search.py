@@ -9,11 +9,15 @@ import numpy as np
 from numba import njit, prange
 
 from apd_viewer.geometry.contact.distances import edge_edge, vertex_triangle
-from apd_viewer.geometry.contact.patches import Patches
+from apd_viewer.geometry.contact.patches import Patches, box_distance, boxes_within
 from apd_viewer.geometry.linalg.threads import parallel
 
 _FIRST_CAPACITY = 20_000  # pairs a task
 _TASKS_PER_CORE = 4
+# Pairs near each other at rest have a range of this part of that distance: neighbours are silent at rest.
+_OF_REST = 0.25
+# In sizes of the mesh: what is so near at rest touches there, and nothing can keep it apart.
+_TOUCHES = 1e-9
 
 
 class Found(NamedTuple):
@@ -27,12 +31,15 @@ class Found(NamedTuple):
     owner : (p,) int array
         Row among the pairs of patches that were searched.
     gap : (p,) float array
+    reach : (p,) float array
+        Range of the energy; 0 of a pair that touches at rest.
     """
 
     pairs: np.ndarray
     edges: np.ndarray
     owner: np.ndarray
     gap: np.ndarray
+    reach: np.ndarray
 
     def among(self, kept: np.ndarray) -> Found:
         """Rows of a mask."""
@@ -44,47 +51,51 @@ class PairSearch:
 
     Parameters
     ----------
+    V : (n, 3) float array
+        Rest positions.
     F : (m, 3) int array
     E : (e, 2) int array
     patches : Patches
     together : (z, n) int array
         Groups that vertices belong to, 0 for none, in each row: a pair all of whose vertices are in one
         group is left out.
+    reach : float
+        Range of the gap energy, mesh units.
     """
 
-    def __init__(self, F: np.ndarray, E: np.ndarray, patches: Patches, together: np.ndarray) -> None:
-        self._F, self._E, self._patches, self._together = F, E, patches, together
+    def __init__(
+        self,
+        V: np.ndarray,
+        F: np.ndarray,
+        E: np.ndarray,
+        patches: Patches,
+        together: np.ndarray,
+        reach: float,
+    ) -> None:
+        self._V, self._F, self._E, self._patches = V, F, E, patches
+        self._together, self._reach = together, reach
+        self._touches = _TOUCHES * float(np.ptp(V, axis=0).max())
         self._capacity = _FIRST_CAPACITY
 
-    def near(self, U: np.ndarray, between: np.ndarray, reach: np.ndarray) -> Found:
-        """Pairs between pairs (k, 2) of patches that are nearer than their ``reach`` (k,)."""
+    def near(self, U: np.ndarray, between: np.ndarray, beyond: np.ndarray) -> tuple[Found, np.ndarray]:
+        """Near pairs between pairs (k, 2) of patches, and bounds (k,) of all others.
+
+        Near are those whose gaps exceed their range by less than ``beyond`` (k,); the bounds are lower ones
+        of what the gaps of all others exceed theirs by.
+        """
         patches, vertices = self._patches, np.arange(len(U))[:, None]
         tasks = _TASKS_PER_CORE * numba.get_num_threads()
         while True:
-            *found, count = _near(
-                U, between, reach, *patches.reached, *patches.vertices, vertices, *patches.edges, self._E,
-                *patches.faces, self._F, self._together, self._capacity, tasks,
+            *found, bound, count = _near(
+                self._V, U, between, self._reach, self._touches, beyond, *patches.reached,
+                *patches.vertices, vertices, *patches.edges, self._E, *patches.faces, self._F,
+                self._together, self._capacity, tasks,
             )  # fmt: skip
             if count.max(initial=0) <= self._capacity:
                 break
             self._capacity = int(1.5 * count.max())
-        pairs, edges, owner, gap = (
-            np.concatenate([part[k, : count[k]] for k in range(tasks)]) for part in found
-        )
-        return Found(pairs, edges, owner, gap)
-
-
-@njit(inline="always")
-def _apart(A: np.ndarray, i: int, B: np.ndarray, j: int, r: float) -> bool:
-    """True if two boxes are farther apart than ``r`` along an axis."""
-    return (
-        A[i, 0] > B[j, 3] + r
-        or A[i, 3] < B[j, 0] - r
-        or A[i, 1] > B[j, 4] + r
-        or A[i, 4] < B[j, 1] - r
-        or A[i, 2] > B[j, 5] + r
-        or A[i, 5] < B[j, 2] - r
-    )
+        columns = (np.concatenate([part[k, : count[k]] for k in range(tasks)]) for part in found)
+        return Found(*columns), bound
 
 
 @njit(cache=True, nogil=True)
@@ -103,7 +114,7 @@ def _gathered(
     U: np.ndarray, start: np.ndarray, item: np.ndarray, S: np.ndarray, p: int, other: np.ndarray, r: float,
     ids: np.ndarray, boxes: np.ndarray,
 ) -> int:  # fmt: skip
-    """Write simplices of a patch within ``r`` of a box, and their boxes; return their number."""
+    """Write simplices of a patch within ``r`` of a box, and their boxes; count them."""
     n = 0
     for e in range(start[p], start[p + 1]):
         f = item[e]
@@ -113,7 +124,7 @@ def _gathered(
                 x = U[S[f, j], c]
                 low, high = min(low, x), max(high, x)
             boxes[n, c], boxes[n, c + 3] = low, high
-        if not _apart(boxes, n, other, 0, r):
+        if boxes_within(boxes, n, other, 0, r):
             ids[n] = f
             n += 1
     return n
@@ -128,18 +139,26 @@ def _goes_together(together: np.ndarray, a: int, b: int, c: int, d: int) -> bool
     return False
 
 
+@njit(inline="always")
+def _range_of(at_rest: float, reach: float, touches: float) -> float:
+    """Range of the energy of a pair, by its distance at rest."""
+    return min(reach, _OF_REST * at_rest) if at_rest > touches else 0.0
+
+
 @parallel()
 def _near(
-    U: np.ndarray, between: np.ndarray, reach: np.ndarray, rstart: np.ndarray, ritem: np.ndarray,
-    vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray, estart: np.ndarray, eitem: np.ndarray,
-    E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray, F: np.ndarray,
-    together: np.ndarray, capacity: int, tasks: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Found pairs of every task, as many as there is room for, and their count."""
+    V: np.ndarray, U: np.ndarray, between: np.ndarray, reach: float, touches: float, beyond: np.ndarray,
+    rstart: np.ndarray, ritem: np.ndarray, vstart: np.ndarray, vitem: np.ndarray, S: np.ndarray,
+    estart: np.ndarray, eitem: np.ndarray, E: np.ndarray, fstart: np.ndarray, fitem: np.ndarray,
+    F: np.ndarray, together: np.ndarray, capacity: int, tasks: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """Pairs of every task, as many as there is room for, bounds, and their count."""
     pairs = np.empty((tasks, capacity, 4), np.int32)
     edges = np.empty((tasks, capacity), np.bool_)
     owner = np.empty((tasks, capacity), np.int32)
     gap = np.empty((tasks, capacity))
+    range_ = np.empty((tasks, capacity))
+    bound = np.empty(len(between))
     count = np.zeros(tasks, np.int64)
     most = 1 + max(np.diff(vstart).max(), np.diff(estart).max(), np.diff(fstart).max())
     for task in prange(tasks):
@@ -148,9 +167,13 @@ def _near(
         one, other = np.empty(most, np.int64), np.empty(most, np.int64)
         A, B = np.empty((most, 6)), np.empty((most, 6))
         for o in range(task, len(between), tasks):
-            r, i, j = reach[o], between[o, 0], between[o, 1]
+            i, j = between[o, 0], between[o, 1]
             _box_of(U, rstart, ritem, i, box[0])
             _box_of(U, rstart, ritem, j, box[1])
+            bound[o] = max(beyond[o], box_distance(box[0], 0, box[1], 0) - reach)
+            if bound[o] > beyond[o]:
+                continue
+            r = reach + beyond[o]
             ones = _gathered(U, estart, eitem, E, i, box[1], r, one, A)
             others = _gathered(U, estart, eitem, E, j, box[0], r, other, B) if ones > 0 else 0
             for x in range(ones):
@@ -158,17 +181,21 @@ def _near(
                 a, b = E[f, 0], E[f, 1]
                 for y in range(others):
                     g = other[y]
-                    if (i == j and g <= f) or _apart(A, x, B, y, r):
+                    if (i == j and g <= f) or not boxes_within(A, x, B, y, r):
                         continue
                     c, d = E[g, 0], E[g, 1]
                     if a in (c, d) or b in (c, d) or _goes_together(together, a, b, c, d):
                         continue
                     q = edge_edge(U, a, b, c, d)[0]
-                    if q < r * r:
+                    if q >= r * r:
+                        continue
+                    h = _range_of(np.sqrt(edge_edge(V, a, b, c, d)[0]), reach, touches)
+                    if np.sqrt(q) < h + beyond[o]:
                         if n < capacity:
                             pairs[task, n, 0], pairs[task, n, 1] = a, b
                             pairs[task, n, 2], pairs[task, n, 3] = c, d
-                            edges[task, n], owner[task, n], gap[task, n] = True, o, np.sqrt(q)
+                            edges[task, n], owner[task, n] = True, o
+                            gap[task, n], range_[task, n] = np.sqrt(q), h
                         n += 1
             for turn in range(1 if i == j else 2):
                 mine, its = (i, j) if turn == 0 else (j, i)
@@ -179,14 +206,22 @@ def _near(
                     for y in range(others):
                         f = other[y]
                         a, b, c = F[f, 0], F[f, 1], F[f, 2]
-                        if _apart(A, x, B, y, r) or v in (a, b, c) or _goes_together(together, v, a, b, c):
+                        if (
+                            not boxes_within(A, x, B, y, r)
+                            or v in (a, b, c)
+                            or _goes_together(together, v, a, b, c)
+                        ):
                             continue
                         q = vertex_triangle(U, v, a, b, c)[0]
-                        if q < r * r:
+                        if q >= r * r:
+                            continue
+                        h = _range_of(np.sqrt(vertex_triangle(V, v, a, b, c)[0]), reach, touches)
+                        if np.sqrt(q) < h + beyond[o]:
                             if n < capacity:
                                 pairs[task, n, 0], pairs[task, n, 1] = v, a
                                 pairs[task, n, 2], pairs[task, n, 3] = b, c
-                                edges[task, n], owner[task, n], gap[task, n] = False, o, np.sqrt(q)
+                                edges[task, n], owner[task, n] = False, o
+                                gap[task, n], range_[task, n] = np.sqrt(q), h
                             n += 1
         count[task] = n
-    return pairs, edges, owner, gap, count
+    return pairs, edges, owner, gap, range_, bound, count

@@ -116,26 +116,39 @@ def _boxes(U: np.ndarray, start: np.ndarray, item: np.ndarray) -> np.ndarray:
 
 
 @njit(inline="always")
-def _distance(boxes: np.ndarray, i: int, j: int) -> float:
-    """Distance of two boxes."""
+def box_distance(A: np.ndarray, i: int, B: np.ndarray, j: int) -> float:
+    """Distance of two boxes, rows of (k, 6) arrays."""
     q = 0.0
     for c in range(3):
-        d = max(boxes[j, c] - boxes[i, c + 3], boxes[i, c] - boxes[j, c + 3])
+        d = max(B[j, c] - A[i, c + 3], A[i, c] - B[j, c + 3])
         if d > 0.0:
             q += d * d
     return np.sqrt(q)
 
 
+@njit(inline="always")
+def boxes_within(A: np.ndarray, i: int, B: np.ndarray, j: int, gap: float) -> bool:
+    """True unless two boxes are farther apart than ``gap`` along an axis."""
+    return not (
+        A[i, 0] > B[j, 3] + gap
+        or A[i, 3] < B[j, 0] - gap
+        or A[i, 1] > B[j, 4] + gap
+        or A[i, 4] < B[j, 1] - gap
+        or A[i, 2] > B[j, 5] + gap
+        or A[i, 5] < B[j, 2] - gap
+    )
+
+
 @parallel()
 def _count_near(boxes: np.ndarray, order: np.ndarray, axis: int, gap: float) -> np.ndarray:
-    """Number of boxes within ``gap`` of each, among itself and those after it in ``order``."""
+    """Number of boxes within ``gap`` of each, of itself and those after it."""
     count = np.ones(len(order), np.int64)
     for a in prange(len(order)):
         for b in range(a + 1, len(order)):
             if boxes[order[b], axis] > boxes[order[a], axis + 3] + gap:
                 break
-            if _distance(boxes, order[a], order[b]) <= gap:
-                count[a] += 1
+            if boxes_within(boxes, order[a], boxes, order[b], gap):
+                count[a] += box_distance(boxes, order[a], boxes, order[b]) <= gap
     return count
 
 
@@ -152,7 +165,9 @@ def _keys_near(
             j = order[b]
             if boxes[j, axis] > boxes[i, axis + 3] + gap:
                 break
-            d = _distance(boxes, i, j)
+            if not boxes_within(boxes, i, boxes, j, gap):
+                continue
+            d = box_distance(boxes, i, boxes, j)
             if d <= gap:
                 n += 1
                 key[n], apart[n] = min(i, j) << 32 | max(i, j), d

@@ -20,7 +20,7 @@ class BruteForce:
         one = np.array([(v, *f) for v in range(len(V)) for f in F if v not in f])
         self.pairs = np.vstack([two, one])
         self.edges = np.arange(len(self.pairs)) < len(two)
-        self.reach = np.minimum(reach, 0.5 * gaps(V, self.pairs, self.edges))
+        self.reach = np.minimum(reach, 0.25 * gaps(V, self.pairs, self.edges))
 
     def energy(self, U):
         d = gaps(U, self.pairs, self.edges)
