@@ -71,6 +71,7 @@ class Measure(Enum):
     TARGET_DISTANCE = "target_distance"
     TARGET_DISPLACEMENT = "target_displacement"
     CALMNESS = "calmness"
+    CONTACT = "contact"
 
     @property
     def words(self) -> Words:
@@ -93,9 +94,19 @@ class Measure(Enum):
         return self is not Measure.CALMNESS
 
     @property
+    def follows_document(self) -> bool:
+        """True if the values are of the painting or the settings too."""
+        return self in (Measure.CALMNESS, Measure.CONTACT)
+
+    @property
     def waits(self) -> bool:
         """True if measured only when the shape stops moving."""
         return self in (Measure.DISTANCE, Measure.TARGET_DISTANCE, Measure.CALMNESS)
+
+    @property
+    def lags(self) -> bool:
+        """True if measured on a thread, so that it follows a moving shape with a delay."""
+        return self is Measure.CONTACT
 
 
 def measures_of(mesh: Mesh, target: TargetShape | None) -> tuple[Measure, ...]:
@@ -165,6 +176,16 @@ def _words() -> dict[Measure, Words]:
             "Alt+8",
             ScaleKind.SHARE,
             lambda deviation, *_: deviation.calmness(),
+        ),
+        Measure.CONTACT: Words(
+            tr("Contact pressure"),
+            tr(
+                "Colour by where walls touch and how hard: the force per area in percent of the largest; "
+                "grey where contact keeps nothing apart"
+            ),
+            "Alt+9",
+            ScaleKind.SHARE,
+            lambda deviation, U, _: deviation.pressure(U),
         ),
     }
 

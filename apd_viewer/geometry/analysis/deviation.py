@@ -45,15 +45,19 @@ class Deviation:
     ----------
     calmness : callable
         The calmness of each vertex by what is painted, (n,); see :mod:`calm_parts`.
+    pressure : callable
+        The pressure of contact on each vertex of a shape (n, 3), (n,); see :mod:`contact_pressure`.
     """
 
     calmness: Callable[[], np.ndarray]
+    pressure: Callable[[np.ndarray], np.ndarray]
 
     def __init__(
         self, V: np.ndarray, F: np.ndarray, source: np.ndarray, target: TargetShape | None = None
     ) -> None:
         self.target = target
         self.calmness = lambda: np.zeros(len(V))
+        self.pressure = lambda _: np.zeros(len(V))
         self._V, self._F = np.ascontiguousarray(V, dtype=np.float64), F
         self._named = np.arange(len(V), dtype=np.int32) if not len(source) else source.astype(np.int32)
         self._patch = Patch(F, len(V))

@@ -58,6 +58,15 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     (k,) int array or None
         Ascending. None where the library is missing, which is not made for every machine.
     """
+    pairs = crossing_pairs(U, F)
+    return None if pairs is None else frozen(np.unique(pairs))
+
+
+def crossing_pairs(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
+    """Pairs of triangles piercing or overlapping each other, (p, 2) int array.
+
+    Some are there twice, in either order. See :func:`crossings`.
+    """
     try:
         import ipctk  # Here: few runs of the program need it.
     except ImportError:
@@ -65,23 +74,23 @@ def crossings(U: np.ndarray, F: np.ndarray) -> np.ndarray | None:
     proper = np.flatnonzero((F[:, 0] != F[:, 1]) & (F[:, 1] != F[:, 2]) & (F[:, 2] != F[:, 0]))
     F = F[proper].astype(np.int64)
     if not len(F):
-        return frozen(proper)
+        return np.zeros((0, 2), dtype=np.int64)
     X = _of_size_one(U, F)
     edges, tree = _Edges.of(F, len(X)), ipctk.LBVH()
     tree.build(np.asfortranarray(X), edges.ends.astype(np.int32), np.asfortranarray(F, dtype=np.int32))
     near = tree.detect_edge_face_candidates()  # without pairs sharing a vertex
     pairs = np.array([(pair.edge_id, pair.face_id) for pair in near], dtype=np.int64).reshape(-1, 2)
-    crossing = np.zeros(len(F), dtype=bool)
+    found = [np.zeros((0, 2), dtype=np.int64)]
     for first in range(0, len(pairs), _PORTION):
         edge, face = pairs[first : first + _PORTION].T
         pierces, lies = _meeting(X, edges.ends[edge], F[face])
         which, other = edges.with_faces(edge[pierces])
-        crossing[other] = crossing[face[pierces][which]] = True
+        found.append(np.column_stack([other, face[pierces][which]]))
         which, other = edges.with_faces(edge[lies])
         face = face[lies][which]
         over = _overlapping(X, F[face], F[other])
-        crossing[other[over]] = crossing[face[over]] = True
-    return frozen(proper[crossing])
+        found.append(np.column_stack([other[over], face[over]]))
+    return proper[np.concatenate(found)]
 
 
 def _of_size_one(U: np.ndarray, F: np.ndarray) -> np.ndarray:

@@ -6,11 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 from numba import njit
 
-from apd_viewer.geometry.analysis.self_intersections import crossings
+from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
+from apd_viewer.geometry.contact.exempt_zones import exempt_zones, within_zones
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 
-# Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
-THICKNESS = 1e-3
 # Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
 _STIFFNESS = 1.0
 # Largest spring of the metric, against the same.
@@ -21,8 +20,6 @@ _RISE = 0.25
 _SWEEPS = 8
 # Parts of a way that is not free within them.
 _SHORTEST = 1e-3
-# Rings around triangles that cross at rest where nothing is kept apart.
-_RINGS = 3
 
 
 class Contact:
@@ -45,7 +42,8 @@ class Contact:
     Attributes
     ----------
     exempt : (k,) int array
-        Vertices near triangles that cross at rest, and of what touches there: nothing keeps them apart.
+        Vertices near triangles that cross at rest, and of what touches there: nothing keeps those of one
+        place apart.
     start : (n, 3) float array
         Where ways begin.
     touching : int
@@ -57,20 +55,23 @@ class Contact:
     def __init__(
         self, V: np.ndarray, F: np.ndarray, held: np.ndarray, stiffness: float, thickness: float
     ) -> None:
-        self._F, zone = F, _zones(V, F)
-        self.exempt = np.flatnonzero(zone)
+        self._F, self._zone = F, exempt_zones(F, crossing_pairs(V, F), len(V))
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
-        self._pairs = NearPairs(V, F, np.stack([held, zone]), thickness)
-        self.exempt = np.union1d(self.exempt, self._pairs.joined)
+        self._pairs = NearPairs(V, F, np.stack([held, self._zone]), thickness)
+        self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
         self.touching, self.least = 0, np.inf
         self._set_out(V)
 
     def may_enter(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""
-        crossing = crossings(U, self._F)
-        # At the rim a triangle of the zone is crossed by those with one corner in it.
-        return crossing is None or bool(np.isin(self._F[crossing], self.exempt).any(axis=1).all())
+        pairs = crossing_pairs(U, self._F)
+        if pairs is None:
+            return True
+        corners = self._F[pairs]
+        may_cross = within_zones(self._zone[corners])
+        may_cross |= np.all(np.isin(corners, self._pairs.joined).any(axis=2), axis=1)
+        return bool(may_cross.all())
 
     def enter(self, U: np.ndarray) -> None:
         """Begin at ``U`` (n, 3), which must not cross itself anew."""
@@ -144,20 +145,6 @@ class Contact:
         entries = (self._stiffness * k[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
         rows, columns = np.repeat(pairs, 4, axis=1).ravel(), np.tile(pairs, 4).ravel()
         return sp.coo_array((entries, (rows, columns)), shape=(len(U), len(U))).tocsr()
-
-
-def _zones(V: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """1 for vertices near triangles that cross, 0 elsewhere, (n,)."""
-    zone = np.zeros(len(V), np.int64)
-    crossing = crossings(V, F)
-    if crossing is None or not len(crossing):
-        return zone
-    near = np.zeros(len(V), bool)
-    near[F[crossing]] = True
-    for _ in range(_RINGS):
-        near[F[near[F].any(axis=1)]] = True
-    zone[near] = 1
-    return zone
 
 
 @njit(cache=True, nogil=True)

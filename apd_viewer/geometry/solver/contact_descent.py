@@ -15,7 +15,8 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.contact.contact import THICKNESS, Contact
+from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.contact.mesh_contact import contact_of, is_connected
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Touch
@@ -29,10 +30,7 @@ from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.elastic import Elastic
-    from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
-# In diagonals of the bounding box: with thicker walls every part of the surface is near every other.
-_THICKEST = 0.05
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
 _PART, _STEPS = 0.05, 10
 # So many shapes in a row that cannot be reached mean contact; the first after a move may be rough.
@@ -84,18 +82,7 @@ def in_contact(
     shape, fixed = rest.shape, inner.elastic.fixed
     if not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
-    together = np.zeros(len(shape.V), np.int64)
-    together[fixed] = handle_of[: len(fixed)] + 1
-    moves = _moves(shape, fixed)[shape.F[:, 0]]
-    firmness = float(shape.L.diagonal().mean())
-    apart = THICKNESS * rest.diagonal if thickness is None else thickness
-    if apart > _THICKEST * rest.diagonal:
-        raise InputError(
-            tr("The wall thickness must be at most {most:.3g} here; check the unit.").format(
-                most=_THICKEST * rest.diagonal
-            )
-        )
-    contact = Contact(shape.V, np.ascontiguousarray(shape.F[moves]), together, firmness, apart)
+    contact = contact_of(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness)
     return ContactDescent(inner, goals, contact, handle_of)
 
 
@@ -132,7 +119,7 @@ class ContactDescent:
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
         self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
         shape = self.elastic.rest
-        self._loose = len(np.setdiff1d(shape.F, np.flatnonzero(_moves(shape, self.elastic.fixed))))
+        self._loose = len(np.setdiff1d(shape.F, np.flatnonzero(is_connected(shape, self.elastic.fixed))))
         self.held = self._targets = self._at_rest
         self._set_path()
 
@@ -290,8 +277,3 @@ class ContactDescent:
         """Descend without contact from the last shape."""
         self._touching = None
         self._inner.restart(self._U)
-
-
-def _moves(shape: SolveMesh, fixed: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the vertices connected with the ``fixed`` ones (k,)."""
-    return np.isin(shape.piece, shape.piece[fixed])

@@ -21,6 +21,7 @@ from apd_viewer.ui.widgets.background_task import BackgroundTask
 if TYPE_CHECKING:
     from apd_viewer.geometry.analysis.target_shape import TargetShape
     from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.ui.overlays.document_measures import DocumentMeasures
     from apd_viewer.ui.overlays.legend import Legend
     from apd_viewer.ui.tools.canvas import Canvas
 
@@ -80,9 +81,9 @@ class HeatMap(QObject):
         self._mesh: Mesh | None = None
         self._target: TargetShape | None = None
         self._change: Deviation | None = None
-        self._paint: tuple[np.ndarray | None, tuple[float, ...]] = None, ()
-        self._paint_revision = 0
-        self._calmness: Callable[[], np.ndarray] | None = None
+        self._labels: np.ndarray | None = None
+        self._document_measures: DocumentMeasures | None = None
+        self._document_revision = 0
         self._size = 1.0
         self._seen: tuple[object, ...] = ()  # what the values belong to
         # Without a range of the user's the first values that are seen have one made for them.
@@ -116,14 +117,13 @@ class HeatMap(QObject):
         self._legend.offer(self.offered)
         self.choose(self.measure)
 
-    def follow_paint(
-        self, labels: np.ndarray, falloffs: tuple[float, ...], calmness: Callable[[], np.ndarray]
-    ) -> None:
-        """Show the calmness (n,) of another painting; found on a thread."""
-        if labels is self._paint[0] and falloffs == self._paint[1]:
+    def follow_document(self, labels: np.ndarray, measures: DocumentMeasures) -> None:
+        """Show the measures of another painting, or of other settings."""
+        known = self._document_measures
+        if labels is self._labels and known is not None and known.given == measures.given:
             return
-        self._paint, self._calmness = (labels, falloffs), calmness
-        self._paint_revision += 1
+        self._labels, self._document_measures = labels, measures
+        self._document_revision += 1
         self._canvas.viewport.update()
 
     def choose(self, measure: Measure | None) -> None:
@@ -211,8 +211,13 @@ class HeatMap(QObject):
         surface, measure = self._canvas.surface, self.measure
         if measure is None or self._change is None:
             return
-        now = measure, surface.shape_revision if measure.follows_shape else self._paint_revision, self._change
+        shape = surface.shape_revision if measure.follows_shape else 0
+        now = measure, shape, self._document_revision if measure.follows_document else 0, self._change
         if now == self._seen or len(surface.U) != len(surface.shades):
+            return
+        if measure.lags:
+            self._seen = now
+            self._measure_soon()
             return
         self._forget()
         self._seen = now
@@ -227,12 +232,17 @@ class HeatMap(QObject):
             self._color()
         self.reading.read_soon()
 
+    def _measure_soon(self) -> None:
+        """Measure what is on screen then, unless something is being measured."""
+        if not self._task.busy and not self._resting.isActive():
+            self._resting.start()
+
     def _measure_slowly(self) -> None:
         change, U, seen = self._change, self._canvas.surface.shape, self._seen
         if change is None or self.measure is None:
             return
-        if self._calmness is not None:
-            change.calmness = self._calmness
+        if self._document_measures is not None:
+            _, change.calmness, change.pressure = self._document_measures
         values = self.measure.words.values
         self._task.begin(lambda enough: _Slow(seen, values(change, U, enough)))
 
@@ -246,12 +256,20 @@ class HeatMap(QObject):
             self._change = result.change
             self._legend.say("")
             self._canvas.viewport.update()
-        elif isinstance(result, _Slow) and result.seen == self._seen:
+        elif isinstance(result, _Slow) and self._still_wants(result):
             self.reading.values = result.values
             self._legend.say("")
             self._color()
             self._canvas.viewport.update()
             self.reading.read()
+            if result.seen != self._seen:
+                self._measure_soon()
+
+    def _still_wants(self, result: _Slow) -> bool:
+        """True if the values belong to what is on screen, or nearly do and may."""
+        lags = self.measure is not None and self.measure.lags
+        now, seen = self._seen, result.seen
+        return seen == now or (lags and bool(now) and (seen[0], seen[-1]) == (now[0], now[-1]))
 
     def _color(self) -> None:
         """Show the values in the colours of their scale."""

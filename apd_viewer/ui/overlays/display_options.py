@@ -11,17 +11,16 @@ from apd_viewer.ui.overlays.before_after import BeforeAfter
 from apd_viewer.ui.overlays.card_stack import Cards
 from apd_viewer.ui.overlays.cutting_plane import CuttingPlane
 from apd_viewer.ui.overlays.deviation_overlay import HeatMap
+from apd_viewer.ui.overlays.document_measures import DocumentMeasures
 from apd_viewer.ui.overlays.legend import Legend
 from apd_viewer.ui.scene.ghost import Ghost
 from apd_viewer.ui.scene.ground import Ground
 from apd_viewer.ui.tools.turntable import Turntable
 
 if TYPE_CHECKING:
-    import numpy as np
     from PySide6.QtWidgets import QWidget
 
     from apd_viewer.geometry.mesh.texture import Texture
-    from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
     from apd_viewer.session.quantities.units import Unit
     from apd_viewer.ui.preferences.preferences import Preferences
@@ -109,14 +108,15 @@ class Looks:
         for part in (self.ghost, self.ground, self.before_after, self.cut):
             part.follow(mesh)
         self.heat.follow(mesh, target)
-        self._follow_paint(state.document)
+        self._follow_document(state)
         self._texture = mesh.texture[0]
         self.show_textures(self.textures)
         self.target_ghost.follow(None if target is None else target.mesh)
 
-    def _follow_paint(self, document: Document) -> None:
-        falloffs = tuple(handle.falloff for handle in document.handles)
-        self.heat.follow_paint(document.labels, falloffs, lambda: _calmness(document))
+    def _follow_document(self, state: State) -> None:
+        document = state.document
+        measures = DocumentMeasures.of(document, state.keeps_apart)
+        self.heat.follow_document(document.labels, measures)
 
     def measure_in(self, unit: Unit) -> None:
         """Write lengths in another unit."""
@@ -173,10 +173,3 @@ def _recalled(looks: dict[str, str]) -> dict[Measure, Scale]:
         if 0.0 < reach < 1e9 and 0.0 <= neutral < 1e9:
             scales[measure] = Scale(measure, reach, neutral)
     return scales
-
-
-def _calmness(document: Document) -> np.ndarray:
-    # Here: the window is shown before the solver is loaded.
-    from apd_viewer.geometry.goals.calm_parts import calmness
-
-    return calmness(document.mesh, document.labels, document.soft)

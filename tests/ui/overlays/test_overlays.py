@@ -136,6 +136,30 @@ def test_the_value_under_the_cursor_is_that_of_the_closed_form(qtbot, globe, mea
     assert legend._cursor.text() == "–"
 
 
+def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
+    bottle.session.handles.move_by(TypedMotion.TWIST, "20deg", 0)
+    idle(qtbot, bottle)
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    qtbot.keyClick(bottle.canvas.viewport, Qt.Key.Key_9, ALT)
+    heat = bottle.looks.heat
+    assert heat.measure is Measure.CONTACT
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
+    assert np.isnan(heat.reading.values).all(), "contact is off"
+    bottle.session.settings.keep_apart(True, 0.03)
+    idle(qtbot, bottle)
+    settle(qtbot, bottle.canvas.viewport)
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
+    assert set(heat.reading.values) == {0.0}, "nothing touches yet"
+    bottle.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
+    idle(qtbot, bottle)
+    settle(qtbot, bottle.canvas.viewport)
+    qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
+    assert heat.reading.values.max() == 1.0
+    touched = np.count_nonzero(heat.reading.values)
+    assert 0 < touched <= 4 * bottle.session.store.state.frame.contact.pairs
+
+
 def test_what_takes_longer_waits_until_the_shape_rests(qtbot, globe):
     choose(qtbot, globe, Measure.DISTANCE)
     heat = globe.looks.heat
@@ -174,7 +198,7 @@ def test_the_colours_of_the_legend_are_those_on_the_shape(qtbot, area, edges):
             surface.wear(colors, -1.0)
             surface.shades[:] = shade
             surface.shades_changed()
-            heat._seen = (heat.measure, surface.shape_revision, heat._change)
+            heat._seen = (heat.measure, surface.shape_revision, 0, heat._change)
             shown = middle(view)
             surface.wear(None)
             surface.set_colors(np.tile([*colors.color((shade - 1) / 254), 255], (n, 1)).astype(np.uint8))
