@@ -13,7 +13,7 @@ from apd_viewer.geometry.analysis.inspection import inspect
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.language import tr
-from apd_viewer.session.model.status_text import about_caps, of_crossings
+from apd_viewer.session.model.status_text import about_caps, of_crossings, of_exempt
 
 if TYPE_CHECKING:
     import argparse
@@ -36,7 +36,7 @@ def info_parser() -> Parser:
 def _info(options: argparse.Namespace) -> None:
     mesh = open_mesh(options.mesh)
     found, check = inspect(mesh), check_shape(mesh.V, mesh.joined_F)
-    all_found = [*found.findings, *of_crossings(mesh, check.crossing)]
+    all_found = [*found.findings, *of_exempt(mesh, check.crossing), *of_crossings(mesh, check.crossing)]
     apart = {}
     if options.compare:
         apart = apart_of(TargetShape(open_mesh(options.compare)), mesh, mesh.V)

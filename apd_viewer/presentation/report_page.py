@@ -20,7 +20,7 @@ from apd_viewer.presentation.report_origin import (
     version_rows,
 )
 from apd_viewer.presentation.report_settings import handle_rows, region_blocks, settings_blocks
-from apd_viewer.session.model.status_text import of_crossings
+from apd_viewer.session.model.status_text import of_crossings, of_exempt
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, mass
 
@@ -184,7 +184,8 @@ def _local_change(change: LocalChange, histogram: Drawing | None) -> Iterator[Bl
 def _findings(subject: Subject) -> Iterator[Block]:
     state, found = subject.state, subject.found
     crossings = of_crossings(state.document.mesh, None if found is None else found.crossing)
-    findings = *state.inspection.findings, *crossings
+    rest = None if subject.at_rest is None or not state.keeps_apart else subject.at_rest.crossing
+    findings = *state.inspection.findings, *of_exempt(state.document.mesh, rest), *crossings
     for finding in findings:
         yield Note(finding.sentence)
     if not findings:

@@ -50,7 +50,7 @@ class Words(NamedTuple):
     """Title and tip of a measure, and its values.
 
     ``values(deviation, U, enough)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
-    ``enough()`` has ended a measure that takes long.
+    ``enough()`` has ended a measure that takes long. The ``note`` is written below the colours.
     """
 
     title: str
@@ -58,6 +58,7 @@ class Words(NamedTuple):
     key: str
     kind: ScaleKind
     values: Callable[[Deviation, np.ndarray, Callable[[], bool]], np.ndarray | None]
+    note: str = ""
 
 
 class Measure(Enum):
@@ -186,6 +187,7 @@ def _words() -> dict[Measure, Words]:
             "Alt+9",
             ScaleKind.SHARE,
             lambda deviation, U, _: deviation.pressure(U),
+            tr("In percent of the largest pressure."),
         ),
     }
 

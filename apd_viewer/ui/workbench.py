@@ -238,6 +238,7 @@ class Workbench(QObject):
             self.comparing.measure_in(unit)
             self.measure.follow()
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
+            self.measuring.keep_distance()
             self.status.show_session(self.session)
 
     def _escape(self) -> None:
@@ -278,8 +279,7 @@ class Workbench(QObject):
         self.symmetry.follow()
         if old is None or old.document is not document:
             self.poses.follow()
-        if old is not None and old.keeps_apart != new.keeps_apart:
-            self.measuring.show()
+        self.measuring.follow(old, new)
         self.actions_.pose.show_symmetry(document.mirror is not None)
         self.plots.follow()
         self.health.follow()

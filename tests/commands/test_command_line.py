@@ -780,6 +780,9 @@ def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tm
     assert place["vertex_count"] >= found["self_intersections"] / 2 > 2
     assert f"{found['self_intersections']} intersecting triangles" in place["sentence"]
     assert place["sentence"] in command("info", tmp_path / "in.obj")[1]
+    (exempt,) = (each for each in found["findings"] if each["kind"] == "exempt from contact")
+    assert exempt["vertex_count"] > place["vertex_count"]
+    assert f"the {exempt['vertex_count']} vertices" in exempt["sentence"]
 
 
 def test_a_shape_that_passes_through_itself_is_reported_with_its_volume(tmp_path, deformed):

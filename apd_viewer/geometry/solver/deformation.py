@@ -155,7 +155,7 @@ class Deformation:
         )
         self._handle_of = handle_of(handle, rest, self._solve_ids)
         self._traits = check_method(method, self._handle_of)
-        self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose)
+        self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose, contact)
         self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
         if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):

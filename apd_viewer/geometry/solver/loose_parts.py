@@ -46,6 +46,8 @@ class LooseParts:
         For each the number of its handle, from 1; 0 is base.
     loose : "go", "stay" or int array
         All parts go along, all stay at rest, or those with these vertices of the file stay.
+    contact : bool
+        Whether contact keeps apart what is held.
     """
 
     def __init__(
@@ -54,8 +56,9 @@ class LooseParts:
         held: np.ndarray,
         handle_of: np.ndarray,
         loose: str | Sequence[int] | np.ndarray,
+        contact: bool = False,
     ) -> None:
-        self._rest = rest
+        self._rest, self._contact = rest, contact
         piece = rest.shape.piece
         self._without_base = _without_base(piece, held, handle_of)
         self._is_held = np.zeros(len(piece), dtype=bool)
@@ -90,7 +93,10 @@ class LooseParts:
         loose[shape.piece[shape.F[:, 0]]] = True
         loose &= ~self._is_held
         stay = int((loose & self._stays).sum())
-        said = _said_to_go(int(loose.sum()) - stay), _said_to_stay(stay), _said_of_handles(self._without_base)
+        said = [_said_to_go(int(loose.sum()) - stay), _said_to_stay(stay)]
+        if self._contact and loose.any():
+            said.append(tr("Contact does not keep them apart from the rest."))
+        said.append(_said_of_handles(self._without_base))
         return " ".join(filter(None, said)) or None
 
     def at_rest(self, U: np.ndarray) -> np.ndarray:

@@ -93,6 +93,22 @@ def about_caps(openings: int) -> str:
     return said.format(n=openings)
 
 
+def of_exempt(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
+    """Finding about what contact leaves as it is, by the triangles crossing at rest."""
+    if crossing is None or not len(crossing):
+        return ()
+    # Here, because the window shows some of these sentences before they are loaded.
+    from apd_viewer.geometry.analysis.findings import Finding
+    from apd_viewer.geometry.contact.exempt_zones import near_crossing
+
+    near = near_crossing(mesh.joined_F, crossing, len(mesh.V))
+    where = frozen(np.flatnonzero(near[mesh.weld.first[mesh.weld.inverse]]))
+    said = tr(
+        "{n:,} triangles cross at rest; contact leaves the {vertices:,} vertices near them as they are."
+    ).format(n=len(crossing), vertices=len(where))
+    return (Finding("exempt from contact", said, where),)
+
+
 def of_crossings(mesh: Mesh, crossing: np.ndarray | None) -> tuple[Finding, ...]:
     """Finding about intersecting triangles; empty if there are none."""
     if crossing is None or not len(crossing):

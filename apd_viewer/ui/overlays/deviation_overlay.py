@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QObject, QRect, QTimer, Signal
@@ -39,7 +39,7 @@ class _OverlayInputs(NamedTuple):
 class _Slow(NamedTuple):
     """Values of a slow measure, None if cancelled, with their inputs."""
 
-    seen: tuple[object, ...]
+    seen: tuple[Any, ...]
     values: np.ndarray | None
 
 
@@ -258,7 +258,7 @@ class HeatMap(QObject):
             self._canvas.viewport.update()
         elif isinstance(result, _Slow) and self._still_wants(result):
             self.reading.values = result.values
-            self._legend.say("")
+            self._legend.say(result.seen[0].words.note)
             self._color()
             self._canvas.viewport.update()
             self.reading.read()

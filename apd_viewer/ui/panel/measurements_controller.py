@@ -9,12 +9,13 @@ from weakref import WeakKeyDictionary
 from PySide6.QtCore import QObject
 
 from apd_viewer.presentation.scales import Measure
-from apd_viewer.session.model.status_text import of_crossings
+from apd_viewer.session.model.status_text import of_crossings, of_exempt
 from apd_viewer.session.quantities.wall_mass import NO_WALL, Wall, thickness_of
 from apd_viewer.ui.preferences.preferences import own_file
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.session.model.state import State
     from apd_viewer.session.model.view import View
     from apd_viewer.session.session import Session
     from apd_viewer.ui.overlays.deviation_overlay import HeatMap
@@ -49,8 +50,9 @@ class Measuring(QObject):
         self._heat = heat
         self._session = session
         self._walls: WeakKeyDictionary[Mesh, Wall] = WeakKeyDictionary()
+        self._texts: dict[float | None, str] = {}
         panel.measures.wall_typed.connect(self._type)
-        panel.measures.wall_typed.connect(self._keep_distance)
+        panel.measures.wall_typed.connect(self.keep_distance)
         panel.method.contact_chosen.connect(self._keep_apart)
         panel.volume.crossings.clicked.connect(health.open_last)
 
@@ -62,7 +64,9 @@ class Measuring(QObject):
         found = checks.found
         self._panel.measures.show_check(found, checks.at_rest)
         self._panel.volume.show_check(state, found, checks.under_way)
-        self._health.show_shape(of_crossings(mesh, found.crossing) if found is not None else ())
+        exempt = of_exempt(mesh, checks.at_rest.crossing) if state.keeps_apart and checks.at_rest else ()
+        crossing = of_crossings(mesh, found.crossing) if found is not None else ()
+        self._health.show_shape((*exempt, *crossing))
 
     def welcome(self, mesh: Mesh) -> None:
         """Another mesh is open."""
@@ -71,6 +75,20 @@ class Measuring(QObject):
             known = {} if path is None else self._memory.walls
             self._walls[mesh] = NO_WALL if path is None else known.get(path.resolve(), NO_WALL)
         self._panel.measures.show_wall(self._walls[mesh])
+
+    def follow(self, old: State | None, new: State) -> None:
+        """Follow another document: contact turned on or off, another distance of walls."""
+        if old is None or old.document is new.document or old.document.mesh is not new.document.mesh:
+            return
+        if old.keeps_apart != new.keeps_apart:
+            self.show()
+        thickness, wall = new.document.thickness, self._panel.measures.wall
+        is_typed = thickness == thickness_of(wall, self._session.store.unit)
+        if new.document.contact and thickness != old.document.thickness and not is_typed:
+            bare = "" if thickness is None else f"{thickness:.12g}"
+            wall = wall._replace(thickness=self._texts.get(thickness, bare))
+            self._panel.measures.show_wall(wall)
+            self._type(wall)
 
     def look_as(self, view: View) -> None:
         """Apply wall and overlay of a session's view; missing ones change nothing."""
@@ -97,13 +115,16 @@ class Measuring(QObject):
         if path is not None:
             self._memory.remember_wall(path, wall)
 
-    def _keep_distance(self) -> None:
-        """Keep walls apart by another thickness, if they are kept apart."""
+    def keep_distance(self) -> None:
+        """Keep walls apart by another thickness or in another unit, if contact is on."""
         state = self._session.store.state
-        if state is not None and state.document.contact:
+        thickness = thickness_of(self._panel.measures.wall, self._session.store.unit)
+        if state is not None and state.document.contact and state.document.thickness != thickness:
             self._keep_apart(True)
 
     def _keep_apart(self, on: bool) -> None:
         """Keep walls apart by their thickness, or let them pass."""
         wall, unit = self._panel.measures.wall, self._session.store.unit
-        self._session.settings.keep_apart(on, thickness_of(wall, unit))
+        thickness = thickness_of(wall, unit)
+        self._texts[thickness] = wall.thickness
+        self._session.settings.keep_apart(on, thickness)

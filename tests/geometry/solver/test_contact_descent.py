@@ -254,6 +254,9 @@ def test_a_loose_piece_far_away_goes_along():
     solver = Deformation(W, np.vstack([F, G + len(V)]), fixed, handle=upper, contact=True)
     frame, _ = settle(solver, closed_hairpin())
     assert np.allclose(pdist(frame.U[len(V) :]), pdist(W[len(V) :]), rtol=1e-9)
+    assert frame.contact.exempt == len(ball)
+    (warning, *_) = solver.warnings
+    assert warning.endswith("surface. Contact does not keep them apart from the rest.")
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.1])

@@ -14,6 +14,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.presentation.readings import verdict
 from apd_viewer.session.model.motions import TypedMotion
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.widgets.slider import DECADES, PERCENT
 
@@ -101,9 +102,16 @@ def test_contact_is_offered_by_methods_that_can_and_keeps_the_wall_s_thickness(q
     assert document(bottle).thickness == 0.02
     bottle.actions_.undo.trigger()
     assert (document(bottle).contact, document(bottle).thickness) == (True, None)
+    assert thickness.text() == ""
+    bottle.actions_.redo.trigger()
+    assert thickness.text() == "0.02"
+    bottle.actions_.undo.trigger()
     bottle.actions_.undo.trigger()
     assert not document(bottle).contact
     assert not box.isChecked()
+    thickness.setText("0.02")
+    thickness.editingFinished.emit()
+    assert not document(bottle).contact
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
     assert document(bottle).thickness == 0.02, "what was typed before is used as well"
     qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
@@ -123,6 +131,23 @@ def test_a_twist_in_contact_ends_without_a_crossing(qtbot, bottle):
         bottle.session.gestures.undo()
     assert found[0] > 0
     assert found[1] == 0
+
+
+def test_a_thickness_with_a_unit_counts_once_the_unit_of_the_mesh_is_known(bottle):
+    thickness = bottle.panel.measures.thickness
+    bottle.session.settings.keep_apart(True)
+    thickness.setText("0.3mm")
+    thickness.editingFinished.emit()
+    assert document(bottle).thickness is None
+    bottle._choose_unit(Unit.CENTIMETRE)
+    assert document(bottle).thickness == pytest.approx(0.03)
+    bottle._choose_unit(Unit.MILLIMETRE)
+    assert document(bottle).thickness == pytest.approx(0.3)
+    assert thickness.text() == "0.3mm"
+    before = document(bottle)
+    thickness.setText("0.3")
+    thickness.editingFinished.emit()
+    assert document(bottle) is before, "it is the same distance"
 
 
 def test_contact_is_read_where_the_volume_is(qtbot, bottle):

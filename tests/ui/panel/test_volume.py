@@ -8,13 +8,15 @@ import pytest
 import pyvista as pv
 import trimesh
 from driving import Mouse, document, idle
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.processes import shape_checker
 from apd_viewer.session.quantities.units import Unit
@@ -108,6 +110,33 @@ def test_where_it_passes_through_itself_is_flagged_counted_and_shown(qtbot, crus
     assert not button.isEnabled()
     assert crushed.canvas.marks.ids is None
     assert health.badge.text() == "No issues"
+
+
+def test_what_crosses_at_rest_is_named_and_shown_while_contact_is_on(qtbot, window):
+    V, F = meshes.sphere(3)
+    mesh = Mesh(np.vstack([V, V + [1.7, 0.03, 0.02]]), np.vstack([F, F + len(V)]))
+    labels = np.where(mesh.V[:, 2] < -0.8, BASE, np.where(mesh.V[:, 2] > 0.8, HANDLE, FREE))
+    window.session.files.open_with("spheres", lambda: opened(mesh, frozen(labels.astype(np.uint8))))
+    known(qtbot, window)
+    health, box = window.health, window.panel.method.contact
+    count = int(health.badge.text().split()[0])
+    window.panel.ensureWidgetVisible(box)
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    known(qtbot, window)
+    assert health.badge.text() == f"{count + 1} issues"
+    qtbot.mouseClick(health.badge, Qt.MouseButton.LeftButton)
+    names = [row.accessibleName() for row in health.list.rows]
+    (row,) = (row for row in health.list.rows if "cross at rest" in row.accessibleName())
+    qtbot.mouseClick(row, Qt.MouseButton.LeftButton)
+    crossing = crossings(mesh.V, mesh.F)
+    assert f"{len(crossing)} triangles cross at rest" in row.accessibleName()
+    shown = window.canvas.marks.ids
+    assert f"the {len(shown)} vertices" in row.accessibleName(), names
+    held = np.flatnonzero(labels != FREE)
+    contact = Deformation(mesh.V, mesh.F, held, contact=True).contact
+    assert np.array_equal(shown, contact.contact.exempt), "as the solver has it"
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    qtbot.waitUntil(lambda: health.badge.text().split()[0] == str(count), timeout=30_000)
 
 
 def test_what_moves_has_no_readings_that_are_made_at_rest(qtbot, window):
