@@ -11,9 +11,10 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Baked
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.language import tr
-from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, on_the_way
+from apd_viewer.session.model.handle_paths import on_the_way
 from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:

@@ -13,6 +13,8 @@ from apd_viewer.geometry.pose.screw_motion import path_of
 
 # Parts whose motion is rigid up to this part of their displacement go along its screw.
 _RIGID = 1e-6
+# So many iterations a shape follows between two points of a path.
+ITERATIONS_A_STEP = 4
 
 
 class HeldPath:

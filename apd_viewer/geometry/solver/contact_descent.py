@@ -8,6 +8,7 @@ anew with nothing in touch.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.mesh_contact import contact_of, is_connected
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.pose.frame import Touch
+from apd_viewer.geometry.pose.frame import Frame, Touch
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
@@ -55,6 +56,13 @@ def stopped_at(share: float) -> str:
     return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
         percent=math.floor(100.0 * share)
     )
+
+
+def whole_way(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
+    """The frame of a ``leg``, from 0, with share and sentence of all ``legs``."""
+    share = (leg + (1.0 if contact is None else contact.share_of_path)) / legs
+    stopped = frame.share_reached < 1.0 and frame.unreached is not None
+    return replace(frame, share_reached=share, unreached=stopped_at(share) if stopped else frame.unreached)
 
 
 def in_contact(

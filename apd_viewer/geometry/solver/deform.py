@@ -12,6 +12,8 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
+from apd_viewer.geometry.solver.contact_descent import whole_way
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.loose_parts import GO
@@ -113,8 +115,9 @@ def deform(
         See :class:`Deformation`.
     area, volume, regions, loose, calm, contact, thickness, convergence
         See there too.
-    targets : (k, 3) float array
-        A position for each of ``fixed``, mesh units.
+    targets : (k, 3) or (s, k, 3) float array
+        A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
+        ``share_reached`` of a path counts all ways between two points alike.
     iterations : int, optional
         Do exactly so many plain iterations from the rest pose. Without it: until converged.
     progress : callable, optional
@@ -152,8 +155,32 @@ def deform(
         convergence=convergence,
         plain=iterations is not None,
     )
-    solver.aim(targets)
-    return iterated(solver, started, iterations, progress)
+    if np.ndim(targets) != 3 or not len(targets):
+        solver.aim(targets)
+        return iterated(solver, started, iterations, progress)
+    if iterations is not None:
+        raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
+    legs, leg = len(targets), _walk(solver, targets, progress)
+    return iterated(
+        solver, started, progress=progress, last=lambda: whole_way(solver.frame(), leg, legs, solver.contact)
+    )
+
+
+def _walk(solver: Deformation, targets: np.ndarray, progress: Callable[[Frame], None] | None) -> int:
+    """Walk along ``targets`` (s, k, 3) as far as contact lets; the last aimed at."""
+    for leg, point in enumerate(targets):
+        solver.aim(point)
+        if leg == len(targets) - 1:
+            break
+        count = 0
+        while count < ITERATIONS_A_STEP or solver.is_on_its_way:
+            solver.iterate()
+            count += 1
+            if progress:
+                progress(solver.frame())
+        if solver.share_reached < 1.0:
+            break
+    return leg
 
 
 def iterated(

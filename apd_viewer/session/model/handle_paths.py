@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 # Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.
 _STEP = math.radians(45.0)
-ITERATIONS_A_STEP = 4
 
 
 def paths_of(document: Document) -> tuple[HandlePath, ...]:

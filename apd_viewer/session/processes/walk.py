@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from apd_viewer.geometry.solver.contact_descent import stopped_at
-from apd_viewer.session.model.handle_paths import ITERATIONS_A_STEP, stops_of
+from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
+from apd_viewer.geometry.solver.contact_descent import whole_way
+from apd_viewer.session.model.handle_paths import stops_of
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.constraints import Constraints
@@ -85,9 +85,4 @@ class Walk:
         frame = self._solver.frame()
         if not self._stops:
             return frame
-        contact = self._solver.contact
-        share = (self._leg + (1.0 if contact is None else contact.share_of_path)) / self._legs
-        stopped = frame.share_reached < 1.0 and frame.unreached is not None
-        return replace(
-            frame, share_reached=share, unreached=stopped_at(share) if stopped else frame.unreached
-        )
+        return whole_way(frame, self._leg, self._legs, self._solver.contact)

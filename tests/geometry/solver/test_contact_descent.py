@@ -259,6 +259,39 @@ def test_a_loose_piece_far_away_goes_along():
     assert warning.endswith("surface. Contact does not keep them apart from the rest.")
 
 
+def test_a_path_of_targets_is_walked_and_its_share_is_of_the_whole():
+    V, F, fixed, upper = hairpin()
+    aside = V.copy()
+    aside[upper] += 0.4 * Y
+    path = np.array([aside[fixed], V[fixed], closed_hairpin()])
+    checked, seen = Checked(V, F), []
+
+    def look(frame):
+        seen.append(frame.U)
+        assert not checked.crosses(frame.U)
+
+    result = deform(V, F, fixed, path, handle=upper, contact=True, progress=look)
+    direct = deform(V, F, fixed, path[-1], handle=upper, contact=True)
+    assert direct.share_reached < 0.9
+    assert result.share_reached == pytest.approx((2.0 + direct.share_reached) / 3.0, abs=0.02)
+    assert f"at {int(100 * result.share_reached)} % of the way" in result.warnings[-1]
+    assert not result.converged
+    assert max(np.abs(U[fixed] - path[0]).max() < 1e-12 for U in seen), "the first point was reached"
+
+
+def test_a_turn_beyond_a_half_is_walked_by_its_way_points():
+    V, F = tube(12, 24)
+    low, high = ends(V)
+    fixed, angles = np.concatenate([low, high]), np.radians([45, 90, 135, 180, 225])
+    path = np.array([np.concatenate([V[low], moved(V[high], rotation(Z, a))]) for a in angles])
+    result = deform(V, F, fixed, path, handle=high)
+    at_once = deform(V, F, fixed, path[-1], handle=high)
+    assert result.energy > 2.0 * at_once.energy, "at once it is a turn by 135 degrees the other way"
+    assert (result.share_reached, result.converged) == (1.0, True)
+    with pytest.raises(InputError, match="know of no path"):
+        deform(V, F, fixed, path, iterations=5)
+
+
 @pytest.mark.parametrize("thickness", [0.02, 0.1])
 def test_walls_in_contact_keep_about_the_thickness_apart(thickness):
     V, F, fixed, upper = hairpin()
