@@ -50,6 +50,8 @@ class Contact:
         Pairs in touch at the last :meth:`gradient`.
     least : float
         Their least gap; infinite without any.
+    examined : int
+        Parts of the last way of :meth:`leads_to`, and of the way back, that were looked at.
     """
 
     def __init__(
@@ -60,7 +62,7 @@ class Contact:
         self._most = _FIRMEST / _STIFFNESS
         self._pairs = NearPairs(V, F, np.stack([held, self._zone]), thickness)
         self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
-        self.touching, self.least = 0, np.inf
+        self.touching, self.least, self.examined = 0, np.inf, 0
         self._set_out(V)
 
     def may_enter(self, U: np.ndarray) -> bool:
@@ -101,7 +103,7 @@ class Contact:
 
     def leads_to(self, W: np.ndarray) -> bool:
         """Go straight to ``W`` (n, 3); False, and stay, if something is in the way."""
-        start = self.start
+        start, self.examined = self.start, 0
         if self._goes(W):
             return True
         if not self._goes(start):
@@ -112,6 +114,7 @@ class Contact:
         """Go straight to ``W`` in parts, as far as the way is free."""
         start, done, part = self.start, 0.0, 1.0
         while done < 1.0:
+            self.examined += 1
             end = W if done + part >= 1.0 else start + (done + part) * (W - start)
             shares = self._pairs.examine(self.start, end)
             if shares is None:

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
 _PART, _STEPS = 0.05, 10
-# So many shapes in a row that cannot be reached mean contact; the first after a move may be rough.
-_PATIENCE = 6
+# So many parts of ways that are not free mean contact; the first shapes after a move may be rough.
+_PATIENCE = 60
 
 
 def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
@@ -270,7 +270,7 @@ class ContactDescent:
         if self.contact.leads_to(W):
             self._U, self._share, self.held, self._refused = W, self._ahead, self._inner.held, 0
             return
-        self._refused += 1
+        self._refused += self.contact.examined
         if self._refused >= _PATIENCE or self._inner.converged:
             self._touch()
             self.step()
