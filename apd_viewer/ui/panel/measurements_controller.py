@@ -78,9 +78,9 @@ class Measuring(QObject):
 
     def follow(self, old: State | None, new: State) -> None:
         """Follow another document: contact turned on or off, another distance of walls."""
-        if old is None or old.document is new.document or old.document.mesh is not new.document.mesh:
+        if old is None or old.document.mesh is not new.document.mesh:
             return
-        if old.keeps_apart != new.keeps_apart:
+        if (old.keeps_apart, old.cannot_cross) != (new.keeps_apart, new.cannot_cross):
             self.show()
         thickness, wall = new.document.thickness, self._panel.measures.wall
         is_typed = thickness == thickness_of(wall, self._session.store.unit)

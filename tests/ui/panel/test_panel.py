@@ -170,6 +170,21 @@ def test_contact_is_read_where_the_volume_is(qtbot, bottle):
     idle(qtbot, bottle)
 
 
+def test_a_shape_that_crosses_is_kept_apart_once_contact_is_turned_on(qtbot, bottle):
+    volume, box = bottle.panel.volume, bottle.panel.method.contact
+    bottle.session.handles.move_by(TypedMotion.TWIST, "150deg", 0)
+    idle(qtbot, bottle)
+    state = bottle.session.store.state
+    assert len(crossings(state.frame.U, state.document.mesh.joined_F))
+    assert volume.crossings.text() != "no self-intersections"
+    bottle.panel.ensureWidgetVisible(box)
+    qtbot.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(10, box.height() // 2))
+    qtbot.waitUntil(lambda: bottle.session.store.state.frame.contact is not None, timeout=30_000)
+    assert bottle.session.store.activity is Activity.REFINING
+    assert volume.crossings.text() == "no self-intersections", "while it solves"
+    idle(qtbot, bottle)
+
+
 def test_a_ghost_shows_where_contact_has_not_let_the_handle_go(qtbot, bottle):
     drag(qtbot, bottle, ring_grip(bottle, 1), (0, 12))
     idle(qtbot, bottle)
