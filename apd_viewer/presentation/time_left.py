@@ -2,7 +2,7 @@
 
 The measure falls geometrically, but for bumps where the surface buckles: a straight line through its
 logarithm over time, fitted to the recent half of a descent, tells when it is at its tolerance. Where the line
-does not fall clearly the time is not known.
+does not fall clearly the time is not known, but for what the solver itself expects before its descent.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ class Forecast:
         self.began = self._fitted = moment
         self._samples: list[tuple[float, float]] = []
         self._end: float | None = None
+        self._told = False
 
-    def add(self, moment: float, gap: float | None) -> None:
+    def add(self, moment: float, gap: float | None, expected: float | None = None) -> None:
         """Learn how far the solver is from convergence.
 
         Parameters
@@ -47,9 +48,12 @@ class Forecast:
         moment : float
         gap : float or None
             Measure of convergence in multiples of its tolerance; None while it is not known.
+        expected : float or None
+            Seconds left that the solver expects; they count until the measure has told.
         """
         if gap is None or gap <= 0.0:
-            self._samples, self._end = [], None
+            self._samples, self._told = [], False
+            self._expect(moment, expected)
             return
         self._samples.append((moment, math.log(gap)))
         if len(self._samples) > _MOST:
@@ -57,8 +61,15 @@ class Forecast:
         end = _crossing(np.array(self._samples))
         if end is not None:
             self._steer(moment, max(end, moment))
+            self._told = True
+        elif not self._told:
+            self._expect(moment, expected)
         elif self._end is not None and moment - self._fitted > _INERTIA * (self._end - moment):
             self._end = None  # nothing has confirmed it for long
+
+    def _expect(self, moment: float, seconds: float | None) -> None:
+        self._end = None if seconds is None else moment + seconds
+        self._fitted = moment
 
     def _steer(self, moment: float, end: float) -> None:
         """Move the expected end towards a new estimate."""

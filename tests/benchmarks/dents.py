@@ -79,7 +79,7 @@ def pull(subdivisions: int) -> None:
         solver.iterate()
         now = time.monotonic() - begun - measuring
         frame, hides = solver.frame(), solver._solver.hides
-        forecast.add(now, frame.gap)
+        forecast.add(now, frame.gap, frame.seconds_left)
         measured = time.monotonic()
         rough = roughness.of(frame.U)
         held = float(np.abs(frame.U[fixed] - targets).max())

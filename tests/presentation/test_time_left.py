@@ -61,6 +61,20 @@ def test_the_time_goes_on_while_nothing_is_heard():
     assert forecast.left(10.0) is None
 
 
+def test_what_the_solver_expects_counts_until_the_gap_tells():
+    forecast = Forecast(0.0)
+    forecast.add(1.0, None, 90.0)
+    assert forecast.left(1.0) == pytest.approx(90.0)
+    assert forecast.left(61.0) == pytest.approx(30.0)
+    for k in range(1, 100):
+        gap = 1e6 ** (1.0 - k / 100)
+        forecast.add(61.0 + 0.2 * k, gap, 30.0 - 0.2 * k)
+        assert forecast.left(61.0 + 0.2 * k) is not None
+    assert forecast.left(80.8) == pytest.approx(0.2, abs=0.1)
+    forecast.add(81.0, None)
+    assert forecast.left(81.0) is None
+
+
 @pytest.mark.parametrize(
     ("seconds", "words"),
     [

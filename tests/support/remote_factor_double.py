@@ -8,6 +8,7 @@ class Elsewhere:
 
     elsewhere = True
     there = False
+    seconds = 0.0
 
     def __init__(self, matrix):
         self._matrix = matrix

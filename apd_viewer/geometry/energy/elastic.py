@@ -32,7 +32,7 @@ from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from apd_viewer.geometry.linalg.linear_solver import Factored, Matrix
+    from apd_viewer.geometry.linalg.linear_solver import Factored, Matrix, Metric
 
 _MINUS = np.array([-1.0])
 _NOTHING = np.empty((0, 3))
@@ -68,7 +68,7 @@ class Elastic:
         What keeps shape and area of every triangle; None if the material has no such term.
     factor : Factor
         Of :attr:`K_ff`.
-    metric : Factor
+    metric : Metric
         What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
     """
 
@@ -96,7 +96,8 @@ class Elastic:
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        self.factor = self.metric = self.factored(lambda: self.K_ff)
+        self.factor = self.factored(lambda: self.K_ff)
+        self.metric: Metric = self.factor
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
         self._from_held: np.ndarray | None = None

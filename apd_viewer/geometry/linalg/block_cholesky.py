@@ -71,8 +71,6 @@ class BlockFactor:
     blocks : (e, 3, 3) float array
     """
 
-    ready, elsewhere = True, False
-
     def __init__(self, pattern: BlockPattern, blocks: np.ndarray) -> None:
         self._pattern = p = pattern
         self._panels = np.empty(p.panel[-1], dtype=np.float32)

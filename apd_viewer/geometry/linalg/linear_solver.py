@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,7 +15,14 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
-class Factor(Protocol):
+class Metric(Protocol):
+    """Inverse of a symmetric positive definite matrix."""
+
+    def solve(self, B: np.ndarray) -> np.ndarray:
+        """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
+
+
+class Factor(Metric, Protocol):
     """Factor of a symmetric positive definite matrix, possibly still pending."""
 
     @property
@@ -25,8 +33,9 @@ class Factor(Protocol):
     def elsewhere(self) -> bool:
         """True if factored in another process, and dispensable meanwhile."""
 
-    def solve(self, B: np.ndarray) -> np.ndarray:
-        """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
+    @property
+    def seconds(self) -> float:
+        """Seconds that the factorization took, or has taken so far."""
 
 
 if TYPE_CHECKING:
@@ -42,6 +51,11 @@ class LinearSolver:
     A : (n, n) csr_array
         Symmetric positive definite.
 
+    Attributes
+    ----------
+    seconds : float
+        How long the factorization took.
+
     Raises
     ------
     ValueError
@@ -51,14 +65,19 @@ class LinearSolver:
     ready, elsewhere = True, False
 
     def __init__(self, A: Matrix) -> None:
-        self._factor = _factor(*rows_of(A))
+        self._factorize(*rows_of(A))
 
     @classmethod
     def from_rows(cls, start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> LinearSolver:
         """The same, of the matrix with these :func:`rows_of`."""
         solver = cls.__new__(cls)
-        solver._factor = _factor(start, column, entry)
+        solver._factorize(start, column, entry)
         return solver
+
+    def _factorize(self, start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> None:
+        begun = time.monotonic()
+        self._factor = CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)
+        self.seconds = time.monotonic() - begun
 
     def solve(self, B: np.ndarray) -> np.ndarray:
         """Return ``A^-1 B`` for ``B`` of shape (n, k), float64."""
@@ -73,7 +92,3 @@ def rows_of(A: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     A.sort_indices()
     entry = np.ascontiguousarray(A.data, dtype=np.float64)
     return A.indptr.astype(np.int32), A.indices.astype(np.int32), entry
-
-
-def _factor(start: np.ndarray, column: np.ndarray, entry: np.ndarray) -> CholeskySolverD:
-    return CholeskySolverD(len(start) - 1, start, column, entry, MatrixType.CSR)

@@ -67,6 +67,8 @@ class Frame:
     gap : float or None
         Measure of convergence in multiples of its tolerance; None while it is not known. Above 1 the shape
         has not converged; below, a lower minimum may still be looked for.
+    seconds_left : float or None
+        Expected seconds to convergence, where a coarse surface led while the matrix was factored.
     share_reached : float
         Share of the way from rest to the targets that contact has let the held vertices go.
     contact : Touch or None
@@ -88,5 +90,6 @@ class Frame:
     energy: float | None = None
     total: int = 0
     gap: float | None = None
+    seconds_left: float | None = None
     share_reached: float = 1.0
     contact: Touch | None = None

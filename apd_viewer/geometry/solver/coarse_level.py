@@ -8,6 +8,7 @@ there is no time for a global step, the coarse surface carries the fine one alon
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -26,6 +27,8 @@ from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # A held vertex this many coarse edges from all held coarse vertices gets one of its own.
 _UNHEARD = 1.5
+# Seconds to factor grow with this power of the unknowns (nested dissection on surfaces).
+_FACTORING = 1.5
 
 
 class CoarseLevel:
@@ -71,6 +74,7 @@ class CoarseLevel:
         self._solver = solver_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
         self._fine, self._free, self._fixed = rest, elastic.free, fixed
+        self._steps, self._pace = 0, 0.0
         self._set_reference()
 
     @property
@@ -99,6 +103,7 @@ class CoarseLevel:
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at the fine surface's ``targets`` (k + s, 3)."""
         self._solver.aim(targets[self._which])
+        self._steps = 0
 
     def iterate(self, iterations: int) -> None:
         """Do some iterations, or as many as it takes to converge."""
@@ -107,11 +112,28 @@ class CoarseLevel:
                 if self.converged:
                     break
                 self._solver.step()
+                self._steps += 1
 
     def smooth(self, iterations: int) -> None:
         """Do iterations without a coarser level, before the shape is shown."""
+        begun = time.monotonic()
         with cores_for(len(self.vertices)):
             self._solver.smooth(iterations)
+        self._pace = (time.monotonic() - begun) / iterations
+
+    @property
+    def fine_factor_seconds(self) -> float:
+        """Expected seconds to factor the matrix of the fine surface."""
+        return self._elastic.factor.seconds * self._growth**_FACTORING
+
+    @property
+    def fine_descent_seconds(self) -> float:
+        """Expected seconds of the fine descent: as many iterations as here so far."""
+        return self._steps * self._pace * self._growth
+
+    @property
+    def _growth(self) -> float:
+        return len(self._free) / len(self._elastic.free)
 
     def turns(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""

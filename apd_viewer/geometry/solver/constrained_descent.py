@@ -70,6 +70,7 @@ class ConstrainedDescent:
     """
 
     hides = False
+    seconds_left: float | None = None
 
     def __init__(
         self,

@@ -206,6 +206,11 @@ class ContactDescent:
         """Gain of the last steps in multiples of its tolerance; None before them."""
         return None if self.is_on_its_way else (self._touching or self._inner).gap
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to convergence; None with contact ahead."""
+        return None if self.is_on_its_way or self._touching else self._inner.seconds_left
+
     def stop_at(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
         self._tolerance = tolerance

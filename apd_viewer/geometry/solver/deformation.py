@@ -325,6 +325,7 @@ class Deformation:
             energy=energy,
             total=self._total,
             gap=self._step_gap if solver.converged is None else solver.gap,
+            seconds_left=solver.seconds_left,
             share_reached=self.share_reached,
             contact=None if self.contact is None else self.contact.touch,
         )

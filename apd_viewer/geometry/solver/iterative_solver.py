@@ -62,6 +62,10 @@ class IterativeSolver(Protocol):
     def gap(self) -> float | None:
         """Measure of convergence in multiples of its tolerance; None while not known."""
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to convergence while a factor is made; None if not known."""
+
     def stop_at(self, tolerance: float) -> None:
         """Converge once ten steps together reduce the energy by at most this part."""
 

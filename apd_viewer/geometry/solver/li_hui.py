@@ -43,6 +43,7 @@ class LiHui:
     # The goal is never given up, and there is no energy that converges.
     stuck, converged, gap = False, None, None
     hides = False
+    seconds_left: float | None = None
 
     def __init__(self, elastic: Elastic, handle_of: np.ndarray, goals: tuple[Goal, ...]) -> None:
         self.elastic = elastic

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
@@ -148,6 +150,11 @@ class Multilevel:
         """Gain of the fine steps in multiples of its tolerance; None before them."""
         return self.fine.gap if self.coarse.converged and not self._previews else None
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to convergence; None if a step never waited for the factor."""
+        return None if self._end is None else max(self._end - time.monotonic(), 0.0)
+
     def stop_at(self, tolerance: float) -> None:
         """Converge once ten fine steps together reduce the energy by at most this part."""
         self.fine.stop_at(tolerance)
@@ -194,6 +201,7 @@ class Multilevel:
 
     def _reset(self) -> None:
         self._ahead = 1
+        self._end: float | None = None
         self._previews = self.elastic.factor.elsewhere
 
     def step(self) -> None:
@@ -203,6 +211,8 @@ class Multilevel:
             self.coarse.smooth(_SMOOTHING)
             self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
             self._preview.follow(self.held)
+            factoring = self.coarse.fine_factor_seconds - self.elastic.factor.seconds
+            self._end = time.monotonic() + max(factoring, 0.0) + self.coarse.fine_descent_seconds
         elif self._previews:
             self._end_previews()
         elif self.coarse.converged or self.stuck:
@@ -222,6 +232,7 @@ class Multilevel:
 
     def _end_previews(self) -> None:
         """Iterate from the last preview."""
+        self._end = time.monotonic() + self.coarse.fine_descent_seconds
         self.elastic.turn(self.coarse.turns())
         if self._preview is not None:
             self.elastic.U, self._preview = self._preview.U, None

@@ -108,6 +108,11 @@ class Restarts:
         """Gain in multiples of its tolerance; 0 on trial, as the best shape has converged."""
         return 0.0 if self._on_trial else self._inner.gap
 
+    @property
+    def seconds_left(self) -> float | None:
+        """Expected seconds to the first minimum; None if they are not known."""
+        return None if self._minima else self._inner.seconds_left
+
     def stop_at(self, tolerance: float) -> None:
         """Take a minimum for one once ten steps reduce the energy by at most this part."""
         self._end_trial()

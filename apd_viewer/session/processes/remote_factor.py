@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,6 +44,12 @@ class FarFactor:
         self._error: Exception | None = None
         self._missing = True
         self._deaths = 0
+        self._begun = self._took = 0.0  # s; 0 until then
+
+    @property
+    def seconds(self) -> float:
+        """Seconds that the factorization took, or has taken so far."""
+        return self._took or (time.monotonic() - self._begun if self._begun else 0.0)
 
     @property
     def ready(self) -> bool:
@@ -65,7 +72,7 @@ class FarFactor:
             return
         # Not on the waiting thread: on Linux the process ends with the thread that started it.
         self._process.restart()
-        self._missing = False
+        self._missing, self._begun, self._took = False, time.monotonic(), 0.0
         self._thread = threading.Thread(target=self._send, name="factor", daemon=True)
         self._thread.start()
 
@@ -110,6 +117,7 @@ class FarFactor:
             return
         if word:
             self._error = ValueError(word.decode())
+        self._took = time.monotonic() - self._begun
 
     def _answer_to(self, *messages: np.ndarray) -> bytes | None:
         """Return the answer of the process; None if it has died."""

@@ -63,7 +63,7 @@ class ConvergenceProgress(QWidget):
             self._forecast, self._iteration = Forecast(now), 0
             self._timer.start()
         elif frame is not self._frame:
-            self._forecast.add(now, frame.gap)
+            self._forecast.add(now, frame.gap, frame.seconds_left)
             self._iteration = frame.iteration
         self._frame = frame
         self._show()

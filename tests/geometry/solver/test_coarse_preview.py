@@ -162,3 +162,24 @@ def test_what_follows_no_coarse_surface_waits(method, factor):
     factor.there = True
     assert solver.ready
     solver.step()
+
+
+def test_the_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
+    solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
+    solver.aim(targets(0.3))
+    until_the_coarse_one_is_done(solver)
+    coarse, before = solver._solver._inner.coarse, solver.frame().seconds_left
+    assert before > coarse.fine_descent_seconds > 0.0
+    monkeypatch.setattr(Elsewhere, "seconds", 0.5 * coarse.fine_factor_seconds)
+    solver._solver._inner.step()
+    half = 0.5 * coarse.fine_factor_seconds + coarse.fine_descent_seconds
+    assert solver.frame().seconds_left == pytest.approx(half, abs=0.05)
+    factor.there = True
+    solver.iterate()
+    assert solver.frame().seconds_left <= coarse.fine_descent_seconds
+
+
+def test_nothing_is_foretold_where_nothing_is_waited_for():
+    solver = Deformation(V, F, FIXED)
+    solver.aim(targets(0.3))
+    assert solver.step().seconds_left is None

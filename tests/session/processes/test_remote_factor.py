@@ -52,7 +52,12 @@ def test_it_solves_as_one_that_is_near_does(factor):
 
 
 def test_it_says_when_it_is_there(factor):
+    assert factor.seconds == 0.0
     wait_for(factor)
+    took = factor.seconds
+    assert took > 0.0
+    time.sleep(0.01)
+    assert factor.seconds == took
     assert factor.elsewhere
     assert not LinearSolver(A).elsewhere
     assert LinearSolver(A).ready
