@@ -164,7 +164,7 @@ class ContactDescent:
     @property
     def stuck(self) -> bool:
         """True once the goals are given up."""
-        return self._touching is None and self._inner.stuck
+        return (self._touching or self._inner).stuck
 
     @property
     def share_of_path(self) -> float:

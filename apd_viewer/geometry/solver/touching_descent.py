@@ -94,9 +94,19 @@ class TouchingDescent:
         return self.share < 1.0 and self._waited >= _PATIENCE
 
     @property
+    def stuck(self) -> bool:
+        """True where no free way leads to shapes that meet the goals."""
+        return self._at_minimum and not self.met and not self.is_on_its_way
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """True if the held vertices go on."""
+        return self.share < 1.0 and not self.is_stopped
+
+    @property
     def converged(self) -> bool:
         """True if the path has ended, and further steps would gain next to nothing."""
-        if self.share < 1.0 and not self.is_stopped:
+        if self.is_on_its_way:
             return False
         return self._at_minimum or (self.gap is not None and self.gap <= 1.0)
 
@@ -121,7 +131,7 @@ class TouchingDescent:
 
     def step(self) -> None:
         """Walk the next part if it is time, or reduce the energy."""
-        if self.share < 1.0 and self._has_followed and not self.is_stopped:
+        if self.is_on_its_way and self._has_followed:
             self._walk()
             return
         self._steps += 1

@@ -372,3 +372,18 @@ def test_walls_as_thick_as_the_mesh_are_refused():
     V, F = tube(12, 8)
     with pytest.raises(InputError, match="at most"):
         Deformation(V, F, ends(V)[0], contact=True, thickness=float(np.ptp(V)))
+
+
+@pytest.mark.parametrize("percent", [20.0, 95.0])
+def test_an_area_out_of_reach_is_said_and_one_within_reach_is_met(percent):
+    V, F = box(2, 2, 6)
+    base, end = ends(V)
+    fixed = np.concatenate([base, end])
+    solver = Deformation(V, F, fixed, handle=end, contact=True)
+    bent = np.concatenate([V[base], moved(V[end], rotation(Y, 0.6), (0.5, 0.0, -0.3))])
+    settle(solver, bent)
+    solver.keep(area=percent)
+    frame, _ = settle(solver, bent, area_too=False)
+    assert frame.settled
+    assert (frame.unreached is None) == (percent > 50.0)
+    assert (abs(frame.area_error - (percent / 100.0 - 1.0)) <= 1e-9) == (percent > 50.0)
