@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,7 +68,7 @@ class Files:
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        self.open_with(SAMPLES[name], lambda: opened(*open_sample(name)))
+        self.open_with(SAMPLES[name], lambda: _in_contact(opened(*open_sample(name))))
 
     def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh from memory."""
@@ -201,3 +202,8 @@ class Files:
             then()
 
         self._jobs.run(title, work, written, can_be_cancelled=False)
+
+
+def _in_contact(state: State) -> State:
+    """The same with contact on."""
+    return state.at(replace(state.document, contact=True))

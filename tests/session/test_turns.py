@@ -19,9 +19,10 @@ pytestmark = pytest.mark.usefixtures("process")
 
 @pytest.fixture
 def bottle(empty: Driven) -> Driven:
-    """The sample bottle, painted as it comes."""
+    """The sample bottle, painted as it comes; without contact, in which turns take minutes."""
     empty.files.open_sample("bottle")
     empty.until(lambda: empty.jobs.current is None and empty.store.state is not None)
+    empty.settings.keep_apart(False)
     empty.settle()
     return empty
 
