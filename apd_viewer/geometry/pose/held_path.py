@@ -18,7 +18,9 @@ ITERATIONS_A_STEP = 4
 
 
 class HeldPath:
-    """Screw motion of every handle; straight if deformed or half a turn.
+    """Screw motion of every handle; straight if it is deformed.
+
+    Half a turn goes one of its two ways round: straight, the handle would pass through its axis.
 
     Parameters
     ----------
@@ -56,7 +58,7 @@ def _part(X: np.ndarray, Y: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, C
         pose = fitted_motion(x, y)
         if np.abs(transform(pose, x) - y).max() > _RIGID * straight:
             return rows, along_line, straight
-        path = path_of(pose, x.mean(axis=0))
+        path = path_of(pose, x.mean(axis=0), either_way=True)
     except InputError:
         return rows, along_line, straight
     ways = np.linalg.norm(np.diff([transform(path.at(s), x) for s in np.linspace(0, 1, 9)], axis=0), axis=2)

@@ -104,8 +104,15 @@ class Turn(NamedTuple):
         return False
 
 
-def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
+def path_of(pose: np.ndarray, pivot: npt.ArrayLike, either_way: bool = False) -> ScrewPath:
     """Path to ``pose`` (4, 4) about ``pivot`` (3,), by less than half a turn.
+
+    Parameters
+    ----------
+    pose : (4, 4) float array
+    pivot : (3,) float array
+    either_way : bool, optional
+        Go half a turn as well: to the right about the axis whose largest coordinate is positive.
 
     Raises
     ------
@@ -124,9 +131,12 @@ def path_of(pose: np.ndarray, pivot: npt.ArrayLike) -> ScrewPath:
     rigid[:3, 3] = transform(pose, centre[None])[0] - R @ centre
     motion = decomposed(rigid, centre)
     if np.pi - motion.angle < _HALF_TURN:
-        raise InputError(
-            tr("The motion is a half turn, whose direction is ambiguous; give it as a twist of 180deg.")
-        )
+        if not either_way:
+            raise InputError(
+                tr("The motion is a half turn, whose direction is ambiguous; give it as a twist of 180deg.")
+            )
+        sign = np.sign(motion.axis[np.abs(motion.axis).argmax()])
+        motion = motion._replace(axis=sign * motion.axis, angle=np.pi)
     along = (motion.displacement @ motion.axis) * motion.axis
     across = motion.displacement - along
     return ScrewPath(centre, motion.axis, motion.angle, along, across, sizes, right.T)
