@@ -2,9 +2,9 @@
 
 from functools import cache
 
-import ipctk
 import numpy as np
 import pytest
+from crossing_check import CrossingCheck
 from meshes import box, ends, grid, moved, rotation, sample_bottle, sphere, tube
 from scipy.spatial.distance import pdist
 
@@ -62,22 +62,9 @@ def closed_hairpin():
     return U[fixed]
 
 
-class Checked:
-    """Another library's eye on the frames of a deformation."""
-
-    def __init__(self, V, F, exempt=()):
-        away = ~np.isin(F, exempt).any(axis=1)
-        F = F[away]
-        edges = ipctk.edges(np.asfortranarray(F, dtype=np.int32))
-        self._mesh = ipctk.CollisionMesh(np.asfortranarray(V), edges, np.asfortranarray(F, dtype=np.int32))
-
-    def crosses(self, U):
-        return ipctk.has_intersections(self._mesh, np.asfortranarray(U))
-
-
 def settle(solver, targets, most=1500, area_too=True, **more):
     """Iterate to the end; every frame is checked. The last frame, and how many shapes there were."""
-    checked = Checked(solver.rest.shape.V, solver.rest.shape.F)
+    checked = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F)
     solver.aim(targets, **more)
     for count in range(most):
         if solver.settled:
@@ -115,7 +102,7 @@ def test_no_frame_of_a_twist_beyond_touching_crosses_itself(asked):
 def test_a_bottle_is_pushed_together_in_every_frame_without_crossing():
     V, F, fixed, cap = bottle()
     solver = Deformation(V, F, fixed, handle=cap, contact=True)
-    checked, base = Checked(V, F), np.setdiff1d(fixed, cap)
+    checked, base = CrossingCheck(V, F), np.setdiff1d(fixed, cap)
     solver.aim(bottle_at(shift=-11.0 * Y))
     for _ in range(300):
         frame = solver.step()
@@ -191,7 +178,7 @@ def test_what_is_refused_is_not_taken_for_the_end():
 def test_without_contact_the_same_twist_crosses_itself():
     V, F, fixed, cap = bottle()
     result = deform(V, F, fixed, bottle_at(TWIST), handle=cap)
-    assert Checked(V, F).crosses(result.U)
+    assert CrossingCheck(V, F).crosses(result.U)
 
 
 @pytest.mark.parametrize(("scale", "away"), [(1e-6, 0.0), (1e3, 1e6)])
@@ -224,7 +211,7 @@ def test_what_crosses_at_rest_may_stay_and_nothing_else_crosses():
     U = V.copy()
     U[lid] += [-0.8, 0.0, -0.6]
     exempt = solver.contact.contact.exempt
-    checked = Checked(V, F, exempt)
+    checked = CrossingCheck(V, F, exempt)
     solver.aim(U[fixed])
     for _ in range(100):
         frame = solver.step()
@@ -243,7 +230,7 @@ def test_pieces_that_are_held_do_not_pass_through_each_other():
     U[lid] += [-1.2, 0.0, 0.0]
     frame, _ = settle(solver, U[fixed], most=300)
     without = deform(V, F, fixed, U[fixed], handle=lid)
-    assert Checked(V, F).crosses(without.U)
+    assert CrossingCheck(V, F).crosses(without.U)
     assert np.ptp(frame.U, axis=0).max() > 1.0
 
 
@@ -264,7 +251,7 @@ def test_a_path_of_targets_is_walked_and_its_share_is_of_the_whole():
     aside = V.copy()
     aside[upper] += 0.4 * Y
     path = np.array([aside[fixed], V[fixed], closed_hairpin()])
-    checked, seen = Checked(V, F), []
+    checked, seen = CrossingCheck(V, F), []
 
     def look(frame):
         seen.append(frame.U)

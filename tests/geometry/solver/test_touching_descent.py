@@ -1,0 +1,84 @@
+"""Descent in contact: its energy, and what else may be asked of it."""
+
+import numpy as np
+import pytest
+from crossing_check import CrossingCheck
+from meshes import ends, moved, rotation, tube
+
+from apd_viewer.geometry.pose.constraints import Soft
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+
+Z = np.eye(3)[2]
+TWIST = rotation(Z, np.radians(150.0))
+
+
+def twisted(R=TWIST):
+    """A tube, its held ends, the upper one, and targets with that one turned."""
+    V, F = tube(24, 24)
+    low, high = ends(V)
+    U = V.copy()
+    U[high] = moved(V[high], R)
+    fixed = np.concatenate([low, high])
+    return V, F, fixed, high, U[fixed]
+
+
+def test_the_twist_crosses_without_contact():
+    V, F, fixed, high, targets = twisted()
+    assert CrossingCheck(V, F).crosses(deform(V, F, fixed, targets, handle=high).U)
+
+
+@pytest.mark.parametrize("method", ["exact", "arap"])
+def test_the_energy_of_shape_and_gaps_never_rises_while_handles_rest(method):
+    V, F, fixed, high, targets = twisted()
+    solver = Deformation(V, F, fixed, method=method, handle=high, contact=True)
+    solver.aim(targets)
+    inside, before, judged = solver.contact, None, 0
+    for _ in range(250):
+        solver.iterate()
+        if inside.is_on_its_way or not inside.contact.touching:
+            before = None
+            continue
+        now = inside.energy + inside.contact.energy_at(inside.U)
+        if before is not None:
+            assert now <= before * (1.0 + 1e-9)
+            judged += 1
+        before = now
+    assert judged >= 20
+
+
+def test_vertices_drawn_softly_do_not_cross():
+    V, F, fixed, high, targets = twisted()
+    near = np.setdiff1d(np.flatnonzero(V[:, 2] > np.quantile(V[:, 2], 0.7)), fixed)
+    soft = Soft(near, np.ones(len(near)), np.full(len(near), 10.0), np.zeros(len(near), np.int64))
+    drawn = moved(V[near], TWIST)
+    solver, check = Deformation(V, F, fixed, handle=high, soft=soft, contact=True), CrossingCheck(V, F)
+    solver.aim(targets, soft_targets=drawn)
+    for _ in range(120):
+        frame = solver.step()
+        assert not check.crosses(frame.U)
+        assert abs(frame.area_error) <= 1e-9
+    assert np.array_equal(frame.U[fixed], targets)
+
+
+def test_a_shape_in_contact_is_gone_on_from_without_crossing():
+    """Another solver of the same rest shape takes over where one has ended."""
+    V, F, fixed, high, targets = twisted()
+    first = deform(V, F, fixed, targets, handle=high, contact=True)
+    assert first.pairs_in_contact > 0
+    solver, check = Deformation(V, F, fixed, handle=high, contact=True), CrossingCheck(V, F)
+    solver.aim(targets, first.U)
+    for _ in range(30):
+        frame = solver.step()
+        assert not check.crosses(frame.U)
+    assert frame.energy == pytest.approx(first.energy, rel=1e-2)
+    assert np.array_equal(frame.U[fixed], targets)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_twist_is_the_same_in_another_unit(unit):
+    V, F, fixed, high, targets = twisted()
+    one, other = (deform(s * V, F, fixed, s * targets, handle=high, contact=True) for s in (1.0, unit))
+    assert not CrossingCheck(V, F).crosses(other.U / unit)
+    assert other.energy / unit**2 == pytest.approx(one.energy, rel=1e-2)
+    assert other.pairs_in_contact > 0
