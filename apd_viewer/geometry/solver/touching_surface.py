@@ -17,7 +17,7 @@ from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
 # The springs of what touches are renewed after so many steps.
 _RENEWED = 40
 # Attempts at a free way: so many with shares of their own for all vertices, then with one for all.
-_LOCAL, _ATTEMPTS = 4, 8
+_LOCAL, _ATTEMPTS = 3, 4
 _MOST_AT_ONCE = 0.5
 
 
