@@ -11,6 +11,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.goals.goals import Reading, Region
+from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.contact_descent import whole_way
@@ -155,7 +156,8 @@ def deform(
         convergence=convergence,
         plain=iterations is not None,
     )
-    if np.ndim(targets) != 3 or not len(targets):
+    targets = numbers(targets, tr("Targets"))
+    if targets.ndim != 3 or not len(targets):
         solver.aim(targets)
         return iterated(solver, started, iterations, progress)
     if iterations is not None:
