@@ -167,8 +167,7 @@ class TouchingDescent:
     def _goes_to(self, held: np.ndarray) -> bool:
         """Move the held vertices, the free ones following; False if refused."""
         elastic, projection, start = self._surface.elastic, self._projection, self._surface.U
-        pull = elastic.from_held(self.held) - elastic.from_held(held)
-        X = parallel_ops.taken(start, elastic.free) + self._surface.solve(pull)
+        X = parallel_ops.taken(start, elastic.free) + self._surface.following(self.held, held)
         W, _ = projection.onto(elastic.assembled(X, held))
         if not projection.met:
             projection.evaluate(start)

@@ -7,6 +7,7 @@ and the forces have those of the gaps, and no shape is reached but by a free way
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
@@ -34,6 +35,7 @@ class TouchingSurface:
         self.elastic, self.contact = elastic, contact
         self.rest, self.free = elastic.rest, elastic.free
         self.metric: Factor = elastic.factor
+        self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
 
     @property
@@ -56,16 +58,25 @@ class TouchingSurface:
         """Response to forces ``b_f``, both (f, 3), with the springs of what touches."""
         return self.metric.solve(b_f)
 
+    def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
+        """Response (f, 3) to a move of the held and soft vertices, both (k + s, 3)."""
+        pull = self.elastic.from_held(held) - self.elastic.from_held(then)
+        if self._to_held is not None:
+            k = len(self.elastic.fixed)
+            pull -= self._to_held @ (then[:k] - held[:k])
+        return self.solve(pull)
+
     def renew_springs(self) -> bool:
         """Renew the springs of what touches, if due; False if nothing changed."""
         self._age += 1
         if self._age <= _RENEWED:
             return False
         if not self.contact.may_touch:
-            was, self.metric = self.metric, self.elastic.factor
+            was, self.metric, self._to_held = self.metric, self.elastic.factor, None
             return was is not self.metric
-        springs = self.contact.springs(self.elastic.U)[self.free][:, self.free]
-        self.metric, self._age = LinearSolver((self.elastic.K_ff + springs).tocsr()), 0
+        springs = self.contact.springs(self.elastic.U)[self.free]
+        self.metric = LinearSolver((self.elastic.K_ff + springs[:, self.free]).tocsr())
+        self._to_held, self._age = springs[:, self.elastic.fixed], 0
         return True
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:

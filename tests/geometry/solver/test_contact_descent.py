@@ -16,6 +16,7 @@ from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.mesh.operators import volume
 from apd_viewer.geometry.solver.deform import deform
 from apd_viewer.geometry.solver.deformation import Deformation
+from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 
 Y, Z = np.eye(3)[1:]
 
@@ -141,6 +142,20 @@ def test_contact_stops_a_handle_says_so_and_lets_it_go_back(told):
     assert frame.unreached is None
     assert frame.share_reached == 1.0
     assert np.abs(frame.U - V).max() <= 1e-3 * np.ptp(V, axis=0).max()
+
+
+def test_the_surface_follows_held_vertices_that_touch_it():
+    """Shifted all alike, they take it along: springs pull from what moves, not back to where it was."""
+    V, _, fixed, cap = bottle()
+    solver = Deformation(*bottle()[:2], fixed, handle=cap, contact=True)
+    solver.aim(bottle_at(shift=-0.5 * np.ptp(V[:, 1]) * Y))
+    inside, held = solver.contact, np.isin(np.arange(len(V)), fixed)
+    while inside.is_on_its_way:
+        solver.iterate()
+    surface, shift = TouchingSurface(inside.elastic, inside.contact), np.array([1.0, 2.0, 3.0])
+    assert surface.renew_springs()
+    assert inside.contact.springs(surface.U)[~held][:, held].nnz > 0
+    assert np.allclose(surface.following(inside.held, inside.held + shift), shift, atol=1e-6)
 
 
 def test_the_energy_of_gaps_is_that_of_the_shape_even_after_a_refused_move():
