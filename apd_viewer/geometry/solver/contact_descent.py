@@ -154,7 +154,9 @@ class ContactDescent:
     @property
     def hides(self) -> bool:
         """True if ``U`` is not the iterated shape, or stands still on its path."""
-        return self.is_on_its_way or (self._touching is None and (self._inner.hides or self._refused > 0))
+        if self._touching:
+            return self.is_on_its_way or self._touching.stands
+        return self.is_on_its_way or self._inner.hides or self._refused > 0
 
     @property
     def ready(self) -> bool:

@@ -70,7 +70,7 @@ class TouchingDescent:
         self._projection.refresh(U)
         self._quasi_newton = QuasiNewton(surface, self._projection, _GROWTH)
         self._size = float(np.linalg.norm(np.ptp(surface.rest.V, axis=0)))
-        self.share = 1.0
+        self.share, self._steps = 1.0, 0
         self._begin_to_converge()
 
     @property
@@ -87,6 +87,11 @@ class TouchingDescent:
     def met(self) -> bool:
         """True if all goals are met at ``U``."""
         return self._projection.worst <= MET
+
+    @property
+    def stands(self) -> bool:
+        """True if nothing was done but to try the next part of the path."""
+        return self._steps == 0
 
     @property
     def is_stopped(self) -> bool:
