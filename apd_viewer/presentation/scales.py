@@ -50,7 +50,8 @@ class Words(NamedTuple):
     """Title and tip of a measure, and its values.
 
     ``values(deviation, U, enough)`` are those (n,) at the vertices of a shape ``U`` (n, 3); None if
-    ``enough()`` has ended a measure that takes long. The ``note`` is written below the colours.
+    ``enough()`` has ended a measure that takes long. The ``note`` is written below the colours, ``without``
+    in its place where no vertex has a value.
     """
 
     title: str
@@ -59,6 +60,11 @@ class Words(NamedTuple):
     kind: ScaleKind
     values: Callable[[Deviation, np.ndarray, Callable[[], bool]], np.ndarray | None]
     note: str = ""
+    without: str = ""
+
+    def said(self, values: np.ndarray | None) -> str:
+        """Line below the colours of values (n,)."""
+        return self.without if self.without and values is not None and np.isnan(values).all() else self.note
 
 
 class Measure(Enum):
@@ -188,6 +194,7 @@ def _words() -> dict[Measure, Words]:
             ScaleKind.SHARE,
             lambda deviation, U, _: deviation.pressure(U),
             tr("In percent of the largest pressure."),
+            tr("Nothing is kept apart: turn on Contact in the section Method."),
         ),
     }
 

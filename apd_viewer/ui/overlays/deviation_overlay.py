@@ -258,7 +258,7 @@ class HeatMap(QObject):
             self._canvas.viewport.update()
         elif isinstance(result, _Slow) and self._still_wants(result):
             self.reading.values = result.values
-            self._legend.say(result.seen[0].words.note)
+            self._legend.say(result.seen[0].words.said(result.values))
             self._color()
             self._canvas.viewport.update()
             self.reading.read()

@@ -146,11 +146,13 @@ def test_contact_pressure_is_shown_of_what_is_kept_apart(qtbot, bottle):
     assert heat.measure is Measure.CONTACT
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert np.isnan(heat.reading.values).all(), "contact is off"
+    assert "turn on Contact" in bottle.looks.legend._note.text()
     bottle.session.settings.keep_apart(True, 0.03)
     idle(qtbot, bottle)
     settle(qtbot, bottle.canvas.viewport)
     qtbot.waitUntil(lambda: heat.reading.values is not None, timeout=60_000)
     assert set(heat.reading.values) == {0.0}, "nothing touches yet"
+    assert "percent" in bottle.looks.legend._note.text()
     bottle.session.handles.move_by(TypedMotion.TWIST, "130deg", 0)
     idle(qtbot, bottle)
     settle(qtbot, bottle.canvas.viewport)
