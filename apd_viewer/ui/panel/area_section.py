@@ -155,7 +155,7 @@ class AreaSection(QWidget):
         self.local_change.setText(readings.local_change(state))
         self._dot.set_color(self._theme.warm if missed else self._theme.good)
         self._dot.setToolTip(tr("Some targets not met") if missed else tr("All targets met"))
-        if frame.unreached is not None and frame.settled:
+        if frame.unreached is not None and (frame.settled or frame.share_reached < 1.0):
             self.unreached.setText(frame.unreached)
             self.unreached.show()
         elif frame.settled or not missed or asked_anew:

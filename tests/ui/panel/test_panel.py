@@ -350,6 +350,17 @@ def test_what_is_out_of_reach_is_said(qtbot, bottle):
     assert panel.area.unreached.isHidden()
 
 
+def test_contact_that_stops_a_handle_is_said_at_once(qtbot, bottle):
+    """Until it has converged there the shape may take minutes."""
+    area, state = bottle.panel.area, bottle.session.store.state
+    goes_on = replace(state.frame, settled=False, share_reached=0.6)
+    for said in (None, "Contact stops the handle at 60 % of the way."):
+        state = replace(state, frame=replace(goes_on, unreached=said))
+        area.show_readings(state, Unit.NONE, False)
+        assert area.unreached.isHidden() == (said is None)
+    assert area.unreached.text() == said
+
+
 def test_local_keeps_the_total_too_where_that_is_asked(qtbot, bottle):
     choose(bottle, "local")
     area = bottle.panel.area
