@@ -127,4 +127,5 @@ def main() -> None:
             print_cost(bottle)
 
 
-main()
+if __name__ == "__main__":
+    main()
