@@ -21,6 +21,10 @@ _TAKEN = 0.9
 _SHORTEST = 1e-9
 _MOST_STEPS = 400
 _PORTION = 1024
+# A motion of so many gaps, as of neighbours in a sliver, is looked at more closely.
+_MANY = 8.0
+# Of the moments of four points: what tells those in a plane from others.
+_THIN = 1e-12
 
 
 @njit(cache=True, nogil=True)
@@ -45,25 +49,57 @@ def _relative_motion(U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool
 
 
 @njit(cache=True, nogil=True)
+def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, float]:
+    """Bounds of how fast the gap of a pair closes: a rate per gap, and one besides.
+
+    An affine motion ``x + t A x`` shortens no distance faster than by the norm of the symmetric part of
+    ``A``. Only what it leaves of the displacements ``D`` (4, 3) brings the two parts of the pair together as
+    if they moved freely: little where neighbours on the surface turn or stretch as one.
+    """
+    x, d = X - X.sum(axis=0) / 4.0, D - D.sum(axis=0) / 4.0
+    across = np.ascontiguousarray(x.T)
+    moments = across @ x
+    # The points may lie in a plane.
+    moments += _THIN * np.trace(moments) * np.eye(3)
+    affine = np.linalg.solve(moments, across @ d)
+    left = d - x @ affine
+    strain = 0.5 * np.sqrt(((affine + affine.T) ** 2).sum())
+    r = np.sqrt((left**2).sum(axis=1))
+    if edges:
+        return strain, max(r[0], r[1]) + max(r[2], r[3])
+    return strain, r[0] + max(r[1], r[2], r[3])
+
+
+@njit(cache=True, nogil=True)
 def _free_share(
     U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
 ) -> float:
     """Share of the way that leaves a part of the gap above ``floor``."""
     wanted = LEFT * (d - floor)
-    X, own = np.empty((4, 3)), np.arange(4)
-    share, step = 0.0, (1.0 - LEFT) * (d - floor) / motion
+    X, D, own = np.empty((4, 3)), np.empty((4, 3)), np.arange(4)
+    for k in range(4):
+        for c in range(3):
+            X[k, c] = U[pair[k], c]
+            D[k, c] = W[pair[k], c] - X[k, c]
+    # The first step leaves as much as is wanted, but for rounding.
+    share, left, part = 0.0, d - floor, 1.0 - LEFT
     for _ in range(_MOST_STEPS):
+        rate = motion
+        if motion > _MANY * left:
+            strain, rest = _strain_and_rest(X, D, edges)
+            rate = min(motion, strain * (left + floor) + rest)
+        step = part * left / max(rate, part * left)
+        if step < _SHORTEST:
+            return share
         tried = min(1.0, share + step)
         for k in range(4):
             for c in range(3):
-                X[k, c] = U[pair[k], c] + tried * (W[pair[k], c] - U[pair[k], c])
+                X[k, c] = U[pair[k], c] + tried * D[k, c]
         left = gap(X, own, edges)[0] - floor
-        # The first step leaves as much as is wanted, but for rounding.
         if left < wanted and share > 0.0:
             return share
-        share = tried
-        step = _TAKEN * left / motion
-        if share >= 1.0 or step < _SHORTEST:
+        share, part = tried, _TAKEN
+        if share >= 1.0:
             return share
     return share
 

@@ -151,3 +151,30 @@ def test_what_is_as_near_as_it_may_be_can_go_away_again():
     U = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0.3, 1e-7], [0.3, 0.3, 1], [0.4, 0.2, 1.0]])
     W = U + (np.arange(6) >= 3)[:, None] * [0.0, 0.0, 0.1]
     assert shares(U, W) == 1.0
+
+
+def near_triangles(rng, height):
+    """A corner of one triangle at a height above the middle of another, the rest of it well above."""
+    U = rng.uniform(-1.0, 1.0, size=(6, 3)) * [1.0, 1.0, 0.1]
+    U[3] = U[:3].mean(axis=0)
+    normal = np.cross(U[1] - U[0], U[2] - U[0])
+    normal /= np.linalg.norm(normal)
+    U[4:] += normal * (0.2 - (U[4:] - U[3]) @ normal)[:, None]
+    U[3:] += height * normal
+    return U, normal
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-5, 1e-7])
+def test_neighbours_that_turn_and_stretch_as_one_have_a_free_way(height):
+    """As those in slivers of a surface that bends: they move by many times their gap."""
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        U, normal = near_triangles(rng, height)
+        affine = 0.1 * rng.normal(size=(3, 3)) + np.cross(np.eye(3), 0.3 * rng.normal(size=3))
+        W = U + U @ affine.T
+        assert shares(U, W) == 1.0
+        # Down by three times the gap besides: only the gap is free.
+        W[3:] -= 3.0 * height * normal
+        share = shares(U, W)
+        assert share < 0.5
+        assert min(least(at(U, W, share * s)) for s in np.linspace(0, 1, 200)) > 0.0

@@ -82,3 +82,43 @@ def test_the_twist_is_the_same_in_another_unit(unit):
     assert not CrossingCheck(V, F).crosses(other.U / unit)
     assert other.energy / unit**2 == pytest.approx(one.energy, rel=1e-2)
     assert other.pairs_in_contact > 0
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-5])
+def test_needles_and_slivers_move_along_and_do_not_cross(short):
+    """Edges that much shorter than their neighbours, and triangles nearly without area."""
+    V, F, fixed, high, targets = twisted()
+    rng, middle = np.random.default_rng(2), np.setdiff1d(np.arange(len(V)), fixed)
+    for v in rng.choice(middle, 40, replace=False):
+        near = F[(v == F).any(axis=1)].ravel()
+        V[v] += (1.0 - short) * (V[rng.choice(near[near != v])] - V[v])
+    corners = V[F]
+    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert (edges.max(axis=1) / edges.min(axis=1)).max() > 0.5 / short
+    solver = Deformation(V, F, fixed, handle=high, contact=True)
+    check = CrossingCheck(V, F, solver.contact.contact.exempt)
+    solver.aim(targets)
+    for _ in range(250):
+        frame = solver.step()
+        assert not check.crosses(frame.U)
+        assert abs(frame.area_error) <= 1e-9
+    assert frame.share_reached == 1.0
+
+
+def test_a_rest_shape_that_touches_itself_is_left_as_it_is_and_does_not_cross():
+    """A shape that was pressed together becomes the rest shape: nothing pushes, until it is moved."""
+    V, F, fixed, high, targets = twisted()
+    baked = deform(V, F, fixed, targets, handle=high, contact=True)
+    assert baked.pairs_in_contact > 0
+    V = baked.U
+    solver, check = Deformation(V, F, fixed, handle=high, contact=True), CrossingCheck(V, F)
+    solver.aim(V[fixed])
+    assert np.abs(solver.step().U - V).max() <= 1e-9
+    for further in (moved(V[high], TWIST), moved(V[high], TWIST.T)):
+        U = V.copy()
+        U[high] = further
+        solver.aim(U[fixed])
+        for _ in range(80):
+            frame = solver.step()
+            assert not check.crosses(frame.U)
+            assert abs(frame.area_error) <= 1e-9
