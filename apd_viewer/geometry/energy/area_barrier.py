@@ -4,8 +4,9 @@
 
 Bending turns neighbouring triangles alike, and where sharp folds meet, single ones give way: a triangle
 without area has no direction. Above three tenths of its area nothing acts. A triangle costs about as much as
-a sharp fold at one of its vertices, so the penalty is a part of bending. It is continuously differentiable
-and its curvature is bounded, so it needs no part in the matrix, and no shorter steps.
+a sharp fold at one of its vertices, so the penalty is a part of bending. It is continuously differentiable,
+for a descent with a line search; its curvature, though bounded, grows as triangles get smaller, and no
+matrix knows of it.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ positions and its matrix is always the same:
 
     grad E = 4 (K U - b),        K factored once, b from the local step.
 
-Where there is bending, triangles that collapse push back (:class:`AreaBarrier`), with a force in b alone.
+Where there is bending, triangles that collapse push back (:class:`AreaBarrier`): a force of the gradient
+that b knows nothing of, as without a line search a global step would follow it too far.
 Springs draw some vertices to places of their own; they add to K and to b, and know no local step.
 """
 
@@ -167,7 +168,6 @@ class Elastic:
             more = self.membrane.pull()
         if self._bending is not None:
             pull = self._bending.pull(self.q, material.bending)
-            pull -= 0.25 * material.bending * self.rest.area_barrier.gradient(self.U)
             more = pull if more is _NOTHING else more + pull
         terms = *rest.graph, rest.V, rest.LV, self.q, material.rigidity, more
         return arap_cells.pull(*terms, mult, forces, self.free, self.from_held(targets))
@@ -182,6 +182,9 @@ class Elastic:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
         residual = parallel_ops.product(self.K_ff, parallel_ops.taken(self.U, self.free))
         parallel_ops.add(residual, _MINUS, self.pull(targets)[None])
+        if self._bending is not None:
+            collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
+            residual += 0.25 * self.material.bending * collapsing
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
