@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from apd_viewer.session.saved_work import SavedWork
     from apd_viewer.session.store import Store
 
+# Vertices: up to so many an iteration of walls in touch takes no longer than the eye notices.
+_COMFORTABLE = 20_000
+
 
 class Files:
     """Opens and writes meshes, sessions and selections, one at a time.
@@ -64,15 +67,15 @@ class Files:
         if path.suffix.lower() == SUFFIX:
             self.open_with(path.name, lambda: open_session(path), path)
         else:
-            self.open_with(path.name, lambda: opened(open_mesh(path)))
+            self.open_with(path.name, lambda: _begun(opened(open_mesh(path))))
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        self.open_with(SAMPLES[name], lambda: _in_contact(opened(*open_sample(name))))
+        self.open_with(SAMPLES[name], lambda: _begun(opened(*open_sample(name))))
 
     def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh from memory."""
-        self.open_with(mesh.name, lambda: opened(mesh))
+        self.open_with(mesh.name, lambda: _begun(opened(mesh)))
 
     def open_with(
         self,
@@ -204,6 +207,6 @@ class Files:
         self._jobs.run(title, work, written, can_be_cancelled=False)
 
 
-def _in_contact(state: State) -> State:
-    """The same with contact on."""
-    return state.at(replace(state.document, contact=True))
+def _begun(state: State) -> State:
+    """The same with contact on, if that leaves the hand its pace."""
+    return state.at(replace(state.document, contact=len(state.document.mesh.V) <= _COMFORTABLE))

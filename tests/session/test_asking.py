@@ -645,6 +645,15 @@ def test_painting_on_an_inflated_shape_moves_nothing(session):
 # Another mesh
 
 
+@pytest.mark.parametrize(("cells", "on"), [(140, True), (141, False)])
+def test_contact_is_on_where_it_leaves_the_hand_its_pace(empty, cells, on):
+    """Twenty thousand vertices are comfortable."""
+    empty.show_now(Mesh(*grid(cells, cells)))
+    document = empty.store.state.document
+    assert (len(document.mesh.V) <= 20_000) == on
+    assert document.contact == on
+
+
 def test_another_mesh_begins_with_the_defaults_and_without_parts(parted):
     parted.settings.set_method("local")
     parted.settings.set_tolerance(0.01)
@@ -654,7 +663,8 @@ def test_another_mesh_begins_with_the_defaults_and_without_parts(parted):
     parted.settings.set_volume(100.0)
     parted.show_now(bar())
     document = parted.store.state.document
-    given = {"mesh", "labels", "grip", "member", "handles"}
+    given = {"mesh", "labels", "grip", "member", "handles", "contact"}
+    assert document.contact, "on for meshes of its size"
     for one in dataclasses.fields(Document):
         assert one.name in given or getattr(document, one.name) == one.default, one.name
     assert [handle.name for handle in document.handles] == ["Handle 1"]

@@ -85,6 +85,7 @@ def test_the_total_has_its_sign(session, steps, total):
 
 
 def test_a_turn_and_its_opposite_leave_the_rest_shape(session):
+    session.settings.keep_apart(False)
     rest = session.store.state.document.mesh.V
     session.handles.move_by(TypedMotion.TWIST, "300", 0)
     session.settle()
@@ -104,6 +105,7 @@ def test_reset_forgets_the_turns(session):
 
 
 def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
+    session.settings.keep_apart(False)
     session.handles.move_by(TypedMotion.TWIST, "400", 0)
     session.settings.set_stiffness(1e-3)
     session.settle()
@@ -114,6 +116,7 @@ def test_what_goes_on_in_the_middle_of_a_walk_arrives_as_well(session):
 
 
 def test_a_sweep_goes_around_twice(session):
+    session.settings.keep_apart(False)
     session.handles.move_by(TypedMotion.TWIST, "720", 0)
     sweep = sweep_of(session.store.state.document, 16, methods=["exact"], iterations=20)
     assert sweep.abscissa == "degrees"

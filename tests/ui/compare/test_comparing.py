@@ -38,10 +38,11 @@ def paint_ends(window):
 
 @pytest.fixture
 def bar(qtbot, window, compiled, monkeypatch):
-    """A window on a bar that is bent."""
+    """A window on a bar that is bent, without contact."""
     monkeypatch.setattr("apd_viewer.session.processes.solver.warm_up", lambda: None)
     window.filing.show_mesh(Mesh(*box(2, 2, 6)))
     idle(qtbot, window)
+    window.session.settings.keep_apart(False)
     paint_ends(window)
     window.session.handles.pose(BENT, 0, "bend")
     idle(qtbot, window)
