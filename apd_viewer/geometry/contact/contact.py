@@ -8,6 +8,7 @@ from numba import njit
 
 from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
 from apd_viewer.geometry.contact.exempt_zones import exempt_zones, within_zones
+from apd_viewer.geometry.contact.followers import Followers, Nobody
 from apd_viewer.geometry.contact.near_pairs import NearPairs
 
 # Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
@@ -32,18 +33,21 @@ class Contact:
     F : (m, 3) int array
         Triangles that can touch.
     held : (n,) int array
-        The handle that holds a vertex, counted from 2, 1 for the base, 0 for none. Parts of one handle do not
-        touch each other, as they move as one.
+        The handle that holds a vertex, counted from 2, 1 for the base, 0 for none; higher numbers are of what
+        else moves as one. Nothing of one number touches what else has it.
     stiffness : float
         Mean of the diagonal of the Laplacian.
     thickness : float
         Distance that walls keep, mesh units.
+    followers : Followers, optional
+        What is carried along by the surface, and touches too.
 
     Attributes
     ----------
     exempt : (k,) int array
         Vertices near triangles that cross at rest, and of what touches there: nothing keeps those of one
         place apart.
+    followers : Followers
     start : (n, 3) float array
         Where ways begin.
     touching : int
@@ -55,50 +59,68 @@ class Contact:
     """
 
     def __init__(
-        self, V: np.ndarray, F: np.ndarray, held: np.ndarray, stiffness: float, thickness: float
+        self,
+        V: np.ndarray,
+        F: np.ndarray,
+        held: np.ndarray,
+        stiffness: float,
+        thickness: float,
+        followers: Followers | None = None,
     ) -> None:
         self._F, self._zone = F, exempt_zones(F, crossing_pairs(V, F), len(V))
+        self.followers = followers or Nobody(len(V))
         self._stiffness = _STIFFNESS * stiffness
         self._most = _FIRMEST / _STIFFNESS
-        self._pairs = NearPairs(V, F, np.stack([held, self._zone]), thickness)
+        together = np.vstack([held, self._zone, self.followers.together])
+        self._pairs = NearPairs(V, F, together, thickness)
         self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
         self.touching, self.least, self.examined = 0, np.inf, 0
         self._set_out(V)
 
     def may_enter(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""
-        pairs = crossing_pairs(U, self._F)
+        pairs = crossing_pairs(self.followers.carried(U), self._F)
         if pairs is None:
             return True
         corners = self._F[pairs]
         may_cross = within_zones(self._zone[corners])
+        for group in self.followers.together:
+            may_cross |= within_zones(np.abs(group)[corners]) & (group[corners] > 0).any(axis=(1, 2))
         may_cross |= np.all(np.isin(corners, self._pairs.joined).any(axis=2), axis=1)
         return bool(may_cross.all())
 
     def enter(self, U: np.ndarray) -> None:
         """Begin at ``U`` (n, 3), which must not cross itself anew."""
-        self._pairs.enter(U)
+        self._pairs.enter(self.followers.carried(U))
         self._set_out(U)
 
     def _set_out(self, U: np.ndarray) -> None:
-        self.start, self._ahead = U, U
+        self.start = self._ahead = U
+        self._placed = self._placed_ahead = self.followers.carried(U)
         self._energy = self._energy_ahead = self._pairs.energy_ahead
 
     def go(self, U: np.ndarray) -> None:
         """Stand at ``U``: where the last free way ended or began."""
         if U is self._ahead and U is not self.start:
             self._pairs.accept()
-            self.start, self._energy = U, self._energy_ahead
+            self.start, self._placed, self._energy = U, self._placed_ahead, self._energy_ahead
 
     def shares(self, W: np.ndarray) -> np.ndarray | None:
         """Shares (n,) of the way to ``W`` (n, 3) to try next; None if it is free."""
-        self._ahead = self.start
-        shares = self._pairs.examine(self.start, W)
+        shares = self._look_ahead(W)
         if shares is None:
-            self._ahead, self._energy_ahead = W, self._pairs.energy_ahead
             return None
         shares = np.where(shares < 1.0, _TAKEN * shares, 1.0)
+        self.followers.limit(shares)
         _smooth(self._pairs.edges, shares, _RISE, _SWEEPS)
+        return shares
+
+    def _look_ahead(self, W: np.ndarray) -> np.ndarray | None:
+        """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
+        self._ahead, placed = self.start, self.followers.carried(W)
+        shares = self._pairs.examine(self._placed, placed)
+        if shares is None:
+            self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._pairs.energy_ahead
         return shares
 
     def leads_to(self, W: np.ndarray) -> bool:
@@ -116,9 +138,8 @@ class Contact:
         while done < 1.0:
             self.examined += 1
             end = W if done + part >= 1.0 else start + (done + part) * (W - start)
-            shares = self._pairs.examine(self.start, end)
+            shares = self._look_ahead(end)
             if shares is None:
-                self._ahead, self._energy_ahead = end, self._pairs.energy_ahead
                 self.go(end)
                 done, part = done + part, 2.0 * part
             elif shares.min() == shares.max() and part > _SHORTEST:
@@ -133,9 +154,13 @@ class Contact:
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """A quarter of the gradient (n, 3) of the energy."""
-        g, self.touching, self.least = self._pairs.gradient(U)
+        g, self.touching, self.least = self._pairs.gradient(self._placed_at(U))
         g *= self._stiffness
+        self.followers.pass_on(g)
         return g
+
+    def _placed_at(self, U: np.ndarray) -> np.ndarray:
+        return self._placed_ahead if U is self._ahead else self.followers.carried(U)
 
     @property
     def may_touch(self) -> bool:
@@ -144,7 +169,7 @@ class Contact:
 
     def springs(self, U: np.ndarray) -> sp.csr_array:
         """Matrix (n, n) of springs between what touches."""
-        pairs, k, w = self._pairs.springs(U, self._most)
+        pairs, k, w = self._pairs.springs(self._placed_at(U), self._most)
         entries = (self._stiffness * k[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
         rows, columns = np.repeat(pairs, 4, axis=1).ravel(), np.tile(pairs, 4).ravel()
         return sp.coo_array((entries, (rows, columns)), shape=(len(U), len(U))).tocsr()

@@ -6,6 +6,7 @@ import numpy as np
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.language import tr
 
@@ -16,9 +17,14 @@ _THICKEST = 0.05
 
 
 def contact_of(
-    shape: SolveMesh, fixed: np.ndarray, handle_of: np.ndarray, diagonal: float, thickness: float | None
+    shape: SolveMesh,
+    fixed: np.ndarray,
+    handle_of: np.ndarray,
+    diagonal: float,
+    thickness: float | None,
+    followers: Followers | None = None,
 ) -> Contact:
-    """Contact of what is connected with held vertices.
+    """Contact of what is connected with held vertices, and of what follows it.
 
     Parameters
     ----------
@@ -31,6 +37,8 @@ def contact_of(
         Of the bounding box, mesh units.
     thickness : float or None
         Distance that walls keep, mesh units; None for a thousandth of the diagonal.
+    followers : Followers, optional
+        Without, all connected parts that nothing holds are left out.
 
     Raises
     ------
@@ -46,8 +54,12 @@ def contact_of(
         )
     together = np.zeros(len(shape.V), np.int64)
     together[fixed] = handle_of + 1
-    F = np.ascontiguousarray(shape.F[is_connected(shape, fixed)[shape.F[:, 0]]])
-    return Contact(shape.V, F, together, float(shape.L.diagonal().mean()), apart)
+    held, F = is_connected(shape, fixed), shape.F
+    if followers is None:
+        F = np.ascontiguousarray(F[held[F[:, 0]]])
+    else:
+        together[~held] = handle_of.max(initial=0) + 2 + shape.piece[~held]
+    return Contact(shape.V, F, together, float(shape.L.diagonal().mean()), apart, followers)
 
 
 def is_connected(shape: SolveMesh, fixed: np.ndarray) -> np.ndarray:

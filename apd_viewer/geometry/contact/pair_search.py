@@ -58,7 +58,7 @@ class PairSearch:
     patches : Patches
     together : (z, n) int array
         Groups that vertices belong to, 0 for none, in each row: a pair all of whose vertices are in one
-        group is left out.
+        group is left out. Numbers below 0 are of what a group leaves out besides, but not by itself.
     reach : float
         Range of the gap energy, mesh units.
     """
@@ -133,8 +133,8 @@ def _gathered(
 @njit(cache=True, nogil=True)
 def _goes_together(together: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
     for z in range(len(together)):
-        one = together[z, a]
-        if one > 0 and one == together[z, b] and one == together[z, c] and one == together[z, d]:
+        p, q, r, s = together[z, a], together[z, b], together[z, c], together[z, d]
+        if p != 0 and abs(p) == abs(q) == abs(r) == abs(s) and max(p, q, r, s) > 0:
             return True
     return False
 

@@ -22,7 +22,8 @@ class Touch(NamedTuple):
     least_gap : float or None
         Their least distance, mesh units; None without any.
     exempt : int
-        Vertices that nothing keeps apart: near triangles that cross or touch at rest, or of loose parts.
+        Vertices that not everything is kept apart from: near triangles that cross or touch at rest, or of
+        loose parts, which the surface that carries them may cross.
     """
 
     pairs: int

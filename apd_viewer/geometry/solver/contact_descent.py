@@ -17,13 +17,14 @@ from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.mesh_contact import contact_of, is_connected
+from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.pose.frame import Frame, Touch
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
+from apd_viewer.geometry.solver.loose_parts import LooseParts
 from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
@@ -71,6 +72,7 @@ def in_contact(
     rest: RestMesh,
     handle_of: np.ndarray,
     thickness: float | None = None,
+    loose: LooseParts | None = None,
 ) -> ContactDescent:
     """Solver whose shapes do not cross themselves.
 
@@ -86,11 +88,13 @@ def in_contact(
         connected part of the held vertices is taken for one.
     thickness : float, optional
         Distance that walls keep, mesh units.
+    loose : LooseParts, optional
+        What the surface carries along; without, it is left out.
     """
     shape, fixed = rest.shape, inner.elastic.fixed
     if not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
-    contact = contact_of(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness)
+    contact = contact_of(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
     return ContactDescent(inner, goals, contact, handle_of)
 
 
@@ -126,8 +130,6 @@ class ContactDescent:
         self._U = V = self.elastic.rest.V
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
         self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
-        shape = self.elastic.rest
-        self._loose = len(np.setdiff1d(shape.F, np.flatnonzero(is_connected(shape, self.elastic.fixed))))
         self.held = self._targets = self._at_rest
         self._set_path()
 
@@ -186,7 +188,8 @@ class ContactDescent:
         contact.go(self._U)
         contact.gradient(self._U)
         least = float(contact.least) if contact.touching else None
-        return Touch(int(contact.touching), least, len(contact.exempt) + self._loose)
+        carried = np.flatnonzero((contact.followers.together > 0).any(axis=0))
+        return Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
 
     @property
     def is_stopped(self) -> bool:

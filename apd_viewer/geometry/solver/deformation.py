@@ -171,7 +171,7 @@ class Deformation:
             if contact:
                 check_contact(self._traits, plain, thickness)
                 of = np.concatenate([self._handle_of, self._soft.handle + 1])
-                self.contact = in_contact(self._solver, self._kept.goals, rest, of, thickness)
+                self.contact = in_contact(self._solver, self._kept.goals, rest, of, thickness, self.loose)
                 self._solver = self.contact
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence

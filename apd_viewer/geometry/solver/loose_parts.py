@@ -1,4 +1,8 @@
-"""Loose parts, carried along as rigid bodies by the nearest held surface."""
+"""Loose parts, carried along as rigid bodies by the nearest held surface.
+
+In contact they touch what they may come to, but not the surface that carries them: nobody could say whether a
+button that is sunk into it should be.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numba import prange
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.surface_distance import nearest
@@ -94,8 +100,8 @@ class LooseParts:
         loose &= ~self._is_held
         stay = int((loose & self._stays).sum())
         said = [_said_to_go(int(loose.sum()) - stay), _said_to_stay(stay)]
-        if self._contact and loose.any():
-            said.append(tr("Contact does not keep them apart from the rest."))
+        if self._contact and loose.sum() > stay:
+            said.append(tr("Contact keeps them apart from all but the surface that they go along with."))
         said.append(_said_of_handles(self._without_base))
         return " ".join(filter(None, said)) or None
 
@@ -112,8 +118,54 @@ class LooseParts:
             return U
         out, piece = U.copy(), self._rest.shape.piece
         with cores_for(len(U)):
-            _carry(U, self._rest.shape.V, *self._binding, self._stays[piece[self._vertices]], out)
+            _carry(U, self._rest.shape.V, *self._binding[:-1], self._stays[piece[self._vertices]], out)
         return out
+
+    @property
+    def together(self) -> np.ndarray:
+        """Row (1, n) of groups: parts that go along, and below 0 their carriers.
+
+        Parts that share some of it are in one group. No row without such parts.
+        """
+        shape, n = self._rest.shape, len(self._rest.shape.V)
+        binding = self._binding if len(self._vertices) else None
+        if binding is None:
+            return np.zeros((0, n), np.int64)
+        group = np.zeros((1, n), np.int64)
+        part, corner, _ = self._carrying(binding, binding.close)
+        leader = binding.member[binding.member_start[:-1]]
+        links = coo_array((np.ones(len(part)), (leader[part], corner)), shape=(n, n))
+        number = 1 + connected_components(links, directed=False)[1].astype(np.int64)
+        group[0, corner] = -number[corner]
+        around = shape.F[(group[0][shape.F] < 0).any(axis=1)]
+        np.minimum.at(group[0], around, group[0][around].min(axis=1, keepdims=True))
+        of_part = np.zeros(len(leader), np.int64)
+        of_part[part] = number[leader[part]]
+        group[0, binding.member] = np.repeat(of_part, np.diff(binding.member_start))
+        return group
+
+    def pass_on(self, g: np.ndarray) -> None:
+        """Add the gradient (n, 3) of parts to their carriers, but for rotations."""
+        if len(self._vertices) and self._binding is not None:
+            part, corner, share = self._carrying(self._binding)
+            force = np.add.reduceat(g[self._binding.member], self._binding.member_start[:-1])
+            np.add.at(g, corner, share[:, None] * force[part])
+
+    def limit(self, shares: np.ndarray) -> None:
+        """Let nothing that carries parts go farther than they do, by shares (n,)."""
+        if len(self._vertices) and self._binding is not None:
+            part, corner, _ = self._carrying(self._binding)
+            least = np.minimum.reduceat(shares[self._binding.member], self._binding.member_start[:-1])
+            np.minimum.at(shares, corner, least[part])
+
+    def _carrying(
+        self, binding: Binding, among: np.ndarray | bool = True
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Corners that carry a part: the part (c,), the corner (c,) and its share (c,)."""
+        leader = binding.member[binding.member_start[:-1]]
+        part = np.repeat(np.arange(len(leader)), np.diff(binding.start))
+        goes = among & ~self._stays[self._rest.shape.piece[leader]][part]
+        return part[goes], binding.corner[goes], binding.share[goes]
 
     @cached_property
     def _binding(self) -> Binding | None:
@@ -138,6 +190,8 @@ class Binding(NamedTuple):
         Weights of the point between the triangles, by part, with sum one.
     weight : (c,) float array
         Weights of the fit.
+    close : (c,) bool array
+        True where it is of the surface that the part lies on, and not of what is opposite.
     """
 
     member_start: np.ndarray
@@ -146,6 +200,7 @@ class Binding(NamedTuple):
     corner: np.ndarray
     share: np.ndarray
     weight: np.ndarray
+    close: np.ndarray
 
 
 def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray) -> Binding:
@@ -153,7 +208,8 @@ def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray
     vertices = vertices[np.argsort(piece[vertices], kind="stable")]
     _, first, part = np.unique(piece[vertices], return_index=True, return_inverse=True)
     away, T = nearest(V[vertices], V, F)
-    near = _nearness(V[vertices], away, first, part)
+    reach = _reach(V[vertices], away, first)[part]
+    near = _nearness(away, reach, part)
     share = near[:, None] * _barycentric(V[T], V[vertices])
     weight = share + _AROUND * near[:, None]
     key, which = np.unique((part[:, None] * len(V) + T).ravel(), return_inverse=True)
@@ -166,15 +222,21 @@ def _bound(V: np.ndarray, F: np.ndarray, piece: np.ndarray, vertices: np.ndarray
         corner,
         np.bincount(which, share.ravel()),
         np.bincount(which, weight.ravel()),
+        np.bincount(which, np.repeat(away <= reach, 3)) > 0,
     )
 
 
-def _nearness(points: np.ndarray, away: np.ndarray, first: np.ndarray, part: np.ndarray) -> np.ndarray:
-    """Weight (l,) of each point of a part by its distance, with sum one a part."""
+def _reach(points: np.ndarray, away: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Distance (p,) from the surface at which a point of each part counts half."""
     extent = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
     reach = np.minimum.reduceat(away, first) + _REACH * np.linalg.norm(extent, axis=1)
     reach[reach == 0.0] = 1.0  # a single vertex on the surface
-    near = 1.0 / (1.0 + (away / reach[part]) ** 2)
+    return reach
+
+
+def _nearness(away: np.ndarray, reach: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Weight (l,) of each point of a part by its distance, with sum one a part."""
+    near = 1.0 / (1.0 + (away / reach) ** 2)
     return near / np.bincount(part, near)[part]
 
 

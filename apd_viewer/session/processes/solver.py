@@ -189,7 +189,8 @@ class Solver:
         request = order.request
         document = request.document
         held = document.constraints()
-        key = *factored_for(document), document.contact, document.thickness
+        kept_apart = (document.thickness, document.staying) if document.contact else None
+        key = *factored_for(document), kept_apart
         names = tuple(region.name for region in document.regions)
         goals = (document.percentages, document.hold_area, document.member, names, document.calm)
         poses = tuple(handle.pose for handle in document.handles)

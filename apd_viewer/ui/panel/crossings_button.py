@@ -57,8 +57,8 @@ class CrossingsButton(QToolButton):
             tip = tr("The volume counts overlaps twice. Show where this is")
             if kept_apart:
                 tip = tr(
-                    "Contact leaves what crosses at rest, and loose parts, as they are, and the volume "
-                    "counts their overlaps twice. Show where this is"
+                    "Contact leaves what crosses at rest as it is, and keeps no loose part apart from what "
+                    "carries it; the volume counts such overlaps twice. Show where this is"
                 )
             self._say(said.format(n=triangles), tip, "warning")
 

@@ -253,16 +253,53 @@ def test_pieces_that_are_held_do_not_pass_through_each_other():
     assert np.ptp(frame.U, axis=0).max() > 1.0
 
 
-def test_a_loose_piece_far_away_goes_along():
+def hairpin_with_ball(height):
+    """The hairpin with a loose ball between its arms, as far from both as ``height`` tells."""
     V, F, fixed, upper = hairpin()
     ball, G = sphere(1)
-    W = np.vstack([V, 0.2 * ball + [0.5, 0.5, 3.0]])
-    solver = Deformation(W, np.vstack([F, G + len(V)]), fixed, handle=upper, contact=True)
+    return np.vstack([V, 0.15 * ball + [0.2, 0.75, height]]), np.vstack([F, G + len(V)]), fixed, upper
+
+
+def test_a_loose_piece_far_away_goes_along():
+    V, F, fixed, upper = hairpin_with_ball(3.0)
+    solver = Deformation(V, F, fixed, handle=upper, contact=True)
     frame, _ = settle(solver, closed_hairpin())
-    assert np.allclose(pdist(frame.U[len(V) :]), pdist(W[len(V) :]), rtol=1e-9)
+    ball = np.setdiff1d(np.arange(len(V)), np.unique(hairpin()[1]))
+    assert np.allclose(pdist(frame.U[ball]), pdist(V[ball]), rtol=1e-9)
     assert frame.contact.exempt == len(ball)
     (warning, *_) = solver.warnings
-    assert warning.endswith("surface. Contact does not keep them apart from the rest.")
+    assert warning.endswith("Contact keeps them apart from all but the surface that they go along with.")
+
+
+@pytest.mark.parametrize("loose", ["go", "stay"])
+@pytest.mark.parametrize("height", [-0.11, 0.11], ids=["on the lower arm", "below the upper one"])
+def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, loose):
+    V, F, fixed, upper = hairpin_with_ball(height)
+    without = deform(V, F, fixed, closed_hairpin(), handle=upper, loose=loose)
+    assert CrossingCheck(V, F).crosses(without.U)
+    solver = Deformation(V, F, fixed, handle=upper, contact=True, loose=loose)
+    frame, _ = settle(solver, closed_hairpin())
+    alone, _ = settle(Deformation(*hairpin()[:3], handle=upper, contact=True), closed_hairpin())
+    assert 0.0 < frame.share_reached < alone.share_reached - 0.1
+    assert "Contact stops the handle" in frame.unreached
+
+
+def test_a_loose_piece_may_cross_the_wall_that_carries_it():
+    """A button that is sunk into a wall, or lies close on it, does not stop the wall from bending."""
+    V, F, fixed, cap = bottle()
+    ball, G = sphere(1)
+    at = V[np.argmin(np.abs(V - [3.2, 9.0, 0.0]).sum(axis=1))]
+    sunk = Deformation(
+        np.vstack([V, 0.4 * ball + at]), np.vstack([F, G + len(V)]), fixed, handle=cap, contact=True
+    )
+    alone = Deformation(V, F, fixed, handle=cap, contact=True)
+    targets = bottle_at(rotation(Y, np.radians(40.0)))
+    for solver in (sunk, alone):
+        solver.aim(targets)
+        while not solver.settled:
+            frame = solver.step()
+        assert frame.share_reached == 1.0
+    assert sunk.frame().energy == pytest.approx(frame.energy, rel=1e-3)
 
 
 def test_a_path_of_targets_is_walked_and_its_share_is_of_the_whole():

@@ -9,6 +9,7 @@ from scipy.spatial.distance import pdist
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.operators import face_areas, volume
 from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import METHODS
 
 LONG = 6.0
@@ -176,3 +177,55 @@ def test_parts_of_a_mesh_with_repeated_vertices_go_along_alike():
     result = deform(soup, corners, first[FIXED], TARGETS, "arap", 5, handle=first[HANDLE])
     part, expected = NAILS[2], run("arap", iterations=5)
     np.testing.assert_allclose(result.U[first[part]], expected.U[part], rtol=0, atol=1e-5)
+
+
+# In contact
+
+
+@pytest.fixture(scope="module")
+def carried():
+    """The nails, all but the last going along."""
+    return Deformation(V, F, FIXED, handle=HANDLE, loose=[NAILS[-1].start]).loose
+
+
+def test_a_part_is_grouped_with_the_skin_below_it_and_with_nothing_else(carried):
+    (group,) = carried.together
+    for part in NAILS[:-1]:
+        (number,) = np.unique(group[part])
+        assert number > 0
+        skin = np.flatnonzero(group == -number)
+        assert len(skin) >= 3
+        assert skin.max() < BODY.stop
+        size = np.linalg.norm(np.ptp(V[part], axis=0))
+        assert np.linalg.norm(V[skin] - V[part].mean(axis=0), axis=1).max() < 2.5 * size
+        assert (np.abs(group) == number).sum() == len(skin) + len(V[part])
+    assert not group[NAILS[-1]].any(), "what stays is carried by nothing"
+
+
+def test_forces_on_a_part_are_passed_on_whole(carried):
+    g = np.random.default_rng(0).normal(size=V.shape)
+    before = g.copy()
+    carried.pass_on(g)
+    going = np.concatenate([before[part] for part in NAILS[:-1]])
+    assert np.allclose((g - before)[BODY].sum(axis=0), going.sum(axis=0), atol=1e-9)
+    assert np.array_equal(g[BODY.stop :], before[BODY.stop :])
+
+
+def test_a_shift_of_the_skin_does_the_work_of_the_forces_on_a_part(carried):
+    """The slope along a shift of all: by the forces passed on, and by those on all vertices."""
+    U, shift, g = run(loose="go").U, np.array([0.3, -0.2, 0.1]), np.zeros(V.shape)
+    g[NAILS[0]] = np.random.default_rng(1).normal(size=V[NAILS[0]].shape)
+    far = carried.carried(np.where(np.arange(len(V))[:, None] < BODY.stop, U + shift, V))
+    near = carried.carried(np.where(np.arange(len(V))[:, None] < BODY.stop, U, V))
+    expected = (g[NAILS[0]] * (far - near)[NAILS[0]]).sum()
+    carried.pass_on(g)
+    assert (g[BODY] @ shift).sum() == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_skin_goes_no_farther_than_the_part_on_it(carried):
+    shares = np.ones(len(V))
+    shares[NAILS[1].start] = 0.25
+    carried.limit(shares)
+    skin = np.flatnonzero(shares[BODY] < 1.0)
+    assert len(skin) >= 3
+    assert (shares[skin] == 0.25).all()
