@@ -2,9 +2,9 @@
 
     python tests/benchmarks/contact.py [CASE ...]
 
-A case is ``twist:DEGREES``, ``push:SHARE`` (of the height) or ``none`` (steps of 2° up to 50°, where nothing
-touches, with and without contact in turns). Every frame of a case is checked by ipctk. Times are those of the
-processor on one core, without the checks.
+A case is ``twist:DEGREES`` or ``push:SHARE`` (of the height), whose every frame is checked by ipctk, or what
+steps of 2° cost with and without contact in turns, ``free`` (up to 50°, where nothing touches) and
+``touching`` (from 120° to 160°). Times are those of the processor on one core, without the checks.
 """
 
 import os
@@ -22,9 +22,12 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.geometry.solver.deformation import Deformation
 
-CASES = ["none", "twist:60", "twist:120", "twist:180", "push:0.3", "push:0.5"]
+CASES = ["free", "touching", "twist:60", "twist:120", "twist:180", "push:0.3", "push:0.5"]
+HEADER = """| | reached | iterations | crossed frames | area error | energy | volume | ms | median | p95 |
+|---|---|---|---|---|---|---|---|---|---|"""
 MOST = 3000
 RUNS = 3
+STEP, EACH = 2, 4  # degrees of a drag, and iterations between
 QUARTER = 90.0  # degrees; a turn goes in such steps, each to its end but the last frames
 
 
@@ -93,38 +96,43 @@ def end_of(bottle: Bottle, case: str) -> str:
     )
 
 
-def print_cost(bottle: Bottle) -> None:
-    """Print what contact costs where nothing touches."""
-    print("\n| | drag, ms | converging, ms |\n|---|---|---|")
+def print_cost(bottle: Bottle, first: int, last: int) -> None:
+    """Print what contact costs in a drag from ``first`` to ``last`` degrees, and while it converges then."""
+    print(f"\n| from {first}° to {last}° | drag, ms | p95 | converging, ms | p95 |\n|---|---|---|---|---|")
     for _ in range(RUNS):
         for contact in (False, True):
             solver = bottle.solver(contact=contact)
-            solver.aim(bottle.twisted(1.0))
+            solver.aim(bottle.twisted(first))
             solver.iterate()
+            while first > STEP and not solver.settled:
+                solver.iterate()
             drag = []
-            for degrees in range(2, 51, 2):
-                solver.aim(bottle.twisted(degrees))
-                drag += [timed(solver) for _ in range(4)]
-            converging = []
+            for degrees in range(first, last + 1, STEP):
+                solver.aim(bottle.twisted(degrees + STEP))
+                drag += [timed(solver) for _ in range(EACH)]
+            converging: list[float] = []
+            while solver.is_on_its_way:
+                drag.append(timed(solver))
             while not solver.settled and len(converging) < 300:
                 converging.append(timed(solver))
             name = "with contact" if contact else "without"
-            print(f"| {name} | {np.mean(drag):.2f} | {np.mean(converging):.2f} |")
+            figures = [f(x) for x in (drag, converging) for f in (np.mean, lambda x: np.percentile(x, 95))]
+            print(f"| {name} | {' | '.join(f'{x:.2f}' for x in figures)} |", flush=True)
 
 
 def main() -> None:
     """Print the tables."""
     bottle, cases = Bottle(), sys.argv[1:] or CASES
+    ends = [case for case in cases if ":" in case]
     with cores_for(len(bottle.V)):
-        print(
-            "| | reached | iterations | crossed frames | area error | energy | volume | ms | median | p95 |"
-        )
-        print("|---|---|---|---|---|---|---|---|---|---|")
-        for case in cases:
-            if case != "none":
-                print(end_of(bottle, case), flush=True)
-        if "none" in cases:
-            print_cost(bottle)
+        if ends:
+            print(HEADER)
+        for case in ends:
+            print(end_of(bottle, case), flush=True)
+        if "free" in cases:
+            print_cost(bottle, STEP, 50)
+        if "touching" in cases:
+            print_cost(bottle, 120, 160)
 
 
 if __name__ == "__main__":
