@@ -70,18 +70,30 @@ class LooseParts:
         self._is_held = np.zeros(len(piece), dtype=bool)
         self._is_held[piece[held]] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
-        self.choose(loose)
+        self._stays = self._chosen(loose)
 
     def choose(self, loose: str | Sequence[int] | np.ndarray) -> None:
-        """Let other parts go along or stay; see the class."""
+        """Let other parts go along or stay; see the class.
+
+        Raises
+        ------
+        InputError
+            If others would stay in contact: there might be no free way to where they are.
+        """
+        stays = self._chosen(loose)
+        if self._contact and not np.array_equal(stays[~self._is_held], self._stays[~self._is_held]):
+            raise InputError(tr("In contact no other loose parts can stay; make another Deformation."))
+        self._stays = stays
+
+    def _chosen(self, loose: str | Sequence[int] | np.ndarray) -> np.ndarray:
+        """Mask of the pieces that stay."""
         if not isinstance(loose, str):
-            self._stays = self._with(loose)
-        elif loose in (GO, STAY):
-            self._stays = np.full(len(self._is_held), loose == STAY)
-        else:
-            raise InputError(
-                tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
-            )
+            return self._with(loose)
+        if loose in (GO, STAY):
+            return np.full(len(self._is_held), loose == STAY)
+        raise InputError(
+            tr("Loose parts must 'go' or 'stay'; or give a list with a vertex of each that stays.")
+        )
 
     def _with(self, vertices: Sequence[int] | np.ndarray) -> np.ndarray:
         """Mask of the pieces with these ``vertices`` of the file."""

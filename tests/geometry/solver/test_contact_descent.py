@@ -284,6 +284,14 @@ def test_a_loose_piece_is_in_the_way_and_does_not_pass_through_a_wall(height, lo
     assert "Contact stops the handle" in frame.unreached
 
 
+def test_other_loose_pieces_cannot_stay_where_no_free_way_may_lead():
+    V, F, fixed, upper = hairpin_with_ball(-0.11)
+    solver = Deformation(V, F, fixed, handle=upper, contact=True, loose="go")
+    solver.loose.choose("go")
+    with pytest.raises(InputError, match="make another Deformation"):
+        solver.loose.choose("stay")
+
+
 def test_a_loose_piece_may_cross_the_wall_that_carries_it():
     """A button that is sunk into a wall, or lies close on it, does not stop the wall from bending."""
     V, F, fixed, cap = bottle()
