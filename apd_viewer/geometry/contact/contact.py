@@ -117,7 +117,8 @@ class Contact:
 
     def _look_ahead(self, W: np.ndarray) -> np.ndarray | None:
         """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
-        self._ahead, placed = self.start, self.followers.carried(W)
+        self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
+        placed = self.followers.carried(W)
         shares = self._pairs.examine(self._placed, placed)
         if shares is None:
             self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._pairs.energy_ahead
