@@ -12,6 +12,8 @@ from scipy.spatial import KDTree
 _NEAREST = 4
 # Opposite sides of a thin wall count as this many edges apart, by their normals.
 _ACROSS = 2.0
+# A held vertex this many coarse edges from all held coarse vertices gets one of its own.
+_UNHEARD = 1.5
 
 
 class Thinning(NamedTuple):
@@ -99,3 +101,30 @@ def neighbourhoods(
     weight[piece[vertices[near]] != piece[:, None]] = 0.0
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
     return near.astype(np.int32), weight
+
+
+def with_held(V: np.ndarray, piece: np.ndarray, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
+    """Vertices of a decimated mesh, some replaced by held ones.
+
+    So every held part has a vertex in the decimated mesh.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+    piece : (n,) int array
+        The connected piece of every vertex.
+    thinning : Thinning
+    fixed : (k,) int array
+        The held vertices.
+    """
+    vertices = thinning.vertices.copy()
+    while True:
+        heard = vertices[np.isin(vertices, fixed)]
+        away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
+        same = np.isin(piece[fixed], piece[vertices[~np.isin(vertices, fixed)]])
+        farthest = int(np.argmax(np.where(same, away, 0.0)))
+        if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
+            return vertices
+        lonely = fixed[farthest]
+        others = np.flatnonzero(~np.isin(vertices, fixed) & (piece[vertices] == piece[lonely]))
+        vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely

@@ -9,26 +9,28 @@ there is no time for a global step, the coarse surface carries the fine one alon
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import KDTree
 
+from apd_viewer.geometry.energy.collar import Collar
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Goal, at_rest
 from apd_viewer.geometry.linalg.quaternions import blended, difference
 from apd_viewer.geometry.linalg.threads import cores_for
-from apd_viewer.geometry.mesh.decimation import Thinning
+from apd_viewer.geometry.mesh.decimation import with_held
 from apd_viewer.geometry.solver.iterative_solver import Level
 from apd_viewer.geometry.solver.prolongation import Prolongation
 
-# A held vertex this many coarse edges from all held coarse vertices gets one of its own.
-_UNHEARD = 1.5
-# Seconds to factor grow with this power of the unknowns (nested dissection on surfaces).
-_FACTORING = 1.5
+# The pace is the median of the last ones: other work beside it may stop any of them.
+_PACES = 5
+# Width of the collar that previews are smoothed in, in coarse edges: creases of 5.6 times the angles at rest
+# become 2.2 (1.9, 1.7 and 1.6 for 3.7 with two, three and four edges).
+_COLLAR = 3.0
 
 
 class CoarseLevel:
@@ -48,6 +50,8 @@ class CoarseLevel:
     ----------
     vertices : (c,) int array
         The vertices of the fine surface that it has.
+    steps : int
+        Iterations since the targets moved.
     """
 
     def __init__(
@@ -58,7 +62,7 @@ class CoarseLevel:
     ) -> None:
         rest, fixed = elastic.rest, elastic.fixed
         thinning = rest.thinning
-        self.vertices = _with_held(rest, thinning, fixed)
+        self.vertices = with_held(rest.V, rest.piece, thinning, fixed)
         self.F = thinning.F
         unchanged = np.array_equal(self.vertices, thinning.vertices)
         self._shape = rest.thinner if unchanged else SolveMesh(rest.V[self.vertices], self.F)
@@ -73,8 +77,8 @@ class CoarseLevel:
         self._elastic = Elastic(self._shape, held, elastic.material, soft=drawn)
         self._solver = solver_of(self._elastic, self._own(goals))
         self._near, self._weight = thinning.near, thinning.weight
-        self._fine, self._free, self._fixed = rest, elastic.free, fixed
-        self._steps, self._pace = 0, 0.0
+        self._fine = elastic
+        self.steps, self._paces = 0, deque[float](maxlen=_PACES)
         self._set_reference()
 
     @property
@@ -103,7 +107,7 @@ class CoarseLevel:
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at the fine surface's ``targets`` (k + s, 3)."""
         self._solver.aim(targets[self._which])
-        self._steps = 0
+        self.steps = 0
 
     def iterate(self, iterations: int) -> None:
         """Do some iterations, or as many as it takes to converge."""
@@ -112,28 +116,29 @@ class CoarseLevel:
                 if self.converged:
                     break
                 self._solver.step()
-                self._steps += 1
+                self.steps += 1
 
     def smooth(self, iterations: int) -> None:
         """Do iterations without a coarser level, before the shape is shown."""
         begun = time.monotonic()
         with cores_for(len(self.vertices)):
             self._solver.smooth(iterations)
-        self._pace = (time.monotonic() - begun) / iterations
+        self._paces.append((time.monotonic() - begun) / iterations)
 
     @property
-    def fine_factor_seconds(self) -> float:
-        """Expected seconds to factor the matrix of the fine surface."""
-        return self._elastic.factor.seconds * self._growth**_FACTORING
+    def pace(self) -> float:
+        """Seconds of an iteration."""
+        return float(np.median(self._paces))
 
     @property
-    def fine_descent_seconds(self) -> float:
-        """Expected seconds of the fine descent: as many iterations as here so far."""
-        return self._steps * self._pace * self._growth
+    def factor_seconds(self) -> float:
+        """Seconds that it took to factor the matrix."""
+        return self._elastic.factor.seconds
 
     @property
-    def _growth(self) -> float:
-        return len(self._free) / len(self._elastic.free)
+    def growth(self) -> float:
+        """Free vertices of the fine surface for each of this one."""
+        return len(self._fine.free) / len(self._elastic.free)
 
     def turns(self) -> np.ndarray:
         """Rotations of the fine vertices since the last call, (n, 4) quaternions."""
@@ -141,28 +146,38 @@ class CoarseLevel:
         self._set_reference()
         return turns
 
-    def carried(self, U: np.ndarray) -> np.ndarray:
-        """Positions ``U`` (n, 3) of the last :meth:`turns`, moved along since then."""
+    def carried(self, targets: np.ndarray) -> np.ndarray:
+        """The fine surface of the last :meth:`turns`, moved along since then.
+
+        Its held vertices are at ``targets`` (k + s, 3).
+        """
+        U, fixed = self._fine.U, self._fine.fixed
         moved = self._elastic.U - self._reference[1]
-        return self._prolongation.carried(U, U[self.vertices], self._turned(), moved)
+        U = self._prolongation.carried(U, U[self.vertices], self._turned(), moved)
+        U[fixed] = targets[: len(fixed)]
+        return self._collar.smoothed(U)
 
     def give_way(self, b: np.ndarray) -> np.ndarray:
         """Response of the free fine vertices to forces ``b``, both (f, 3).
 
         ``P K^-1 P^T b`` with K the coarse matrix and P the interpolation.
         """
-        forces = self._prolongation.gathered(b, self._free)
+        forces = self._prolongation.gathered(b, self._fine.free)
         own = self._elastic.free
         given = np.zeros_like(forces)
         given[own] = self._elastic.solve(forces[own])
-        return self._prolongation.interpolated(given, self._free)
+        return self._prolongation.interpolated(given, self._fine.free)
 
     @cached_property
     def _prolongation(self) -> Prolongation:
         """Weights of the coarse vertices at the fine ones, for previews only."""
         rows, best = np.arange(len(self._near)), self._weight.argmax(axis=1)
         nearest = np.where(self._weight[rows, best] > 0.0, self._near[rows, best], -1)
-        return Prolongation(self._fine.V, self.vertices, self.F, nearest, self._fixed)
+        return Prolongation(self._fine.rest.V, self.vertices, self.F, nearest, self._fine.fixed)
+
+    @cached_property
+    def _collar(self) -> Collar:
+        return Collar(self._fine, _COLLAR * self._fine.rest.thinning.edge)
 
     def _set_reference(self) -> None:
         self._reference = self._elastic.q.copy(), self._elastic.U
@@ -179,21 +194,3 @@ class CoarseLevel:
             if coarse.rest:
                 own.append(coarse)
         return tuple(own)
-
-
-def _with_held(rest: SolveMesh, thinning: Thinning, fixed: np.ndarray) -> np.ndarray:
-    """Vertices of a decimated mesh, some replaced by held ones.
-
-    So every held part has a vertex in the coarse mesh.
-    """
-    V, vertices = rest.V, thinning.vertices.copy()
-    while True:
-        heard = vertices[np.isin(vertices, fixed)]
-        away = KDTree(V[heard]).query(V[fixed], workers=-1)[0] if len(heard) else np.full(len(fixed), np.inf)
-        same = np.isin(rest.piece[fixed], rest.piece[vertices[~np.isin(vertices, fixed)]])
-        farthest = int(np.argmax(np.where(same, away, 0.0)))
-        if not same.any() or away[farthest] <= _UNHEARD * thinning.edge:
-            return vertices
-        lonely = fixed[farthest]
-        others = np.flatnonzero(~np.isin(vertices, fixed) & (rest.piece[vertices] == rest.piece[lonely]))
-        vertices[others[np.argmin(np.linalg.norm(V[vertices[others]] - V[lonely], axis=1))]] = lonely

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
@@ -13,7 +11,7 @@ from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
-from apd_viewer.geometry.solver.coarse_preview import Preview
+from apd_viewer.geometry.solver.coarse_preview import ExpectedEnd, Preview
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import Level
 
@@ -23,9 +21,9 @@ _ALONE = 4 * FEWEST
 _COARSE_TOLERANCE = 1e-4
 # Iterations of the coarsest level for one of the next, which takes as long as they.
 _COARSEST_ITERATIONS = 16
-# Rotations of a coarser level leave a stiff surface rough: up to 8 times as at rest, 3.6 times after two
-# iterations without them, and 2.8 times after three.
-_SMOOTHING = 3
+# Rotations of a coarser level leave a stiff surface rough: up to 8 times as at rest, 3.3 times after three
+# iterations without them, and 2.7 times after six.
+_SMOOTHING = 6
 # The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
 # for the targets may move on.
 _MOST_AHEAD = 8
@@ -98,6 +96,7 @@ class Multilevel:
         self.fine, self.coarse = fine, coarse
         self._coarse_iterations = 1 if len(coarse.shapes()) > 1 else _COARSEST_ITERATIONS
         self._preview: Preview | None = None
+        self._expected = ExpectedEnd(self.elastic, coarse)
         self._reset()
 
     @property
@@ -153,7 +152,7 @@ class Multilevel:
     @property
     def seconds_left(self) -> float | None:
         """Expected seconds to convergence; None if a step never waited for the factor."""
-        return None if self._end is None else max(self._end - time.monotonic(), 0.0)
+        return self._expected.seconds_left
 
     def stop_at(self, tolerance: float) -> None:
         """Converge once ten fine steps together reduce the energy by at most this part."""
@@ -201,7 +200,7 @@ class Multilevel:
 
     def _reset(self) -> None:
         self._ahead = 1
-        self._end: float | None = None
+        self._expected.forget()
         self._previews = self.elastic.factor.elsewhere
 
     def step(self) -> None:
@@ -211,12 +210,12 @@ class Multilevel:
             self.coarse.smooth(_SMOOTHING)
             self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
             self._preview.follow(self.held)
-            factoring = self.coarse.fine_factor_seconds - self.elastic.factor.seconds
-            self._end = time.monotonic() + max(factoring, 0.0) + self.coarse.fine_descent_seconds
+            self._expected.wait()
         elif self._previews:
             self._end_previews()
         elif self.coarse.converged or self.stuck:
             self.fine.step()
+            self._expected.count()
         else:
             self._advance_coarse()
             self.elastic.turn(self.coarse.turns())
@@ -232,9 +231,10 @@ class Multilevel:
 
     def _end_previews(self) -> None:
         """Iterate from the last preview."""
-        self._end = time.monotonic() + self.coarse.fine_descent_seconds
+        self._expected.begin()
         self.elastic.turn(self.coarse.turns())
         if self._preview is not None:
             self.elastic.U, self._preview = self._preview.U, None
         self._previews = False
         self.fine.iterate()
+        self._expected.count()

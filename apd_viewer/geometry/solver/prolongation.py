@@ -15,7 +15,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 from scipy.sparse import coo_array
-from scipy.spatial import KDTree
 
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
@@ -23,9 +22,6 @@ from apd_viewer.geometry.linalg.threads import parallel
 # Radius of a coarse vertex's influence in mean lengths of its edges, and the rings of neighbours that reach
 # so far.
 _REACH, _RINGS = 2.5, 4
-# Next to held vertices, up to this part of the radius, the expansions about held ones count alone.
-_BORDER = 0.4
-_LEAST = 1e-9
 # Share of the rotation in a gradient: across the surface the neighbours say nothing.
 _ROTATION = 1e-2
 _COMPONENTS = 15
@@ -62,10 +58,7 @@ class Prolongation:
         radius = _REACH * np.where(length > 0.0, length, 1.0)
         self._held = np.isin(vertices, fixed)
         self._rings = _rings_of(graph.indptr, graph.indices, _RINGS)
-        to_held = KDTree(V[fixed]).query(V, distance_upper_bound=_BORDER * radius.max())[0]
-        s = np.clip(to_held / (_BORDER * radius[nearest]), 0.0, 1.0)
-        share = np.maximum(s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), _LEAST)
-        self._weights = _weights(V, X, nearest, *self._rings, radius, self._held, share)
+        self._weights = _weights(V, X, nearest, *self._rings, radius)
 
     def carried(self, U: np.ndarray, X: np.ndarray, q: np.ndarray, moved: np.ndarray) -> np.ndarray:
         """Positions ``U`` (n, 3) after a motion of the coarse surface.
@@ -125,8 +118,6 @@ def _weights(
     start: np.ndarray,
     ring: np.ndarray,
     radius: np.ndarray,
-    held: np.ndarray,
-    share: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of the weights ``(1 - d^2 / radius^2)^3``, each with the sum one."""
     n = len(V)
@@ -146,9 +137,8 @@ def _weights(
                 x, y, z = V[i, 0] - X[k, 0], V[i, 1] - X[k, 1], V[i, 2] - X[k, 2]
                 s = 1.0 - (x * x + y * y + z * z) / (radius[k] * radius[k])
                 if s > 0.0:
-                    w = s * s * s if held[k] else share[i] * s * s * s
-                    node[count], weight[count] = k, w
-                    total += w
+                    node[count], weight[count] = k, s * s * s
+                    total += s * s * s
                     count += 1
             if total == 0.0:
                 node[count], weight[count] = c, 1.0
