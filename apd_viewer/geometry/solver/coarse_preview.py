@@ -1,6 +1,8 @@
-"""Preview of a fine surface before its first global step."""
+"""Previews of a fine surface that waits for its factor, and its expected end."""
 
 from __future__ import annotations
+
+import time
 
 import numpy as np
 
@@ -8,6 +10,13 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.goals.goal_projection import Projection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.coarse_level import CoarseLevel
+
+# Seconds to factor grow with this power of the unknowns (nested dissection on surfaces), times what another
+# process loses by the work of this one (1.1 to 1.4).
+_FACTORING, _BESIDE = 1.5, 1.3
+# The fine descent takes about 6 times the root of the coarse iterations (18 and 26 for 15, 25 for 22, 41 for
+# 53, 66 for 69, 113 for 135, 58 for 298). The seconds of each grow with this power of the unknowns.
+_DESCENT, _ITERATION = 6.0, 1.3
 
 
 class Preview:
@@ -53,8 +62,64 @@ class Preview:
 
     def follow(self, targets: np.ndarray) -> None:
         """Follow the coarse surface, with the held vertices at ``targets`` (k, 3)."""
-        U = self._coarse.carried(self._elastic.U)
-        U[self._elastic.fixed] = targets[: len(self._elastic.fixed)]
+        U = self._coarse.carried(targets)
         if self._projection.worn:
             self._projection.refresh(U)
         self.U, _ = self._projection.onto(U)
+
+
+class ExpectedEnd:
+    """Expected convergence of a fine surface that waits for its factor.
+
+    Parameters
+    ----------
+    elastic : Elastic
+        The fine surface.
+    coarse : CoarseLevel
+    """
+
+    def __init__(self, elastic: Elastic, coarse: CoarseLevel) -> None:
+        self._elastic, self._coarse = elastic, coarse
+        self.forget()
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Seconds until then; None while nothing is known."""
+        return None if self._end is None else max(self._end - time.monotonic(), 0.0)
+
+    @property
+    def factor_seconds(self) -> float:
+        """Expected seconds to factor the matrix of the fine surface in another process."""
+        return _BESIDE * self._coarse.factor_seconds * self._coarse.growth**_FACTORING
+
+    @property
+    def iterations(self) -> float:
+        """Expected iterations of the fine surface, from those of the converged coarse one."""
+        return _DESCENT * float(np.sqrt(self._coarse.steps))
+
+    @property
+    def descent_seconds(self) -> float:
+        """Expected seconds of these iterations."""
+        return self.iterations * self._coarse.pace * self._coarse.growth**_ITERATION
+
+    def forget(self) -> None:
+        """Expect nothing, as the targets have moved."""
+        self._end: float | None = None
+        self._began, self._done = 0.0, 0
+
+    def wait(self) -> None:
+        """Expect the factor, and the iterations after it."""
+        if self._coarse.converged:
+            factoring = self.factor_seconds - self._elastic.factor.seconds
+            self._end = time.monotonic() + max(factoring, 0.0) + self.descent_seconds
+
+    def begin(self) -> None:
+        """The first iteration begins."""
+        self._began = time.monotonic()
+
+    def count(self) -> None:
+        """Expect the other iterations at the pace of those so far."""
+        if self._end is not None:
+            self._done += 1
+            now = time.monotonic()
+            self._end = now + max(self.iterations - self._done, 0.0) * (now - self._began) / self._done

@@ -1,5 +1,7 @@
 """Shapes that a coarse surface carries a fine one along to, for as long as the fine one has no factor."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from meshes import rotation, tube
@@ -7,6 +9,7 @@ from remote_factor_double import Elsewhere
 
 from apd_viewer.geometry.goals.goals import GoalMeasures, Region
 from apd_viewer.geometry.mesh.normals import vertex_normals
+from apd_viewer.geometry.solver import coarse_preview
 from apd_viewer.geometry.solver.deformation import Deformation
 
 V, F = tube(80, 120, height=4.0)
@@ -168,15 +171,31 @@ def test_the_end_is_foretold_while_the_factor_is_missing(factor, monkeypatch):
     solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
     solver.aim(targets(0.3))
     until_the_coarse_one_is_done(solver)
-    coarse, before = solver._solver._inner.coarse, solver.frame().seconds_left
-    assert before > coarse.fine_descent_seconds > 0.0
-    monkeypatch.setattr(Elsewhere, "seconds", 0.5 * coarse.fine_factor_seconds)
+    expected, before = solver._solver._inner._expected, solver.frame().seconds_left
+    assert before > expected.descent_seconds > 0.0
+    monkeypatch.setattr(Elsewhere, "seconds", 0.5 * expected.factor_seconds)
     solver._solver._inner.step()
-    half = 0.5 * coarse.fine_factor_seconds + coarse.fine_descent_seconds
+    half = 0.5 * expected.factor_seconds + expected.descent_seconds
     assert solver.frame().seconds_left == pytest.approx(half, abs=0.05)
-    factor.there = True
-    solver.iterate()
-    assert solver.frame().seconds_left <= coarse.fine_descent_seconds
+
+
+def test_the_descent_is_foretold_by_its_own_pace(factor, monkeypatch):
+    solver, now = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor), 0.0
+    monkeypatch.setattr(coarse_preview, "time", SimpleNamespace(monotonic=lambda: now))
+    solver.aim(targets(0.3))
+    until_the_coarse_one_is_done(solver)
+    factor.there, expected = True, solver._solver._inner._expected.iterations
+    for done in range(1, 6):
+        solver.iterate()
+        pace = 2.0 * (done - 1) / done
+        assert solver.frame().seconds_left == pytest.approx((expected - done) * pace)
+        now += 2.0
+
+
+def test_nothing_is_foretold_while_the_coarse_surface_converges(factor):
+    solver = Deformation(V, F, FIXED, stiffness=1e-3, factored=factor)
+    solver.aim(targets(0.3))
+    assert solver.step().seconds_left is None
 
 
 def test_nothing_is_foretold_where_nothing_is_waited_for():
