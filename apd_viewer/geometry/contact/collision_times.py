@@ -74,7 +74,7 @@ def _strain_and_rest(X: np.ndarray, D: np.ndarray, edges: bool) -> tuple[float, 
 def _free_share(
     U: np.ndarray, W: np.ndarray, pair: np.ndarray, edges: bool, d: float, floor: float, motion: float
 ) -> float:
-    """Share of the way that leaves a part of the gap above ``floor``."""
+    """Share of the way that leaves a part of the distance ``d`` above ``floor``."""
     wanted = LEFT * (d - floor)
     X, D, own = np.empty((4, 3)), np.empty((4, 3)), np.arange(4)
     for k in range(4):
@@ -118,6 +118,7 @@ def examine(
     owner: np.ndarray,
     low_after: np.ndarray,
     share: np.ndarray,
+    radius: float,
 ) -> tuple[float, int]:
     """Energy at ``W`` per stiffness, and the number of pairs in the way from ``U``.
 
@@ -137,6 +138,8 @@ def examine(
     owner : (p,) int array
     low_after, share : (p,) float arrays
         Written into: lower bounds of the gaps at ``W``, and the share of the way that is free.
+    radius : float
+        What is round ends so far before its points: gaps are less than distances by it.
     """
     count = (len(pairs) + _PORTION - 1) // _PORTION
     energies, blocked = np.zeros(count), np.zeros(count, np.int64)
@@ -151,11 +154,12 @@ def examine(
             if low_after[p] >= reach[p] + margin:
                 continue
             if motion > (1.0 - LEFT) * (low[p] - floor[p]):
-                low[p] = gap(U, pairs[p], edges[p])[0]
+                low[p] = gap(U, pairs[p], edges[p])[0] - radius
                 if motion > (1.0 - LEFT) * (low[p] - floor[p]):
-                    share[p] = _free_share(U, W, pairs[p], edges[p], low[p], floor[p], motion)
+                    d, least = low[p] + radius, floor[p] + radius
+                    share[p] = _free_share(U, W, pairs[p], edges[p], d, least, motion)
                     blocked[portion] += share[p] < 1.0
-            low_after[p] = gap(W, pairs[p], edges[p])[0]
+            low_after[p] = gap(W, pairs[p], edges[p])[0] - radius
             if low_after[p] < reach[p]:
                 energies[portion] += gap_energy(low_after[p], reach[p])
     return energies.sum(), blocked.sum()

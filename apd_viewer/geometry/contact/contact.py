@@ -1,6 +1,9 @@
-"""Contact of a surface with itself: gap energy, free ways, springs."""
+"""Contact of a surface with itself and obstacles: gap energy, free ways, springs."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,6 +13,10 @@ from apd_viewer.geometry.analysis.self_intersections import crossing_pairs
 from apd_viewer.geometry.contact.exempt_zones import exempt_zones, within_zones
 from apd_viewer.geometry.contact.followers import Followers, Nobody
 from apd_viewer.geometry.contact.near_pairs import NearPairs
+from apd_viewer.geometry.contact.obstacle_pairs import ObstaclePairs
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.contact.obstacles import Obstacle
 
 # Against the mean of the Laplacian's diagonal: settled gaps are 0.75 to 0.8 of the range.
 _STIFFNESS = 1.0
@@ -24,7 +31,7 @@ _SHORTEST = 1e-3
 
 
 class Contact:
-    """Contact of a surface with itself.
+    """Contact of a surface with itself and with obstacles.
 
     Parameters
     ----------
@@ -41,6 +48,7 @@ class Contact:
         Distance that walls keep, mesh units.
     followers : Followers, optional
         What is carried along by the surface, and touches too.
+    obstacles : sequence of Obstacle
 
     Attributes
     ----------
@@ -48,6 +56,7 @@ class Contact:
         Vertices near triangles that cross at rest, and of what touches there: nothing keeps those of one
         place apart.
     followers : Followers
+    obstacles : list of ObstaclePairs
     start : (n, 3) float array
         Where ways begin.
     touching : int
@@ -66,6 +75,7 @@ class Contact:
         stiffness: float,
         thickness: float,
         followers: Followers | None = None,
+        obstacles: Sequence[Obstacle] = (),
     ) -> None:
         self._F, self._zone = F, exempt_zones(F, crossing_pairs(V, F), len(V))
         self.followers = followers or Nobody(len(V))
@@ -73,6 +83,8 @@ class Contact:
         self._most = _FIRMEST / _STIFFNESS
         together = np.vstack([held, self._zone, self.followers.together])
         self._pairs = NearPairs(V, F, together, thickness)
+        E = self._pairs.edges
+        self.obstacles = [ObstaclePairs(V, F, E, obstacle, thickness) for obstacle in obstacles]
         self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
         self.touching, self.least, self.examined = 0, np.inf, 0
         self._set_out(V)
@@ -91,18 +103,29 @@ class Contact:
 
     def enter(self, U: np.ndarray) -> None:
         """Begin at ``U`` (n, 3), which must not cross itself anew."""
-        self._pairs.enter(self.followers.carried(U))
+        placed = self.followers.carried(U)
+        for pairs in self._all:
+            pairs.enter(placed)
         self._set_out(U)
+
+    @property
+    def _all(self) -> list[NearPairs | ObstaclePairs]:
+        return [self._pairs, *self.obstacles]
+
+    @property
+    def _energy_found(self) -> float:
+        return sum(pairs.energy_ahead for pairs in self._all)
 
     def _set_out(self, U: np.ndarray) -> None:
         self.start = self._ahead = U
         self._placed = self._placed_ahead = self.followers.carried(U)
-        self._energy = self._energy_ahead = self._pairs.energy_ahead
+        self._energy = self._energy_ahead = self._energy_found
 
     def go(self, U: np.ndarray) -> None:
         """Stand at ``U``: where the last free way ended or began."""
         if U is self._ahead and U is not self.start:
-            self._pairs.accept()
+            for pairs in self._all:
+                pairs.accept()
             self.start, self._placed, self._energy = U, self._placed_ahead, self._energy_ahead
 
     def shares(self, W: np.ndarray) -> np.ndarray | None:
@@ -119,10 +142,12 @@ class Contact:
         """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
         self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
         placed = self.followers.carried(W)
-        shares = self._pairs.examine(self._placed, placed)
-        if shares is None:
-            self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._pairs.energy_ahead
-        return shares
+        found = [pairs.examine(self._placed, placed) for pairs in self._all]
+        blocked = [shares for shares in found if shares is not None]
+        if blocked:
+            return np.min(blocked, axis=0)
+        self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._energy_found
+        return None
 
     def leads_to(self, W: np.ndarray) -> bool:
         """Go straight to ``W`` (n, 3); False, and stay, if something is in the way."""
@@ -155,7 +180,12 @@ class Contact:
 
     def gradient(self, U: np.ndarray) -> np.ndarray:
         """A quarter of the gradient (n, 3) of the energy."""
-        g, self.touching, self.least = self._pairs.gradient(self._placed_at(U))
+        placed = self._placed_at(U)
+        g, self.touching, self.least = self._pairs.gradient(placed)
+        for pairs in self.obstacles:
+            more, touching, least = pairs.gradient(placed)
+            g += more
+            self.touching, self.least = self.touching + touching, min(self.least, least)
         g *= self._stiffness
         self.followers.pass_on(g)
         return g
@@ -164,16 +194,39 @@ class Contact:
         return self._placed_ahead if U is self._ahead else self.followers.carried(U)
 
     @property
+    def loads(self) -> np.ndarray:
+        """Forces (o, 3) on the obstacles at the last :meth:`gradient`, energy per length."""
+        forces = np.array([pairs.force for pairs in self.obstacles]).reshape(-1, 3)
+        return -4.0 * self._stiffness * forces
+
+    @property
     def may_touch(self) -> bool:
         """True if pairs may be in touch."""
-        return self._pairs.may_touch
+        return any(pairs.may_touch for pairs in self._all)
 
     def springs(self, U: np.ndarray) -> sp.csr_array:
-        """Matrix (n, n) of springs between what touches."""
-        pairs, k, w = self._pairs.springs(self._placed_at(U), self._most)
-        entries = (self._stiffness * k[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
-        rows, columns = np.repeat(pairs, 4, axis=1).ravel(), np.tile(pairs, 4).ravel()
-        return sp.coo_array((entries, (rows, columns)), shape=(len(U), len(U))).tocsr()
+        """Matrix (n, n + o) of springs between what touches, the obstacles last."""
+        placed, n = self._placed_at(U), len(U)
+        found = []
+        for k, pairs in enumerate(self._all):
+            ids, firm, w = pairs.springs(placed, self._most)
+            entries = (self._stiffness * firm[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
+            ids = np.where(ids < n, ids, n + k - 1)
+            found.append((entries, np.repeat(ids, 4, axis=1).ravel(), np.tile(ids, 4).ravel()))
+        entries, rows, columns = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        size = n + len(self.obstacles)
+        return sp.coo_array((entries, (rows, columns)), shape=(size, size)).tocsr()[:n]
+
+    def send_obstacles(self, shifts: np.ndarray) -> None:
+        """Let obstacles go to ``shifts`` (o, 3) from their first places on the next way."""
+        for pairs, shift in zip(self.obstacles, shifts, strict=True):
+            pairs.ahead = pairs.obstacle.points + shift
+
+    def carried_along(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+        """``W`` (n, 3), with what is near obstacles at ``U`` pushed along with them."""
+        for pairs in self.obstacles:
+            W = pairs.carried_along(U, W)
+        return W
 
 
 @njit(cache=True, nogil=True)

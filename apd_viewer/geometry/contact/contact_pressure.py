@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from apd_viewer.geometry.contact.contact import Contact
-from apd_viewer.geometry.contact.mesh_contact import contact_of, is_connected
+from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import diagonal
@@ -43,7 +43,7 @@ class ContactPressure:
     def _is_regarded(self) -> np.ndarray:
         """Mask of the vertices that are kept apart."""
         held = np.unique(self._weld.inverse[np.flatnonzero(self._labels != FREE)])
-        regarded = is_connected(self._shape, held)
+        regarded = self._shape.moved_with(held)
         regarded[self._contact.exempt] = False
         return regarded
 

@@ -41,7 +41,7 @@ def gap_curvature(d: float, h: float) -> float:
 
 @njit(cache=True, nogil=True)
 def gap_gradient(
-    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, low: np.ndarray, reach: np.ndarray
+    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, low: np.ndarray, reach: np.ndarray, radius: float
 ) -> tuple[np.ndarray, int, float]:
     """Gradient (n, 3) of the energy, number of pairs in touch, and least gap.
 
@@ -52,19 +52,22 @@ def gap_gradient(
     edges : (p,) bool array
     low, reach : (p,) float arrays
         Lower bound of each gap, and the range of its energy.
+    radius : float
+        What is round ends so far before its points.
     """
     g = np.zeros_like(U)
     touching, least = 0, np.inf
     for p in range(len(pairs)):
         if low[p] >= reach[p]:
             continue
-        d, wa, wb, wc, wd = gap(U, pairs[p], edges[p])
+        apart, wa, wb, wc, wd = gap(U, pairs[p], edges[p])
+        d = apart - radius
         if d >= reach[p]:
             continue
         touching += 1
         least = min(least, d)
         a, b, c, e = pairs[p, 0], pairs[p, 1], pairs[p, 2], pairs[p, 3]
-        force = gap_slope(d, reach[p]) / max(d, _CLOSED * reach[p])
+        force = gap_slope(d, reach[p]) / max(apart, _CLOSED * reach[p])
         for k in range(3):
             along = force * (wa * U[a, k] + wb * U[b, k] + wc * U[c, k] + wd * U[e, k])
             g[a, k] += wa * along
@@ -76,13 +79,13 @@ def gap_gradient(
 
 @njit(cache=True, nogil=True)
 def gap_springs(
-    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, reach: np.ndarray, most: float
+    U: np.ndarray, pairs: np.ndarray, edges: np.ndarray, reach: np.ndarray, most: float, radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Springs ``k w w^T`` that have the curvature of the energy in all directions.
 
     Parameters
     ----------
-    U, pairs, edges, reach
+    U, pairs, edges, reach, radius
         See :func:`gap_gradient`; of pairs that are in touch.
     most : float
         The largest k.
@@ -94,7 +97,8 @@ def gap_springs(
     """
     k, w = np.zeros(len(pairs)), np.zeros((len(pairs), 4))
     for p in range(len(pairs)):
-        d, w[p, 0], w[p, 1], w[p, 2], w[p, 3] = gap(U, pairs[p], edges[p])
+        apart, w[p, 0], w[p, 1], w[p, 2], w[p, 3] = gap(U, pairs[p], edges[p])
+        d = apart - radius
         if d < reach[p]:
             k[p] = min(gap_curvature(d, reach[p]), most)
     return k, w

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from numbers import Real
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from apd_viewer.errors import InputError
@@ -9,6 +13,9 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.followers import Followers
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.contact.obstacles import Obstacle
 
 # Walls keep this part of the diagonal of the bounding box apart, unless their thickness is known.
 _THICKNESS = 1e-3
@@ -23,8 +30,9 @@ def contact_of(
     diagonal: float,
     thickness: float | None,
     followers: Followers | None = None,
+    obstacles: Sequence[Obstacle] = (),
 ) -> Contact:
-    """Contact of what is connected with held vertices, and of what follows it.
+    """Contact of what moves with held vertices, of what follows it, and obstacles.
 
     Parameters
     ----------
@@ -38,30 +46,41 @@ def contact_of(
     thickness : float or None
         Distance that walls keep, mesh units; None for a thousandth of the diagonal.
     followers : Followers, optional
-        Without, all connected parts that nothing holds are left out.
+        Without, all connected parts that nothing holds are left out, unless nothing is held at all.
+    obstacles : sequence of Obstacle
 
     Raises
     ------
     InputError
         If walls are too thick.
     """
-    apart = _THICKNESS * diagonal if thickness is None else thickness
-    if apart > _THICKEST * diagonal:
+    apart = thickness_of(diagonal, thickness)
+    together = np.zeros(len(shape.V), np.int64)
+    together[fixed] = handle_of + 1
+    held, F = shape.moved_with(fixed), shape.F
+    if followers is None:
+        F = np.ascontiguousarray(F[held[F[:, 0]]])
+    else:
+        together[~held] = handle_of.max(initial=0) + 2 + shape.piece[~held]
+    return Contact(shape.V, F, together, float(shape.L.diagonal().mean()), apart, followers, obstacles)
+
+
+def thickness_of(diagonal: float, thickness: float | None) -> float:
+    """Distance that walls keep, as asked for or by the diagonal, mesh units.
+
+    Raises
+    ------
+    InputError
+        If walls are too thick, or no thicker than nothing.
+    """
+    if thickness is None:
+        return _THICKNESS * diagonal
+    if not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
+        raise InputError(tr("The wall thickness must be greater than 0."))
+    if thickness > _THICKEST * diagonal:
         raise InputError(
             tr("The wall thickness must be at most {most:.3g} here; check the unit.").format(
                 most=_THICKEST * diagonal
             )
         )
-    together = np.zeros(len(shape.V), np.int64)
-    together[fixed] = handle_of + 1
-    held, F = is_connected(shape, fixed), shape.F
-    if followers is None:
-        F = np.ascontiguousarray(F[held[F[:, 0]]])
-    else:
-        together[~held] = handle_of.max(initial=0) + 2 + shape.piece[~held]
-    return Contact(shape.V, F, together, float(shape.L.diagonal().mean()), apart, followers)
-
-
-def is_connected(shape: SolveMesh, fixed: np.ndarray) -> np.ndarray:
-    """Mask (n,) of the vertices connected with the ``fixed`` ones (k,)."""
-    return np.isin(shape.piece, shape.piece[fixed])
+    return float(thickness)

@@ -120,7 +120,7 @@ class NearPairs:
         pairs, bounds = (listed.pairs, listed.edges), (listed.low, listed.reach, listed.floor)
         motions, after = (self._approach, listed.owner), (self._low_after, share)
         margin = _MARGIN * self._edge
-        self._energy_after, blocked = examine(U, W, margin, *pairs, *bounds, *motions, *after)
+        self._energy_after, blocked = examine(U, W, margin, *pairs, *bounds, *motions, *after, 0.0)
         if not blocked:
             return None
         shares, short = np.ones(len(U)), share < 1.0
@@ -145,7 +145,7 @@ class NearPairs:
     def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
         """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
         listed = self._listed
-        return gap_gradient(U, listed.pairs, listed.edges, listed.low, listed.reach)
+        return gap_gradient(U, listed.pairs, listed.edges, listed.low, listed.reach, 0.0)
 
     @property
     def may_touch(self) -> bool:
@@ -155,7 +155,7 @@ class NearPairs:
     def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Springs in touch: vertices (p, 4), constants (p,) and weights (p, 4)."""
         touching = self._listed.among(self._listed.low < self._listed.reach)
-        k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most)
+        k, w = gap_springs(U, touching.pairs, touching.edges, touching.reach, most, 0.0)
         return touching.pairs, k, w
 
     def _pay(self, U: np.ndarray) -> None:

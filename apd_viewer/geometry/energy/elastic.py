@@ -63,12 +63,12 @@ class Elastic:
     U : (n, 3) float array
         Current positions. Replaced, never written into.
     free : (f,) int array
-        Vertices that are solved for. A piece without any held vertex is not: nothing says where
-        it belongs, so it stays at rest (see :class:`LooseParts`).
+        Vertices that are solved for. Where some are held, a piece without any held vertex is not: nothing
+        says where it belongs, so it stays at rest (see :class:`LooseParts`).
     membrane : Membrane or None
         What keeps shape and area of every triangle; None if the material has no such term.
     factor : Factor
-        Of :attr:`K_ff`.
+        Of :attr:`factored_matrix`.
     metric : Metric
         What :meth:`solve` applies: ``factor``, or the factor of another positive definite matrix.
     """
@@ -87,7 +87,7 @@ class Elastic:
         self._firm = soft.density * rest.vertex_areas[soft.ids] if len(soft.ids) else soft.density
         self.factored = factored or _here_and_now
         self.material = material = material or Material()
-        moves = np.isin(rest.piece, rest.piece[fixed])
+        moves = rest.moved_with(fixed)
         moves[fixed] = False
         self.free = np.flatnonzero(moves)
         self.membrane: Membrane | None = None
@@ -97,7 +97,7 @@ class Elastic:
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        self.factor = self.factored(lambda: self.K_ff)
+        self.factor = self.factored(lambda: self.factored_matrix)
         self.metric: Metric = self.factor
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
@@ -126,6 +126,17 @@ class Elastic:
     def K_ff(self) -> Matrix:
         """The matrix's rows and columns of the free vertices, (f, f)."""
         return self._blocks[0]
+
+    @property
+    def factored_matrix(self) -> Matrix:
+        """:attr:`K_ff`, made definite where nothing is held.
+
+        Then a shift of the whole is about as firm as its softest change of shape. It costs no energy.
+        """
+        if len(self.fixed):
+            return self.K_ff
+        size = np.ptp(self.rest.V, axis=0)
+        return (self.K_ff + diags_array(self.rest.vertex_areas[self.free] / float(size @ size))).tocsr()
 
     @cached_property
     def hessian(self) -> ProjectedHessian:

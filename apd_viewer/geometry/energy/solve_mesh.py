@@ -62,6 +62,10 @@ class SolveMesh:
         """One third of the area of the triangles around every vertex, (n,) float array."""
         return vertex_areas(self.V, self.F)
 
+    def moved_with(self, fixed: np.ndarray) -> np.ndarray:
+        """Mask (n,) of the surfaces with ``fixed`` vertices (k,); of all without any."""
+        return np.isin(self.piece, self.piece[fixed]) if len(fixed) else self.vertex_areas > 0.0
+
     @cached_property
     def masses(self) -> np.ndarray:
         """Vertex areas divided by their mean, (n,) float array."""

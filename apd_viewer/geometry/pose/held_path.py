@@ -1,4 +1,4 @@
-"""Path of held vertices from where they are to their targets."""
+"""Path of held vertices and obstacles from where they are to their targets."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from apd_viewer.geometry.pose.screw_motion import path_of
 
 # Parts whose motion is rigid up to this part of their displacement go along its screw.
 _RIGID = 1e-6
+_NO_OBSTACLES = np.zeros((2, 0, 3))
 # So many iterations a shape follows between two points of a path.
 ITERATIONS_A_STEP = 4
 
 
 class HeldPath:
-    """Screw motion of every handle; straight if it is deformed.
+    """Screw motion of every handle, straight if it is deformed, and of obstacles.
 
     Half a turn goes one of its two ways round: straight, the handle would pass through its axis.
 
@@ -28,13 +29,23 @@ class HeldPath:
         Positions at the start and at the end.
     handle_of : (k,) int array
         Vertices of one number move as one.
+    shifts : (2, o, 3) float array, optional
+        How far each obstacle is shifted at the start and at the end; it goes straight.
     """
 
-    def __init__(self, X: np.ndarray, Y: np.ndarray, handle_of: np.ndarray) -> None:
-        self._X, self._Y = X, Y
+    def __init__(
+        self, X: np.ndarray, Y: np.ndarray, handle_of: np.ndarray, shifts: np.ndarray = _NO_OBSTACLES
+    ) -> None:
+        self._X, self._Y, self._shifts = X, Y, shifts
         moved = np.unique(handle_of[(X != Y).any(axis=1)])
         self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved]
-        self.length = max((length for _, _, length in self._parts), default=0.0)
+        lengths = [length for _, _, length in self._parts]
+        self.length = max([*lengths, *np.linalg.norm(shifts[1] - shifts[0], axis=1)], default=0.0)
+
+    def shift(self, share: float) -> np.ndarray:
+        """Shifts (o, 3) of the obstacles at a share of the path, 0 to 1."""
+        start, end = self._shifts
+        return end if share >= 1.0 else start + share * (end - start)
 
     def at(self, share: float) -> np.ndarray:
         """Positions (k, 3) at a share of the path, 0 to 1."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +38,7 @@ _PART, _STEPS = 0.05, 10
 _PATIENCE = 60
 
 
-def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
+def check_contact(method: Method, plain: bool) -> None:
     """Raise InputError unless walls can be kept apart so."""
     if plain or not method.may_touch:
         raise InputError(
@@ -48,8 +47,6 @@ def check_contact(method: Method, plain: bool, thickness: float | None) -> None:
                 "choose another method, or deform without contact."
             )
         )
-    if thickness is not None and not (isinstance(thickness, Real) and 0.0 < thickness < np.inf):
-        raise InputError(tr("The wall thickness must be greater than 0."))
 
 
 def stopped_at(share: float) -> str:

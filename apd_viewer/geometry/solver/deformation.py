@@ -169,7 +169,7 @@ class Deformation:
             self._solver = self._solver_of(elastic, plain)
             self.contact = None
             if contact:
-                check_contact(self._traits, plain, thickness)
+                check_contact(self._traits, plain)
                 of = np.concatenate([self._handle_of, self._soft.handle + 1])
                 self.contact = in_contact(self._solver, self._kept.goals, rest, of, thickness, self.loose)
                 self._solver = self.contact

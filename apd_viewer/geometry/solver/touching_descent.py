@@ -12,7 +12,6 @@ import numpy as np
 
 from apd_viewer.geometry.goals.goal_projection import MET
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.quasi_newton import QuasiNewton
@@ -158,7 +157,7 @@ class TouchingDescent:
         self._steps = 0
         for _ in range(_TRIES):
             share = min(1.0, self.share + self._part)
-            if self._goes_to(self._path.at(share)):
+            if self._goes_to(share):
                 self.share = share
                 self._part = min(self._longest, _MORE * self._part)
                 break
@@ -169,15 +168,17 @@ class TouchingDescent:
         self._begin_to_converge()
         self._quasi_newton.resume()
 
-    def _goes_to(self, held: np.ndarray) -> bool:
-        """Move the held vertices, the free ones following; False if refused."""
-        elastic, projection, start = self._surface.elastic, self._projection, self._surface.U
-        X = parallel_ops.taken(start, elastic.free) + self._surface.following(self.held, held)
-        W, _ = projection.onto(elastic.assembled(X, held))
+    def _goes_to(self, share: float) -> bool:
+        """Move held vertices and obstacles, the free ones following; False if refused."""
+        surface, projection, start = self._surface, self._projection, self._surface.U
+        held = self._path.at(share)
+        surface.contact.send_obstacles(self._path.shift(share))
+        W, _ = projection.onto(surface.assembled(surface.following(self.held, held), held))
         if not projection.met:
+            surface.contact.send_obstacles(self._path.shift(self.share))
             projection.evaluate(start)
             return False
-        elastic.local_step(W)
-        self._surface.contact.go(W)
+        surface.local_step(W)
+        surface.contact.go(W)
         self.held = held
         return True

@@ -13,6 +13,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.goals.goal_projection import MET, Projection
 from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
 
 # The springs of what touches are renewed after so many steps.
@@ -59,12 +60,21 @@ class TouchingSurface:
         return self.metric.solve(b_f)
 
     def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
-        """Response (f, 3) to a move of the held and soft vertices, both (k + s, 3)."""
+        """Free positions (f, 3) after a move of all else.
+
+        Parameters
+        ----------
+        held, then : (k + s, 3) float arrays
+            Held and soft vertices before and after it; obstacles go ahead as they are told.
+        """
         pull = self.elastic.from_held(held) - self.elastic.from_held(then)
         if self._to_held is not None:
             k = len(self.elastic.fixed)
-            pull -= self._to_held @ (then[:k] - held[:k])
-        return self.solve(pull)
+            moves = [pairs.ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
+            pull -= self._to_held @ np.vstack([then[:k] - held[:k], *moves])
+        start = parallel_ops.taken(self.U, self.free)
+        W = self.assembled(start + self.solve(pull), then)
+        return parallel_ops.taken(self.contact.carried_along(self.U, W), self.free)
 
     def renew_springs(self) -> bool:
         """Renew the springs of what touches, if due; False if nothing changed."""
@@ -75,8 +85,9 @@ class TouchingSurface:
             was, self.metric, self._to_held = self.metric, self.elastic.factor, None
             return was is not self.metric
         springs = self.contact.springs(self.elastic.U)[self.free]
-        self.metric = LinearSolver((self.elastic.K_ff + springs[:, self.free]).tocsr())
-        self._to_held, self._age = springs[:, self.elastic.fixed], 0
+        self.metric = LinearSolver((self.elastic.factored_matrix + springs[:, self.free]).tocsr())
+        others = np.concatenate([self.elastic.fixed, np.arange(len(self.U), springs.shape[1])])
+        self._to_held, self._age = springs[:, others], 0
         return True
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def test_energy_is_that_of_a_spring_per_unit_of_length(scale):
 
 def test_gradient_is_that_of_differences():
     U, pairs, edges, reach = some_pairs()
-    g, touching, least = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach)
+    g, touching, least = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach, 0.0)
     found = gaps(U, pairs, edges)
     assert touching == (found < reach).sum()
     assert least == found[found < reach].min()
@@ -77,7 +77,7 @@ def test_gradient_is_that_of_differences():
 
 def test_forces_within_a_surface_sum_to_none_and_turn_nothing():
     U, pairs, edges, reach = some_pairs()
-    g, *_ = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach)
+    g, *_ = gap_gradient(U, pairs, edges, np.zeros(len(pairs)), reach, 0.0)
     size = np.abs(g).sum()
     assert np.abs(g.sum(axis=0)).max() <= 1e-13 * size
     assert np.abs(np.cross(U, g).sum(axis=0)).max() <= 1e-12 * size
@@ -87,15 +87,15 @@ def test_a_bound_above_the_range_is_taken_at_its_word():
     U, pairs, edges, reach = some_pairs()
     low = np.where(np.arange(len(pairs)) % 2 == 0, reach, 0.0)
     some = low < reach
-    g, touching, _ = gap_gradient(U, pairs, edges, low, reach)
-    alone, few, _ = gap_gradient(U, pairs[some], edges[some], low[some], reach[some])
+    g, touching, _ = gap_gradient(U, pairs, edges, low, reach, 0.0)
+    alone, few, _ = gap_gradient(U, pairs[some], edges[some], low[some], reach[some], 0.0)
     assert np.array_equal(g, alone)
     assert touching == few > 0
 
 
 def test_springs_have_the_curvature_along_the_gap():
     U, pairs, edges, reach = some_pairs()
-    k, w = gap_springs(U, pairs, edges, reach, np.inf)
+    k, w = gap_springs(U, pairs, edges, reach, np.inf, 0.0)
     found = gaps(U, pairs, edges)
     assert (k[found >= reach] == 0.0).all()
     for p in np.flatnonzero(found < reach)[:40]:
@@ -106,4 +106,4 @@ def test_springs_have_the_curvature_along_the_gap():
             for s in (step, 0.0, -step)
         )
         assert k[p] == pytest.approx((there - 2 * here + back) / step**2, rel=1e-3, abs=1e-3)
-    assert gap_springs(U, pairs, edges, reach, 0.5)[0].max() == 0.5
+    assert gap_springs(U, pairs, edges, reach, 0.5, 0.0)[0].max() == 0.5

@@ -1,0 +1,141 @@
+"""Near pairs of a moving surface and a moving obstacle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from apd_viewer.geometry.contact.collision_times import examine
+from apd_viewer.geometry.contact.distances import gaps
+from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
+from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.linalg.parallel_ops import largest_difference
+
+# In mean edges: pairs are listed that are so much beyond the range apart.
+_LISTED_WITHIN = 6.0
+# No step goes below this part of the range.
+_FLOOR = 5e-3
+# Bounds that come so near to the range, in ranges, are made exact.
+_MARGIN = 0.5
+# In steps of the obstacle: so far ahead of it vertices go along.
+_CARRIED = 8.0
+_CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
+
+
+class ObstaclePairs:
+    """Near pairs of a surface and an obstacle, with their gap energy.
+
+    All pairs keep a lower bound of their gaps; those that may be in touch soon are listed.
+
+    Parameters
+    ----------
+    V : (n, 3) float array
+    F, E : (m, 3) and (e, 2) int arrays
+    obstacle : Obstacle
+    reach : float
+        Range of the gap energy, mesh units.
+
+    Attributes
+    ----------
+    obstacle : Obstacle
+    points : (p, 3) float array
+        Where those of the obstacle are.
+    ahead : (p, 3) float array
+        Where they go on the next way.
+    energy_ahead : float
+        Energy per stiffness at the end of the free way found last.
+    force : (3,) float array
+        Gradient by the place of the obstacle at the last :meth:`gradient`, per stiffness.
+    """
+
+    def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray, obstacle: Obstacle, reach: float) -> None:
+        self.obstacle, self._reach = obstacle, reach
+        self.points = self.ahead = obstacle.points
+        self._all, self._all_edges = obstacle.pairs(F, E, len(V))
+        lengths = np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
+        self._beyond = _LISTED_WITHIN * float(lengths.mean())
+        self.force, self.energy_ahead = np.zeros(3), 0.0
+        self._low = self._low_after = np.zeros(0)
+        self.enter(V)
+
+    def enter(self, U: np.ndarray) -> None:
+        """List the pairs anew at ``U`` (n, 3)."""
+        self.ahead = self.points
+        self._listed_at = self._with(U, self.points)
+        self._bound = np.full(len(self._all), -np.inf)
+        self._list(self._listed_at)
+        self.examine(U, U)
+        self.accept()
+
+    def examine(self, U: np.ndarray, W: np.ndarray) -> np.ndarray | None:
+        """Free shares (n,) of the way from ``U`` to ``W``; None if all is free."""
+        X, Y = self._with(U, self.points), self._with(W, self.ahead)
+        step = 2.0 * _CORNER * largest_difference(Y, X)
+        if step > self._beyond:
+            return np.full(len(U), 0.9 * self._beyond / step)
+        if 2.0 * _CORNER * largest_difference(X, self._listed_at) + step > self._beyond:
+            self._list(X)
+        self._low_after, share = np.empty(len(self._low)), np.empty(len(self._low))
+        bounds = (
+            self._low,
+            np.full(len(self._low), self._reach),
+            np.full(len(self._low), _FLOOR * self._reach),
+        )
+        owner = np.zeros(len(self._low), np.int32)
+        self.energy_ahead, blocked = examine(
+            X, Y, _MARGIN * self._reach, self._pairs, self._edges, *bounds, np.array([step]), owner,
+            self._low_after, share, self.obstacle.radius,
+        )  # fmt: skip
+        if not blocked:
+            return None
+        shares, short = np.ones(len(X)), share < 1.0
+        np.minimum.at(shares, self._pairs[short].ravel(), np.repeat(share[short], 4))
+        return shares[: len(U)]
+
+    def accept(self) -> None:
+        """Go the free way found last."""
+        self._low, self.points = self._low_after, self.ahead
+
+    @property
+    def may_touch(self) -> bool:
+        """True if some gap may be in the range of its energy."""
+        return bool((self._low < self._reach).any())
+
+    def gradient(self, U: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Gradient (n, 3) of the energy per stiffness, pairs in touch, and least gap."""
+        listed = self._pairs, self._edges, self._low, np.full(len(self._low), self._reach)
+        g, touching, least = gap_gradient(self._with(U, self.ahead), *listed, self.obstacle.radius)
+        self.force = g[len(U) :].sum(axis=0)
+        return g[: len(U)], touching, least
+
+    def springs(self, U: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Springs in touch: vertices (p, 4), constants (p,) and weights (p, 4)."""
+        touching = np.flatnonzero(self._low < self._reach)
+        listed = self._pairs[touching], self._edges[touching], np.full(len(touching), self._reach)
+        k, w = gap_springs(self._with(U, self.points), *listed, most, self.obstacle.radius)
+        return listed[0], k, w
+
+    def carried_along(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
+        """``W`` (n, 3), pushed away by the obstacle as it goes ahead.
+
+        What is next to the obstacle at ``U`` goes along with it, and farther vertices less and less.
+        """
+        move = self.ahead[0] - self.points[0]
+        if not move.any():
+            return W
+        apart, outwards = self.obstacle.outwards(self.points, U)
+        share = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
+        wanted = share * np.maximum(outwards @ move, 0.0)
+        missing = np.maximum(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0)
+        return W + missing[:, None] * outwards
+
+    def _with(self, U: np.ndarray, points: np.ndarray) -> np.ndarray:
+        return np.concatenate([U, points])
+
+    def _list(self, X: np.ndarray) -> None:
+        """List the pairs that may be in touch before anything has moved far from ``X``."""
+        self._bound -= 2.0 * _CORNER * largest_difference(X, self._listed_at)
+        near = np.flatnonzero(self._bound < self._reach + self._beyond)
+        self._bound[near] = gaps(X, self._all[near], self._all_edges[near]) - self.obstacle.radius
+        near = near[self._bound[near] < self._reach + self._beyond]
+        self._pairs, self._edges = self._all[near], self._all_edges[near]
+        self._low, self._listed_at = self._bound[near], X

@@ -1,0 +1,121 @@
+"""Obstacles that a surface touches and does not enter: plates, spheres, capsules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+
+_PLATE, _CAPSULE = 3, 2  # by the number of their points
+# A plate is a triangle, so large that nothing comes near its sides; in sizes of what it is to stop.
+_ENDLESS = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Obstacle:
+    """Hull of one to three points, as thick as a radius around them.
+
+    Made by :func:`plate`, :func:`sphere` and :func:`capsule`.
+
+    Attributes
+    ----------
+    points : (p, 3) float array
+        One of a sphere, two of a capsule, three of a plate, mesh units.
+    radius : float
+        Mesh units; 0 of a plate.
+    """
+
+    points: np.ndarray
+    radius: float
+
+    def outwards(self, points: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances (k,) and unit directions (k, 3) from the obstacle to points.
+
+        Parameters
+        ----------
+        points : (p, 3) float array
+            Where those of the obstacle are.
+        X : (k, 3) float array
+            Behind a plate distances are negative.
+        """
+        if len(points) == _PLATE:
+            normal = np.cross(points[1] - points[0], points[2] - points[0])
+            normal /= np.linalg.norm(normal)
+            return (X - points[0]) @ normal, np.broadcast_to(normal, X.shape)
+        away = X - points[0]
+        if len(points) == _CAPSULE:
+            axis = points[1] - points[0]
+            along = np.clip(away @ axis / (axis @ axis), 0.0, 1.0)
+            away = away - along[:, None] * axis
+        length = np.linalg.norm(away, axis=1)
+        return length - self.radius, away / np.maximum(length, np.finfo(float).tiny)[:, None]
+
+    def pairs(self, F: np.ndarray, E: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """All pairs (p, 4) with a surface, and which (p,) are of two edges.
+
+        Parameters
+        ----------
+        F, E : (m, 3) and (e, 2) int arrays
+            Triangles and edges of the surface.
+        n : int
+            Number of its vertices; the points of the obstacle follow them.
+        """
+        if len(self.points) == _PLATE:
+            vertices = np.unique(F)
+            return _rows(vertices[:, None], range(n, n + 3), after=True), np.zeros(len(vertices), bool)
+        ends = [_rows(F, [n + k]) for k in range(len(self.points))]
+        along = _rows(E, [n, n + 1]) if len(self.points) == _CAPSULE else np.zeros((0, 4), np.int32)
+        pairs = np.concatenate([*ends, along])
+        return pairs, np.arange(len(pairs)) >= len(pairs) - len(along)
+
+
+def plate(point: np.ndarray, normal: np.ndarray, size: float) -> Obstacle:
+    """Plane through ``point`` that keeps a surface on the side of ``normal``.
+
+    Parameters
+    ----------
+    point, normal : (3,) float arrays
+    size : float
+        Extent of all that it is to stop, mesh units.
+    """
+    normal = direction(normal)
+    across = direction(np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))]))
+    other, r = np.cross(normal, across), _ENDLESS * size
+    corners = [(np.cos(a), np.sin(a)) for a in 2.0 * np.pi / 3.0 * np.arange(3)]
+    return Obstacle(np.array([np.asarray(point) + r * (x * across + y * other) for x, y in corners]), 0.0)
+
+
+def sphere(centre: np.ndarray, radius: float) -> Obstacle:
+    """Sphere around ``centre`` (3,)."""
+    return Obstacle(np.array([centre], dtype=float), _checked(radius))
+
+
+def capsule(a: np.ndarray, b: np.ndarray, radius: float) -> Obstacle:
+    """Cylinder with round ends around the line from ``a`` to ``b``, both (3,)."""
+    if not np.linalg.norm(np.subtract(b, a)) > 0.0:
+        raise InputError(tr("The two ends of a cylinder must be apart."))
+    return Obstacle(np.array([a, b], dtype=float), _checked(radius))
+
+
+def _rows(of_surface: np.ndarray, of_obstacle: range | list[int], after: bool = False) -> np.ndarray:
+    """Rows of vertices of the surface, with the same points of the obstacle in each."""
+    own = np.broadcast_to(np.array(of_obstacle), (len(of_surface), len(of_obstacle)))
+    return np.ascontiguousarray(np.hstack([of_surface, own] if after else [own, of_surface]), np.int32)
+
+
+def direction(x: np.ndarray) -> np.ndarray:
+    """``x`` (3,) with a length of 1; raises InputError unless it has a direction."""
+    x = np.asarray(x, dtype=float)
+    length = float(np.linalg.norm(x))
+    if x.shape != (3,) or not (np.isfinite(length) and length > 0.0):
+        raise InputError(tr("A direction must be three numbers, not all of them 0."))
+    return x / length
+
+
+def _checked(radius: float) -> float:
+    if not 0.0 < radius < np.inf:
+        raise InputError(tr("The radius of an obstacle must be greater than 0."))
+    return float(radius)
