@@ -22,6 +22,8 @@ if TYPE_CHECKING:
         Deformation,
         Frame,
         Mesh,
+        Pressed,
+        PressStep,
         Region,
         Result,
         SurfacePoint,
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
         geodesic_path,
         open_mesh,
         plane_section,
+        press,
         save_mesh,
     )
 
@@ -39,6 +42,8 @@ __all__ = [
     "Frame",
     "InputError",
     "Mesh",
+    "PressStep",
+    "Pressed",
     "Region",
     "Result",
     "SurfacePoint",
@@ -46,6 +51,7 @@ __all__ = [
     "geodesic_path",
     "open_mesh",
     "plane_section",
+    "press",
     "save_mesh",
     "view",
 ]

@@ -51,6 +51,7 @@ ROOMS = [
     "files/formats",
     "files/storage",
     "geometry",
+    "geometry/pressing",
     "geometry/solver",
     "geometry/goals",
     "geometry/contact",

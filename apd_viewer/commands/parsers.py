@@ -8,6 +8,7 @@ from apd_viewer.commands.deform import deform_parser
 from apd_viewer.commands.info import info_parser
 from apd_viewer.commands.paper import paper_parser
 from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.press import press_parser
 from apd_viewer.commands.replay import replay_parser
 from apd_viewer.commands.sweep import sweep_parser
 
@@ -15,6 +16,7 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "deform": deform_parser,
     "info": info_parser,
     "paper": paper_parser,
+    "press": press_parser,
     "replay": replay_parser,
     "sweep": sweep_parser,
 }

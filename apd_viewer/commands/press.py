@@ -1,0 +1,164 @@
+"""The command ``apd-viewer press``: a mesh between two plates that close."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.commands.parser import Parser
+from apd_viewer.commands.press_output import report_of, row_of, summary
+from apd_viewer.commands.progress import Progress
+from apd_viewer.errors import InputError
+from apd_viewer.files.mesh_writing import check_target, save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.files.tables import write_table
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
+from apd_viewer.geometry.pressing.press import pressed
+from apd_viewer.geometry.pressing.pressing import PressOptions
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    METHODS,
+)
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import number
+
+if TYPE_CHECKING:
+    import argparse
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_PRESSING = {name: method for name, method in METHODS.items() if method.may_touch}
+
+
+def press_parser() -> Parser:
+    """Parser of the command."""
+    parser = Parser(
+        prog="apd-viewer press",
+        description=tr(
+            "Press a mesh between two plates that close on it in steps. Nothing needs to be held. Walls do "
+            "not pass through each other, and at each step the mesh comes to rest."
+        ),
+    )
+    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument(
+        "--axis", metavar="AXIS", default="x", help=tr('x, y, z or a direction such as "1 0 1"; default: x')
+    )
+    parser.add_argument(
+        "--to",
+        metavar="DISTANCE",
+        required=True,
+        help=tr(
+            "distance of the plates in the end, in mesh units, or such as 20%% of the extent of the mesh"
+        ),
+    )
+    parser.add_argument(
+        "--steps", metavar="N", type=int, default=DEFAULT_STEPS, help=tr("default: %(default)s")
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=tr("mesh file to write"))
+    parser.add_argument(
+        "--curve",
+        metavar="C.csv",
+        type=Path,
+        help=tr("write distance, loads, energy and volume of each step"),
+    )
+    parser.add_argument(
+        "--figure", metavar="F.png", type=Path, help=tr("draw load and volume, as F.png and F.svg")
+    )
+    parser.add_argument("--report", metavar="R.json", type=Path, help=tr("write the measurements as JSON"))
+    parser.add_argument(
+        "--method", choices=_PRESSING, default=DEFAULT_METHOD, help=tr("default: %(default)s")
+    )
+    for option, default, what in (
+        ("--stiffness", 0.0, tr("bending stiffness, 0 (cloth) to 0.1 (sheet metal)")),
+        (
+            "--area-stiffness",
+            DEFAULT_AREA_STIFFNESS,
+            tr("how strongly 'local' keeps the area of each triangle"),
+        ),
+        (
+            "--shear-stiffness",
+            DEFAULT_SHEAR_STIFFNESS,
+            tr("how strongly 'local' keeps the shape of each triangle"),
+        ),
+    ):
+        parser.add_argument(option, metavar="A", type=float, default=default, help=what)
+    parser.add_argument("--area", metavar="PERCENT", type=float, help=tr("target of the total area"))
+    parser.add_argument(
+        "--volume", metavar="PERCENT", type=float, help=tr("target of the volume; default: free")
+    )
+    parser.add_argument(
+        "--thickness",
+        metavar="LENGTH",
+        type=float,
+        help=tr("distance that walls keep, in mesh units; default: 1/1000 of the diagonal"),
+    )
+    parser.add_argument(
+        "--iterations",
+        metavar="N",
+        type=int,
+        default=DEFAULT_ITERATIONS,
+        help=tr("at most so many a step; default: %(default)s"),
+    )
+    parser.add_argument(
+        "--progress-lines", action="store_true", help=tr("say how far it is as lines of JSON")
+    )
+    parser.set_defaults(run=_press)
+    return parser
+
+
+def axis_of(text: str) -> np.ndarray:
+    """Direction (3,) from "x", "y", "z" or three numbers; raises InputError."""
+    if text.strip().lower() in _AXES:
+        return np.array(_AXES[text.strip().lower()])
+    try:
+        axis = np.array([float(word) for word in text.replace(",", " ").split()])
+    except ValueError:
+        axis = np.zeros(0)
+    if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
+        raise InputError(
+            tr("{text!r} is no direction; enter x, y, z or three numbers such as 1 0 1.").format(text=text)
+        )
+    return axis
+
+
+def distance_of(text: str, extent: float) -> float:
+    """Distance in mesh units from a number, or from a percentage of ``extent``."""
+    if text.strip().endswith("%"):
+        return number(text.strip()[:-1], {}) / 100.0 * extent
+    return number(text, {})
+
+
+def _press(options: argparse.Namespace) -> None:
+    output = check_target(options.output)
+    axis = axis_of(options.axis)
+    mesh = open_mesh(options.mesh)
+    rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
+    height = mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))
+    stiffness = options.stiffness, options.area_stiffness, options.shear_stiffness
+    asked = PressOptions((), options.method, *stiffness, options.area, options.volume, options.thickness)
+    to = distance_of(options.to, float(np.ptp(height)))
+    plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
+    steps = list(plates.steps(lambda done: progress.show(done, tr("pressing"))))
+    found = pressed(steps, plates.pressing.is_stopped)
+    progress.end()
+    with ExitStack() as beside:
+        if options.curve:
+            rows = [row_of(step) for step in found.steps]
+            write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
+        if options.figure:
+            # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+            from apd_viewer.figures.press_curves import draw_press
+
+            draw_press(found, options.figure)
+        if options.report:
+            said = json.dumps(report_of(mesh, rest, found, asked), indent=2)
+            beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
+        save_mesh(mesh, found.U, output)
+    print(summary(found, rest, output))

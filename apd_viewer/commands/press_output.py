@@ -1,0 +1,93 @@
+"""Output of a press: table, report and summary."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from apd_viewer.language import tr
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from apd_viewer.files.tables import Cell
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
+    from apd_viewer.geometry.mesh.mesh import Mesh
+    from apd_viewer.geometry.pressing.plate_press import PressStep
+    from apd_viewer.geometry.pressing.press import Pressed
+    from apd_viewer.geometry.pressing.pressing import PressOptions
+
+
+def row_of(step: PressStep) -> dict[str, Cell]:
+    """Row of the table by column name."""
+    return {
+        "distance": step.distance,
+        "load_low": step.load_low,
+        "load_high": step.load_high,
+        "energy": step.energy,
+        "volume": step.volume,
+        "volume_capped": step.volume_capped,
+        "area_error": step.area_error,
+        "crossings": step.crossings,
+        "iterations": step.iterations,
+        "settled": step.settled,
+    }
+
+
+def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions) -> dict[str, object]:
+    """Fields of the report."""
+    last = found.steps[-1]
+    return {
+        "mesh": mesh.name,
+        "vertices": len(mesh.V),
+        "faces": len(mesh.F),
+        "method": options.method,
+        "stiffness": options.stiffness,
+        "area_rest": rest.area,
+        "volume_rest": rest.volume,
+        "volume_capped_rest": rest.volume_capped,
+        **row_of(last),
+        "stopped": found.stopped,
+        **found.curve._asdict(),
+    }
+
+
+def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
+    """Lines on a press, for the terminal."""
+    last, first = found.steps[-1], found.steps[0]
+    lines = [
+        tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the first distance").format(
+            output=output, distance=last.distance, share=100 * last.distance / first.distance
+        ),
+        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1)").format(
+            low=last.load_low, high=last.load_high
+        ),
+    ]
+    volume, at_rest = (
+        (last.volume, rest.volume) if last.volume is not None else (last.volume_capped, rest.volume_capped)
+    )
+    if volume is not None and at_rest:
+        lines.append(
+            tr("volume  {volume:.6g} of {rest:.6g} ({change:+.3f} %)").format(
+                volume=volume, rest=at_rest, change=100 * (volume / at_rest - 1)
+            )
+        )
+    lines.append(tr("area    {change:+.3g} %").format(change=100 * last.area_error))
+    curve = found.curve
+    if curve.yield_load is not None:
+        lines.append(
+            tr("yields at a load of {load:.5g}, pressed by {deflection:.4g}").format(
+                load=curve.yield_load, deflection=curve.yield_deflection
+            )
+        )
+    lines.append(
+        tr("apparent stiffness {stiffness:.5g}, work {work:.5g}").format(
+            stiffness=curve.apparent_stiffness, work=curve.work
+        )
+    )
+    if last.crossings:
+        lines.append(tr("{count:,} triangles cross others").format(count=last.crossings))
+    if found.stopped:
+        lines.append(tr("Contact lets the plates go no farther."))
+    if not all(step.settled for step in found.steps):
+        lines.append(tr("Not every step came to rest; allow more --iterations."))
+    return "\n".join(lines)

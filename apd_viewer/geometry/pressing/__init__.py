@@ -1,0 +1,1 @@
+"""Pressing: surfaces between moving obstacles, and what that takes."""

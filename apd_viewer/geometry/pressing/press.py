@@ -1,0 +1,109 @@
+"""Press a mesh between two plates in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import check_mesh, numbers, whole_numbers
+from apd_viewer.geometry.pressing.load_curve import LoadCurve, load_curve
+from apd_viewer.geometry.pressing.plate_press import (
+    DEFAULT_ITERATIONS,
+    DEFAULT_STEPS,
+    PlatePress,
+    PressStep,
+)
+from apd_viewer.geometry.pressing.pressing import PressOptions
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+)
+from apd_viewer.language import tr
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """A pressed mesh.
+
+    Attributes
+    ----------
+    steps : tuple of PressStep
+        From the first touch on. All but the last have no ``U``.
+    curve : LoadCurve
+        Of the mean of both loads.
+    stopped : bool
+        The plates could go no farther.
+    """
+
+    steps: tuple[PressStep, ...]
+    curve: LoadCurve
+    stopped: bool
+
+    @property
+    def U(self) -> np.ndarray:
+        """The last shape, (n, 3) float array."""
+        return self.steps[-1].U
+
+
+def press(
+    V: np.ndarray,
+    F: np.ndarray,
+    axis: Sequence[float] | np.ndarray,
+    to: float,
+    steps: int = DEFAULT_STEPS,
+    *,
+    fixed: Sequence[int] | np.ndarray = (),
+    method: str = DEFAULT_METHOD,
+    stiffness: float = 0.0,
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS,
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS,
+    area: float | None = None,
+    volume: float | None = None,
+    thickness: float | None = None,
+    iterations: int = DEFAULT_ITERATIONS,
+    progress: Callable[[float], object] = lambda _: None,
+) -> Pressed:
+    """Press a mesh between two plates that close along ``axis``.
+
+    Parameters
+    ----------
+    V, F : (n, 3) float and (m, 3) int arrays
+    axis : (3,) floats
+    to : float
+        Distance of the plates in the end, mesh units.
+    steps : int
+        The plates close in so many equal steps; after each the mesh comes to rest.
+    fixed : (k,) ints
+        Vertices that are held where they are; none need be.
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
+        See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+    iterations : int
+        At most so many for each step.
+    progress : callable
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    Pressed
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
+    check_mesh(V, F)
+    options = PressOptions(fixed, method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness)
+    plates = PlatePress(RestMesh(V, F), np.asarray(axis), to, steps, iterations, options)
+    return pressed(list(plates.steps(progress)), plates.pressing.is_stopped)
+
+
+def pressed(steps: Sequence[PressStep], stopped: bool) -> Pressed:
+    """Steps of a press with the readings of their loads."""
+    loads = [0.5 * (step.load_low + step.load_high) for step in steps]
+    curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
+    return Pressed(tuple(steps), curve, stopped)

@@ -1,0 +1,179 @@
+"""A mesh pressed by moving obstacles, one iteration at a time.
+
+Nothing needs to be held. Obstacles push without friction, so where nothing holds the mesh it may slide and
+turn: a step moves it as a whole only as far as forces that are not balanced push it, and it comes to rest
+where they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.mesh_contact import contact_of
+from apd_viewer.geometry.contact.obstacles import Obstacle
+from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.threads import cores_for
+from apd_viewer.geometry.pose.held_path import HeldPath
+from apd_viewer.geometry.solver.arguments import vertex_ids
+from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
+from apd_viewer.geometry.solver.goal_set import GoalSet
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    DEFAULT_TOLERANCE,
+    material_of,
+    method_named,
+)
+from apd_viewer.geometry.solver.touching_descent import TouchingDescent
+from apd_viewer.geometry.solver.touching_surface import TouchingSurface
+from apd_viewer.language import tr
+
+# Loads on a mesh at rest cancel out up to this part of their sum; so many more iterations are spent on that.
+_BALANCED, _PATIENCE = 2e-3, 300
+
+
+@dataclass(frozen=True, eq=False)
+class PressOptions:
+    """Material, goals and held vertices of a mesh to press.
+
+    Attributes
+    ----------
+    fixed : (k,) ints
+        Vertices that are held where they are at rest; none need be.
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
+        See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+    """
+
+    fixed: Sequence[int] | np.ndarray = ()
+    method: str = DEFAULT_METHOD
+    stiffness: float = 0.0
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
+    area: float | None = None
+    volume: float | None = None
+    thickness: float | None = None
+
+
+DEFAULT_OPTIONS = PressOptions()
+
+
+class Pressing:
+    """A mesh between obstacles that move.
+
+    Parameters
+    ----------
+    rest : RestMesh
+    obstacles : sequence of Obstacle
+        Where they are at first; the mesh must be clear of them.
+    shifts : (o, 3) float array
+        How far each goes in the end, mesh units.
+    options : PressOptions
+
+    Attributes
+    ----------
+    iterations : int
+        Since :meth:`aim`.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+
+    def __init__(
+        self,
+        rest: RestMesh,
+        obstacles: Sequence[Obstacle],
+        shifts: np.ndarray,
+        options: PressOptions = DEFAULT_OPTIONS,
+    ) -> None:
+        traits = method_named(options.method)
+        if not traits.may_touch:
+            raise InputError(tr("Only the methods Exact, Local and ARAP press; choose one of them."))
+        self.rest, self._shifts = rest, np.asarray(shifts, dtype=float)
+        held = np.unique(rest.weld.inverse[vertex_ids(options.fixed, len(rest.V))])
+        self._held = rest.shape.V[held]
+        self._handle_of = np.zeros(len(held), np.int64)
+        material = material_of(traits, options.stiffness, options.area_stiffness, options.shear_stiffness)
+        with cores_for(len(rest.shape.V)):
+            goals = GoalSet(rest, options.method, traits, DEFAULT_TOLERANCE, lambda: np.zeros((0, 0)))
+            goals.ask(options.area, options.volume, (), calm=False)
+            elastic = Elastic(rest.shape, held, material)
+            together = np.zeros(len(held), np.int64)
+            contact = contact_of(
+                rest.shape, held, together, rest.diagonal, options.thickness, obstacles=obstacles
+            )
+            self._surface = TouchingSurface(elastic, contact)
+            self._descent = TouchingDescent(self._surface, rest.shape.V, self._held, goals.goals, TOLERANCE)
+        self._from = self._to = 0.0
+        self.aim(0.0)
+
+    @property
+    def U(self) -> np.ndarray:
+        """Current shape, (n, 3) float array."""
+        return self.rest.weld.spread(self._descent.U)
+
+    @property
+    def share(self) -> float:
+        """Share of their way that the obstacles have gone."""
+        return self._from + self._descent.share * (self._to - self._from)
+
+    @property
+    def is_stopped(self) -> bool:
+        """True if the obstacles can go no farther."""
+        return self._descent.is_stopped
+
+    @property
+    def settled(self) -> bool:
+        """True if iterating further changes nothing."""
+        if not self._descent.converged:
+            return False
+        return self.imbalance <= _BALANCED or self.iterations - self._converged_after > _PATIENCE
+
+    @property
+    def energy(self) -> float:
+        """The energy of the shape, with that of the gaps."""
+        return self._surface.energy
+
+    @property
+    def loads(self) -> np.ndarray:
+        """Forces (o, 3) on the obstacles, energy per length.
+
+        At rest they are the derivatives of the energy by the places of the obstacles, with the sign changed.
+        """
+        self._surface.contact.gradient(self._descent.U)
+        return self._surface.contact.loads
+
+    @property
+    def imbalance(self) -> float:
+        """Length of the sum of all loads, in the sum of their lengths.
+
+        0 where something is held, which takes the rest.
+        """
+        loads = self.loads
+        total = float(np.linalg.norm(loads, axis=1).sum())
+        if len(self._held) or not total:
+            return 0.0
+        return float(np.linalg.norm(loads.sum(axis=0))) / total
+
+    def aim(self, share: float) -> None:
+        """Let the obstacles go to a share of their way."""
+        self._from = self.share
+        self._to, self.iterations, self._converged_after = share, 0, 0
+        shifts = np.array([self._from * self._shifts, share * self._shifts])
+        path = HeldPath(self._held, self._held, self._handle_of, shifts)
+        self._descent.follow(path, 0.0 if path.length else 1.0)
+
+    def iterate(self) -> None:
+        """One iteration."""
+        with cores_for(len(self.rest.shape.V)):
+            self._descent.step()
+        self.iterations += 1
+        if not self._descent.converged:
+            self._converged_after = self.iterations
