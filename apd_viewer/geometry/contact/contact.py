@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _STIFFNESS = 1.0
 # Largest spring of the metric, against the same.
 _FIRMEST = 15.0
+# The same between surface and obstacles: they hold what slides along them, too.
+_FIRMEST_OF_OBSTACLES = 1.0
 # Of the share that is free, a vertex takes so much; the shares of neighbours differ by so much at most.
 _TAKEN = 0.9
 _RISE = 0.25
@@ -209,7 +211,7 @@ class Contact:
         placed, n = self._placed_at(U), len(U)
         found = []
         for k, pairs in enumerate(self._all):
-            ids, firm, w = pairs.springs(placed, self._most)
+            ids, firm, w = pairs.springs(placed, self._most if k == 0 else _FIRMEST_OF_OBSTACLES)
             entries = (self._stiffness * firm[:, None, None] * w[:, :, None] * w[:, None, :]).ravel()
             ids = np.where(ids < n, ids, n + k - 1)
             found.append((entries, np.repeat(ids, 4, axis=1).ravel(), np.tile(ids, 4).ravel()))

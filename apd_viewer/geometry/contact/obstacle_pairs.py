@@ -125,7 +125,8 @@ class ObstaclePairs:
         apart, outwards = self.obstacle.outwards(self.points, U)
         share = np.clip(1.0 - (apart - self._reach) / (_CARRIED * float(np.linalg.norm(move))), 0.0, 1.0)
         wanted = share * np.maximum(outwards @ move, 0.0)
-        missing = np.maximum(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0)
+        # No more than that: what another obstacle pushes this way is not pushed back.
+        missing = np.clip(wanted - np.einsum("ij,ij->i", W - U, outwards), 0.0, wanted)
         return W + missing[:, None] * outwards
 
     def _with(self, U: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -122,12 +122,12 @@ class FreeProjection(Projection):
         """Positions near ``U`` (n, 3) that meet the goals by a free way, and steps."""
         start, self._is_free = self._contact.start, False
         W, mu = super().onto(U)
-        for attempt in range(_ATTEMPTS):
+        for attempt in range(_ATTEMPTS + 1):
             if self.worst > MET:
                 break
             shares = self._contact.shares(W)
-            if shares is None:
-                self._is_free = True
+            self._is_free = shares is None
+            if shares is None or attempt == _ATTEMPTS:
                 break
             if attempt >= _LOCAL:
                 shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
