@@ -67,7 +67,7 @@ class PressStep:
 class PlatePress:
     """Two parallel plates that close on a mesh in equal steps.
 
-    They touch it at first. Without friction and with nothing held, the mesh may slide and turn between them.
+    They touch it at first. With nothing held the mesh may slide between them, but not turn as a whole.
 
     Parameters
     ----------

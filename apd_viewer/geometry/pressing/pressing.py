@@ -1,8 +1,8 @@
 """A mesh pressed by moving obstacles, one iteration at a time.
 
-Nothing needs to be held. Obstacles push without friction, so where nothing holds the mesh it may slide and
-turn: a step moves it as a whole only as far as forces that are not balanced push it, and it comes to rest
-where they are.
+Nothing needs to be held. Obstacles push without friction, so where nothing holds the mesh it slides as far as
+forces that are not balanced push it, and comes to rest where they are. It does not turn as a whole, as if
+guided: a tall one would topple under the least load.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.whole_turns import WholeTurns
 from apd_viewer.geometry.goals.goal_projection import MET, Projection
 from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.linalg import parallel_ops
@@ -56,8 +57,14 @@ class TouchingSurface:
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:
-        """Response to forces ``b_f``, both (f, 3), with the springs of what touches."""
-        return self.metric.solve(b_f)
+        """Response to forces ``b_f``, both (f, 3), with the springs of what touches.
+
+        Where nothing is held it has no turn of the whole: between plates without friction all would topple.
+        """
+        if len(self.elastic.fixed):
+            return self.metric.solve(b_f)
+        turns = WholeTurns(parallel_ops.taken(self.U, self.free), self.rest.vertex_areas[self.free])
+        return turns.without(self.metric.solve(turns.balanced(b_f)))
 
     def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
         """Free positions (f, 3) after a move of all else.

@@ -80,6 +80,20 @@ def test_the_direction_does_not_matter():
     assert [step.crossings for step in found[0].steps] == [0] * 4
 
 
+def test_a_tall_tube_yields_and_does_not_topple():
+    """Without friction it would lie down between the plates and carry nothing."""
+    V, F = tube(32, 20)
+    axis = np.eye(3)[int(np.argmax(np.ptp(V, axis=0)))]
+    height = np.ptp(V @ axis)
+    found = press(V, F, axis, 0.85 * height, 8, stiffness=0.001)
+    loads = [0.5 * (step.load_low + step.load_high) for step in found.steps]
+    assert found.curve.yield_load is not None
+    assert max(loads) == found.curve.yield_load
+    assert loads[-1] > 0.5 * found.curve.yield_load
+    assert not found.stopped
+    assert all(step.settled and step.crossings == 0 for step in found.steps)
+
+
 def test_a_held_base_takes_what_the_plates_do_not_balance():
     V, F = sphere(3)
     base = np.flatnonzero(V[:, 2] < -0.8)
