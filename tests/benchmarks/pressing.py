@@ -1,0 +1,87 @@
+"""Press the sample bottle, or a tube, between two plates: load, energy and time of each step.
+
+    python tests/benchmarks/pressing.py [--edge 1.0] [--tube AROUND] [--axis 0] [--to 0.2] [--steps 16]
+                                        [--stiffness 0.001] [--jitter 0] [--check]
+
+Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. ``--check``
+counts, by another library, the frames in which anything crosses. Times are those of the processor, on one
+core.
+"""
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+from crossing_check import CrossingCheck
+from meshes import sample_bottle
+
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.pressing.plate_press import PlatePress
+from apd_viewer.geometry.pressing.press import pressed
+from apd_viewer.geometry.pressing.pressing import PressOptions
+
+
+def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
+    """Open tube of radius 1 of nearly equilateral triangles."""
+    step = 2.0 * np.pi / around
+    rows = round(length / (step * np.sqrt(3.0) / 2.0))
+    i, j = np.meshgrid(np.arange(around), np.arange(rows + 1))
+    angle = step * (i + 0.5 * (j % 2))
+    V = np.column_stack([np.cos(angle).ravel(), np.sin(angle).ravel(), (j * length / rows).ravel()])
+    i, j = i[:-1], j[:-1]
+    p, q = j * around + i, j * around + (i + 1) % around
+    odd = (j % 2 == 1)[..., None]
+    first = np.where(odd, np.stack([p, q, q + around], -1), np.stack([p, q, p + around], -1))
+    second = np.where(
+        odd, np.stack([p, q + around, p + around], -1), np.stack([q, q + around, p + around], -1)
+    )
+    return V, np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
+
+
+def main() -> None:
+    """Print a row for each step, and the readings of the curve."""
+    parser = argparse.ArgumentParser()
+    for option, default in (("--edge", 1.0), ("--to", 0.2), ("--stiffness", 1e-3), ("--jitter", 0.0)):
+        parser.add_argument(option, type=float, default=default)
+    for option, default in (("--tube", 0), ("--axis", 0), ("--steps", 16)):
+        parser.add_argument(option, type=int, default=default)
+    parser.add_argument("--check", action="store_true")
+    asked = parser.parse_args()
+    V, F = tube(asked.tube) if asked.tube else sample_bottle(asked.edge)[:2]
+    V = V + asked.jitter * np.linalg.norm(np.ptp(V, axis=0)) * np.random.default_rng(0).normal(size=V.shape)
+    rest, extent = RestMesh(V, F), float(np.ptp(V[:, asked.axis]))
+    axis, options = np.eye(3)[asked.axis], PressOptions(stiffness=asked.stiffness)
+    plates = PlatePress(rest, axis, asked.to * extent, asked.steps, options=options)
+    check, crossed, steps, begun = CrossingCheck(V, F), [0, 0], [], time.process_time()
+
+    def look(_: float) -> None:
+        if asked.check:
+            crossed[0] += 1
+            crossed[1] += check.crosses(plates.pressing.U)
+
+    print(
+        f"{len(V):,} vertices\n\n| distance | load below | above | energy | volume | iterations | s | settled |"
+    )
+    print("|---" * 8 + "|")
+    for step in plates.steps(look):
+        steps.append(step)
+        loads = f"{step.load_low:.4f} | {step.load_high:.4f} | {step.energy:.5g}"
+        volume = "" if step.volume is None else f"{step.volume:.1f}"
+        spent = f"{step.iterations} | {time.process_time() - begun:.0f} | {step.settled}"
+        print(f"| {step.distance / extent:.3f} | {loads} | {volume} | {spent} |", flush=True)
+        assert abs(step.area_error) <= 1e-9
+    print(f"\n{pressed(steps, plates.pressing.is_stopped).curve}")
+    if asked.check:
+        print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
+
+
+if __name__ == "__main__":
+    main()
