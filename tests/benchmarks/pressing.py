@@ -67,10 +67,8 @@ def main() -> None:
             crossed[0] += 1
             crossed[1] += check.crosses(plates.pressing.U)
 
-    print(
-        f"{len(V):,} vertices\n\n| distance | load below | above | energy | volume | iterations | s | settled |"
-    )
-    print("|---" * 8 + "|")
+    columns = "distance", "load below", "above", "energy", "volume", "iterations", "s", "settled"
+    print(f"{len(V):,} vertices\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     for step in plates.steps(look):
         steps.append(step)
         loads = f"{step.load_low:.4f} | {step.load_high:.4f} | {step.energy:.5g}"
