@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from apd_viewer.files.report import room_of
+from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
@@ -36,6 +38,10 @@ def row_of(step: PressStep) -> dict[str, Cell]:
 def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions) -> dict[str, object]:
     """Fields of the report."""
     last = found.steps[-1]
+    room: dict[str, object] = {}
+    for U, suffix in ((mesh.V, "_rest"), (found.U, "")):
+        readings = room_of(check_shape(U, mesh.joined_F))
+        room |= {f"{name}{suffix}": reading for name, reading in readings.items()}
     return {
         "mesh": mesh.name,
         "vertices": len(mesh.V),
@@ -48,6 +54,7 @@ def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions)
         **row_of(last),
         "stopped": found.stopped,
         **found.curve._asdict(),
+        **room,
     }
 
 
