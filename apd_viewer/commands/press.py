@@ -20,7 +20,7 @@ from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press import pressed
-from apd_viewer.geometry.pressing.pressing import PressOptions
+from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,

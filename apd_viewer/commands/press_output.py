@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.geometry.pressing.plate_press import PressStep
     from apd_viewer.geometry.pressing.press import Pressed
-    from apd_viewer.geometry.pressing.pressing import PressOptions
+    from apd_viewer.geometry.pressing.press_options import PressOptions
 
 
 def row_of(step: PressStep) -> dict[str, Cell]:

@@ -26,7 +26,7 @@ from meshes import sample_bottle
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press import pressed
-from apd_viewer.geometry.pressing.pressing import PressOptions
+from apd_viewer.geometry.pressing.press_options import PressOptions
 
 
 def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:

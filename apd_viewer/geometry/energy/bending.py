@@ -46,53 +46,63 @@ class Bending:
     ----------
     weight : (m, 3) float array
         ``w_it`` of the corners.
+    inverse : (n,) float array
+        One over their sum around each vertex.
+    hats : (m, 3, 3) float array
+        Gradients of the hat functions of each triangle's corners.
+    normals : (m, 3) float array
+    mean : (n, 3, 3) float array
+        Mean of ``n_t n_t^T`` around each vertex.
+    per_curvature : (n,) float array
+        Root of the energy of a ring whose curvature changes by 1.
     K : (n, n) csr_array
         A quarter of the energy's Hessian while the rotations are held.
     """
 
     def __init__(self, V: np.ndarray, patch: Patch) -> None:
-        self._patch, F, n = patch, patch.F, len(V)
+        self.patch, F, n = patch, patch.F, len(V)
         cot, areas = cotangents(V, F), face_areas(V, F)
         sound = well_shaped(cot)
         part = np.where(sound, _SLENDER / np.maximum(np.abs(cot).max(axis=1), _SLENDER), 0.0)
-        self._hats, self._normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
-        self.weight = ring_weights(V, patch, areas, part, self._normals, self._hats)
+        self.hats, self.normals = _hats_and_normals(V, F, np.where(sound, areas, 0.0))
+        self.weight = ring_weights(V, patch, areas, part, self.normals, self.hats)
         total = np.bincount(F.ravel(), self.weight.ravel(), minlength=n)
-        self._inverse = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
-        squares = (self._normals[:, :, None] * self._normals[:, None, :]).reshape(-1, 9)
+        self.inverse = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
+        self.per_curvature = np.sqrt(areas.sum() * np.bincount(F.ravel(), np.repeat(areas / 3.0, 3), n))
+        squares = (self.normals[:, :, None] * self.normals[:, None, :]).reshape(-1, 9)
         at = F.ravel().astype(np.int32), np.repeat(np.arange(len(F), dtype=np.int32), 3)
         sums = sp.coo_array((self.weight.ravel(), at), shape=(n, len(F))).tocsr() @ squares
-        self._mean = (self._inverse[:, None] * sums).reshape(-1, 3, 3)
+        self.mean = (self.inverse[:, None] * sums).reshape(-1, 3, 3)
         self.K = self._matrix(cot, np.where(sound, areas, 1.0))
 
     def _matrix(self, cot: np.ndarray, areas: np.ndarray) -> sp.csr_array:
         """Half of ``sum_i sum_t w_it |grad_t u - mean_i|^2``."""
-        F, n = self._patch.F, len(self._inverse)
+        F, n = self.patch.F, len(self.inverse)
         K = element_laplacian(cot * (self.weight.sum(axis=1) / areas)[:, None], F, n)
         rows, columns = (x.ravel().astype(np.int32) for x in (np.repeat(F, 3, axis=1), np.tile(F, 3)))
-        D = sp.diags_array(self._inverse)
+        D = sp.diags_array(self.inverse)
         for axis in range(3):
-            entries = (self.weight[:, :, None] * self._hats[:, None, :, axis]).ravel()
+            entries = (self.weight[:, :, None] * self.hats[:, None, :, axis]).ravel()
             M = sp.coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
             K = K - M.T @ D @ M
         return (0.5 * K).tocsr()
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """The energy at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
-        patch, D = self._patch, _gradients(U, self._patch.F, self._hats)
-        rest = self.weight, self._inverse, self._mean, self._normals
+        patch, D = self.patch, gradients(U, self.patch.F, self.hats)
+        rest = self.weight, self.inverse, self.mean, self.normals
         return float(_energy(patch.start, patch.corner, *rest, D, q))
 
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
         """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
-        patch, D = self._patch, _gradients(U, self._patch.F, self._hats)
-        return _moments(patch.start, patch.corner, self.weight, self._mean, D, scale)
+        patch, D = self.patch, gradients(U, self.patch.F, self.hats)
+        return _moments(patch.start, patch.corner, self.weight, self.mean, D, scale)
 
     def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
         """Right-hand side for the rotations ``q`` (n, 4), times ``scale``, (n, 3)."""
-        patch = self._patch
-        tensions = _tensions(patch.F, self.weight, self._mean, 0.5 * scale, q)
-        return _gathered(patch.start, patch.corner, self._hats, tensions)
+        patch = self.patch
+        tensions = _tensions(patch.F, self.weight, self.mean, 0.5 * scale, q)
+        return gathered(patch.start, patch.corner, self.hats, tensions)
 
 
 def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -109,7 +119,7 @@ def _hats_and_normals(V: np.ndarray, F: np.ndarray, areas: np.ndarray) -> tuple[
 
 
 @parallel(fastmath={"contract"})
-def _gradients(U: np.ndarray, F: np.ndarray, hats: np.ndarray) -> np.ndarray:
+def gradients(U: np.ndarray, F: np.ndarray, hats: np.ndarray) -> np.ndarray:
     """``D_t = sum_c u_c g_c^T``, (m, 3, 3), g the gradients of the hat functions."""
     out = np.empty((len(F), 3, 3))
     for t in prange(len(F)):
@@ -198,7 +208,7 @@ def _tensions(F: np.ndarray, weight: np.ndarray, mean: np.ndarray, scale: float,
 
 
 @parallel(fastmath={"contract"})
-def _gathered(start: np.ndarray, corner: np.ndarray, hats: np.ndarray, T: np.ndarray) -> np.ndarray:
+def gathered(start: np.ndarray, corner: np.ndarray, hats: np.ndarray, T: np.ndarray) -> np.ndarray:
     """``sum_t T_t g_t`` at every vertex, (n, 3), g the gradient of its hat function."""
     out = np.empty((len(start) - 1, 3))
     for i in prange(len(out)):

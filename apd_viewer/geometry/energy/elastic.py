@@ -23,6 +23,7 @@ from scipy.sparse import coo_array, diags_array, hstack
 from apd_viewer.geometry.energy import arap_cells
 from apd_viewer.geometry.energy.material import Material
 from apd_viewer.geometry.energy.membrane import Membrane
+from apd_viewer.geometry.energy.plastic_bending import PlasticBending
 from apd_viewer.geometry.energy.projected_hessian import ProjectedHessian
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.linalg import parallel_ops
@@ -67,6 +68,8 @@ class Elastic:
         says where it belongs, so it stays at rest (see :class:`LooseParts`).
     membrane : Membrane or None
         What keeps shape and area of every triangle; None if the material has no such term.
+    creases : PlasticBending or None
+        What yields where it is bent; None if the material does not.
     factor : Factor
         Of :attr:`factored_matrix`.
     metric : Metric
@@ -93,7 +96,11 @@ class Elastic:
         self.membrane: Membrane | None = None
         if material.shear > 0.0 or material.area > 0.0:
             self.membrane = Membrane(rest.V, rest.whole, material.shear, material.area)
-        self._bending = rest.bending if material.bending > 0.0 else None
+        self.creases: PlasticBending | None = None
+        if material.bending > 0.0 and material.yield_curvature < np.inf:
+            ratio = material.rigidity / material.bending
+            self.creases = PlasticBending(rest, material.yield_curvature, ratio)
+        self._bending = self.creases or (rest.bending if material.bending > 0.0 else None)
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
@@ -150,9 +157,10 @@ class Elastic:
         """Rotations of the cells, (n, 4) unit quaternions."""
         if self._q is None:
             q = self.rest.identity()
-            if self.U is not self.rest.V:
+            if self.U is not self.rest.V or self.creases:
                 self._turn_cells(self.U, q)
             self._q = q
+            self._follow_creases()
         return self._q
 
     def restart(self, U: np.ndarray) -> None:
@@ -218,6 +226,16 @@ class Elastic:
         if self.membrane is not None:
             self.membrane.local_step(U)
         self._turn_cells(U, q)
+        self._follow_creases()
+
+    def keep_creases(self) -> None:
+        """Make the flow at the current positions last."""
+        if self.creases:
+            self.creases.keep(self.U, self.q)
+
+    def _follow_creases(self) -> None:
+        if self.creases:
+            self.creases.follow(self.U, self.q)
 
     def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
         rest, material, S0 = self.rest, self.material, arap_cells.FLAT

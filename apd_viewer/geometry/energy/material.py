@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Material:
@@ -19,6 +21,8 @@ class Material:
         Of what keeps the curvature.
     coupling : float
         Of what keeps neighbouring rotations alike, times the total area: alpha of SR-ARAP.
+    yield_curvature : float
+        Change of curvature above which bending stays, 1 / mesh unit; infinite for none that does.
     """
 
     rigidity: float = 1.0
@@ -26,3 +30,4 @@ class Material:
     area: float = 0.0
     bending: float = 0.0
     coupling: float = 0.0
+    yield_curvature: float = np.inf

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from numbers import Integral
 
 import numpy as np
@@ -11,10 +12,11 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.contact.obstacles import direction, plate
+from apd_viewer.geometry.contact.obstacles import Obstacle, direction, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pressing.pressing import DEFAULT_OPTIONS, Pressing, PressOptions
+from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
+from apd_viewer.geometry.pressing.pressing import Pressing
 from apd_viewer.language import tr
 
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
@@ -95,33 +97,45 @@ class PlatePress:
         iterations: int = DEFAULT_ITERATIONS,
         options: PressOptions = DEFAULT_OPTIONS,
     ) -> None:
-        self.axis, self._rest = direction(axis), rest
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
         _check_count(iterations, 10**9, tr("The number of iterations must be a whole number of at least 1."))
+        self.axis, self._rest, self._to = direction(axis), rest, to
         self._count, self._iterations = steps, iterations
-        apart = thickness_of(rest.diagonal, options.thickness)
-        height = rest.shape.V[np.unique(rest.shape.F)] @ self.axis
-        self._low, self._high = float(height.min()) - apart, float(height.max()) + apart
-        self.first = self._high - self._low
-        if not 0.0 < to < self.first:
+        self._apart = thickness_of(rest.diagonal, options.thickness)
+        self._relaxes = options.start is not None
+        if self._relaxes:
+            self.pressing = Pressing(rest, (), np.zeros((0, 3)), options)
+            self._plates_around(self.pressing.U)
+        else:
+            self.pressing = Pressing(rest, *self._plates_around(rest.V), options)
+
+    def _plates_around(self, U: np.ndarray) -> tuple[list[Obstacle], np.ndarray]:
+        """Plates that touch a shape ``U`` (n, 3), and the ways (2, 3) that they go."""
+        X = U[np.unique(self._rest.F)]
+        height = X @ self.axis
+        low, high = float(height.min()) - self._apart, float(height.max()) + self._apart
+        self.first = high - low
+        if not 0.0 < self._to < self.first:
             raise InputError(
                 tr(
                     "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
                 ).format(first=self.first)
             )
         # The middle of the bounding box: plates need a place across their axis, too.
-        middle = 0.5 * (rest.shape.V.min(axis=0) + rest.shape.V.max(axis=0))
+        middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
         middle = middle - (middle @ self.axis) * self.axis
+        size = float(np.linalg.norm(np.ptp(X, axis=0)))
         plates = [
-            plate(middle + self._low * self.axis, self.axis, rest.diagonal),
-            plate(middle + self._high * self.axis, -self.axis, rest.diagonal),
+            plate(middle + low * self.axis, self.axis, size),
+            plate(middle + high * self.axis, -self.axis, size),
         ]
-        self._way = self.first - to
-        shifts = 0.5 * self._way * np.array([self.axis, -self.axis])
-        self.pressing = Pressing(rest, plates, shifts, options)
+        self._way = self.first - self._to
+        return plates, 0.5 * self._way * np.array([self.axis, -self.axis])
 
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press: the shapes at rest, from the first touch on.
+
+        A shape to begin from comes to rest by itself before the plates touch it.
 
         Parameters
         ----------
@@ -129,18 +143,38 @@ class PlatePress:
             Called after every iteration with the share of the work that is done, at a guess; what it raises
             ends the work.
         """
+        if self._relaxes:
+            self._rest_at(0.0, partial(_tick_at, tick, 0, self._count))
+            self.pressing.surround(*self._plates_around(self.pressing.U))
         yield self._step()
         for k in range(self._count):
-            self.pressing.aim((k + 1) / self._count)
-            while not self.pressing.settled and self.pressing.iterations < self._iterations:
-                self.pressing.iterate()
-                done = self.pressing.iterations
-                tick((k + done / (done + 200.0)) / self._count)
-                if self.pressing.is_stopped:
-                    break
+            self._rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
             yield self._step()
             if self.pressing.is_stopped:
                 return
+
+    def release(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
+        """Open the plates again: the shapes at rest, until the plates no longer touch.
+
+        Parameters
+        ----------
+        tick : callable
+            As of :meth:`steps`.
+        """
+        share, k = self.pressing.share, 0
+        while share > 0.0 and self.pressing.loads.any():
+            share = max(0.0, share - 1.0 / self._count)
+            self._rest_at(share, partial(_tick_at, tick, k, self._count))
+            k += 1
+            yield self._step()
+
+    def _rest_at(self, share: float, tick: Callable[[float], object]) -> None:
+        """Go to a share of the way, and come to rest there, as far as iterations suffice."""
+        pressing = self.pressing
+        pressing.aim(share)
+        while not pressing.settled and pressing.iterations < self._iterations and not pressing.is_stopped:
+            pressing.iterate()
+            tick(pressing.iterations / (pressing.iterations + 200.0))
 
     def _step(self) -> PressStep:
         pressing, rest = self.pressing, self._rest
@@ -162,6 +196,10 @@ class PlatePress:
             settled=pressing.settled or not pressing.share,
             iterations=pressing.iterations,
         )
+
+
+def _tick_at(tick: Callable[[float], object], step: int, count: int, done: float) -> None:
+    tick((step + done) / count)
 
 
 def _check_count(given: int, most: int, otherwise: str) -> None:

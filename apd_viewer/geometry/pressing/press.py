@@ -16,7 +16,7 @@ from apd_viewer.geometry.pressing.plate_press import (
     PlatePress,
     PressStep,
 )
-from apd_viewer.geometry.pressing.pressing import PressOptions
+from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,

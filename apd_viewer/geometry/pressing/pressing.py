@@ -8,7 +8,6 @@ guided: a tall one would topple under the least load.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,17 +18,16 @@ from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.pose.held_path import HeldPath
+from apd_viewer.geometry.pressing.press_options import (
+    DEFAULT_OPTIONS,
+    PressOptions,
+    press_material,
+    start_of,
+)
 from apd_viewer.geometry.solver.arguments import vertex_ids
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.goal_set import GoalSet
-from apd_viewer.geometry.solver.methods import (
-    DEFAULT_AREA_STIFFNESS,
-    DEFAULT_METHOD,
-    DEFAULT_SHEAR_STIFFNESS,
-    DEFAULT_TOLERANCE,
-    material_of,
-    method_named,
-)
+from apd_viewer.geometry.solver.methods import DEFAULT_TOLERANCE, method_named
 from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
@@ -38,41 +36,14 @@ from apd_viewer.language import tr
 _BALANCED, _PATIENCE = 2e-3, 300
 
 
-@dataclass(frozen=True, eq=False)
-class PressOptions:
-    """Material, goals and held vertices of a mesh to press.
-
-    Attributes
-    ----------
-    fixed : (k,) ints
-        Vertices that are held where they are at rest; none need be.
-    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
-        See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
-    """
-
-    fixed: Sequence[int] | np.ndarray = ()
-    method: str = DEFAULT_METHOD
-    stiffness: float = 0.0
-    area_stiffness: float = DEFAULT_AREA_STIFFNESS
-    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
-    area: float | None = None
-    volume: float | None = None
-    thickness: float | None = None
-
-
-DEFAULT_OPTIONS = PressOptions()
-
-
 class Pressing:
     """A mesh between obstacles that move.
 
     Parameters
     ----------
     rest : RestMesh
-    obstacles : sequence of Obstacle
-        Where they are at first; the mesh must be clear of them.
-    shifts : (o, 3) float array
-        How far each goes in the end, mesh units.
+    obstacles, shifts
+        See :meth:`surround`.
     options : PressOptions
 
     Attributes
@@ -96,21 +67,43 @@ class Pressing:
         traits = method_named(options.method)
         if not traits.may_touch:
             raise InputError(tr("Only the methods Exact, Local and ARAP press; choose one of them."))
-        self.rest, self._shifts = rest, np.asarray(shifts, dtype=float)
-        held = np.unique(rest.weld.inverse[vertex_ids(options.fixed, len(rest.V))])
-        self._held = rest.shape.V[held]
-        self._handle_of = np.zeros(len(held), np.int64)
-        material = material_of(traits, options.stiffness, options.area_stiffness, options.shear_stiffness)
-        with cores_for(len(rest.shape.V)):
+        self.rest, self._thickness = rest, options.thickness
+        self._held = np.unique(rest.weld.inverse[vertex_ids(options.fixed, len(rest.V))])
+        start = start_of(rest, options.start)
+        with cores_for(len(start)):
             goals = GoalSet(rest, options.method, traits, DEFAULT_TOLERANCE, lambda: np.zeros((0, 0)))
             goals.ask(options.area, options.volume, (), calm=False)
-            elastic = Elastic(rest.shape, held, material)
-            together = np.zeros(len(held), np.int64)
-            contact = contact_of(
-                rest.shape, held, together, rest.diagonal, options.thickness, obstacles=obstacles
-            )
+            self._goals = goals.goals
+            self._elastic = Elastic(rest.shape, self._held, press_material(traits, options))
+            self._elastic.restart(start)
+        self.surround(obstacles, shifts)
+
+    def surround(self, obstacles: Sequence[Obstacle], shifts: np.ndarray) -> None:
+        """Put obstacles around the current shape, in the place of those before.
+
+        Parameters
+        ----------
+        obstacles : sequence of Obstacle
+            Where they are at first; the shape must be clear of them.
+        shifts : (o, 3) float array
+            How far each goes in the end, mesh units.
+        """
+        shape, elastic, held = self.rest.shape, self._elastic, self._held
+        handle_of = np.zeros(len(held), np.int64)
+        with cores_for(len(shape.V)):
+            apart = self.rest.diagonal, self._thickness
+            contact = contact_of(shape, held, handle_of, *apart, obstacles=obstacles)
+            if elastic.U is not shape.V:
+                if not contact.may_enter(elastic.U):
+                    raise InputError(
+                        tr("The shape to begin from crosses itself; deform it with walls kept apart.")
+                    )
+                contact.enter(elastic.U)
             self._surface = TouchingSurface(elastic, contact)
-            self._descent = TouchingDescent(self._surface, rest.shape.V, self._held, goals.goals, TOLERANCE)
+            targets = elastic.U[held]
+            self._descent = TouchingDescent(self._surface, elastic.U, targets, self._goals, TOLERANCE)
+        self._shifts = np.asarray(shifts, dtype=float)
+        self._path_of = targets, handle_of
         self._from = self._to = 0.0
         self.aim(0.0)
 
@@ -163,11 +156,13 @@ class Pressing:
         return float(np.linalg.norm(loads.sum(axis=0))) / total
 
     def aim(self, share: float) -> None:
-        """Let the obstacles go to a share of their way."""
+        """Let the obstacles go to a share of their way; creases up to here last."""
+        self._elastic.keep_creases()
         self._from = self.share
         self._to, self.iterations, self._converged_after = share, 0, 0
+        targets, handle_of = self._path_of
         shifts = np.array([self._from * self._shifts, share * self._shifts])
-        path = HeldPath(self._held, self._held, self._handle_of, shifts)
+        path = HeldPath(targets, targets, handle_of, shifts)
         self._descent.follow(path, 0.0 if path.length else 1.0)
 
     def iterate(self) -> None:

@@ -12,7 +12,8 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.obstacles import capsule, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import PlatePress
-from apd_viewer.geometry.pressing.pressing import Pressing, PressOptions
+from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.pressing.pressing import Pressing
 
 X, Y, Z = np.eye(3)
 STIFF = PressOptions(stiffness=0.001)

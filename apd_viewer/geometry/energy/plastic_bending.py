@@ -1,0 +1,114 @@
+"""Bending that yields: where a surface is bent too far, it keeps a crease.
+
+The change of curvature of a ring, B_i, the vector of all ``(D_t - mean_i D) - R_i (P_t - mean_i P)`` in the
+norm of :class:`Bending`, is elastic up to a length r_i that belongs to the yield curvature k:
+``r_i^2 = A m_i k^2``, A the total area and m_i that of the vertex. What goes beyond it flows [Simo and Hughes
+1998, Computational Inelasticity: return mapping of perfect plasticity]. The least sum of the energy and of
+what the flow takes is
+
+    |B_i|^2   up to r_i,        2 r_i |B_i| - r_i^2   above,
+
+smooth, and linear where it flows: the moment stays, and neither the width of a fold nor the mesh changes what
+it takes. While flow and rotations are held the energy is quadratic, with the matrix of :class:`Bending`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.geometry.energy import plastic_kernels as kernels
+from apd_viewer.geometry.energy.bending import gathered, gradients
+from apd_viewer.geometry.energy.creased_cells import CreasedCells
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.energy.solve_mesh import SolveMesh
+
+_NONE = np.empty((0, 3, 3, 3))
+
+
+class PlasticBending:
+    """Bending with a yield curvature; stands in for :class:`Bending`.
+
+    Parameters
+    ----------
+    rest : SolveMesh
+    yield_curvature : float
+        Change of curvature above which bending stays, 1 / mesh unit: the root of the sum of the squares of
+        both principal ones.
+    rigidity : float
+        Weight of the cells of Eq. 1, in that of bending.
+
+    Attributes
+    ----------
+    kept : (m, 3, 3, 3) or (0, 3, 3, 3) float array
+        For every corner, what flow has added to ``P_t - mean_i P``; empty before the first :meth:`keep`.
+    dissipated : float
+        Energy that flow has taken.
+    """
+
+    def __init__(self, rest: SolveMesh, yield_curvature: float, rigidity: float) -> None:
+        self._rest, self._rigidity = rest, rigidity
+        self.bending, self.K = rest.bending, rest.bending.K
+        self._bound = yield_curvature * self.bending.per_curvature
+        self.kept, self.dissipated = _NONE, 0.0
+        self._cells: CreasedCells | None = None
+        self._elastic = np.ones(len(self._bound))
+        self._D, self._means = np.empty((0, 3, 3)), np.empty((0, 3, 3))
+
+    def energy(self, U: np.ndarray, q: np.ndarray) -> float:
+        """Energy at ``U`` (n, 3), rotations ``q`` (n, 4), and all that flow has taken."""
+        _, _, sizes = self._changes(U, q)
+        stored = np.minimum(sizes, self._bound)
+        E = float(stored @ (2.0 * sizes - stored)) + self.dissipated
+        return E + self._rigidity * self._cells.energy(U, q) if self._cells else E
+
+    def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
+        """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
+        b = self.bending
+        D = gradients(U, b.patch.F, b.hats)
+        ring = b.patch.start, b.patch.corner, b.weight, b.mean
+        S = kernels.moments(*ring, self.kept, D, scale * self._elastic)
+        if self._cells:
+            self._cells.add_moments(S, U, scale * self._rigidity)
+        return S
+
+    def follow(self, U: np.ndarray, q: np.ndarray) -> None:
+        """Let the rings flow as they would at ``U`` (n, 3), rotations ``q`` (n, 4)."""
+        self._D, self._means, sizes = self._changes(U, q)
+        self._elastic = np.divide(self._bound, sizes, out=np.ones(len(sizes)), where=sizes > self._bound)
+
+    def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
+        """Right-hand side for rotations ``q`` (n, 4) and the last flow, (n, 3)."""
+        b = self.bending
+        rest = b.patch.F, b.weight, b.mean, self.kept
+        tensions = kernels.tensions(*rest, self._elastic, self._D, self._means, 0.5 * scale, q)
+        pull = gathered(b.patch.start, b.patch.corner, b.hats, tensions)
+        if self._cells:
+            self._cells.add_pull(pull, q, scale * self._rigidity)
+        return pull
+
+    def keep(self, U: np.ndarray, q: np.ndarray) -> None:
+        """Make the flow at ``U`` (n, 3) with the rotations ``q`` (n, 4) last."""
+        b, E = self.bending, self.energy(U, q)
+        self.follow(U, q)
+        flowing = 1.0 - self._elastic
+        if not flowing.any():
+            return
+        if not len(self.kept):
+            self.kept = np.zeros((len(b.patch.F), 3, 3, 3))
+        ring = b.patch.start, b.patch.corner, b.mean, b.normals
+        kernels.add_flow(*ring, self._D, self._means, q, flowing, self.kept)
+        self._cells = CreasedCells(self._rest, self.kept)
+        self.follow(U, q)
+        self.dissipated += E - self.energy(U, q)
+
+    def _changes(self, U: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``D_t`` (m, 3, 3), their means (n, 3, 3), and the lengths ``|B_i|`` (n,)."""
+        b = self.bending
+        D = gradients(U, b.patch.F, b.hats)
+        means, sizes = np.empty((len(q), 3, 3)), np.empty(len(q))
+        ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
+        kernels.change_sizes(*ring, self.kept, D, q, means, sizes)
+        return D, means, sizes

@@ -1,0 +1,81 @@
+"""Options of a press: material, goals, and the shape it begins from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.energy.material import Material
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.arrays import numbers
+from apd_viewer.geometry.solver.methods import (
+    DEFAULT_AREA_STIFFNESS,
+    DEFAULT_METHOD,
+    DEFAULT_SHEAR_STIFFNESS,
+    Method,
+    material_of,
+)
+from apd_viewer.language import tr
+
+
+@dataclass(frozen=True, eq=False)
+class PressOptions:
+    """Material, goals and held vertices of a mesh to press.
+
+    Attributes
+    ----------
+    fixed : (k,) ints
+        Vertices that are held where they are at rest; none need be.
+    method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
+        See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+    yield_radius : float or None
+        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; None for walls
+        that spring back from everything.
+    start : (n, 3) float array or None
+        Shape to begin from, such as a twisted one; None for the shape at rest.
+    """
+
+    fixed: Sequence[int] | np.ndarray = ()
+    method: str = DEFAULT_METHOD
+    stiffness: float = 0.0
+    area_stiffness: float = DEFAULT_AREA_STIFFNESS
+    shear_stiffness: float = DEFAULT_SHEAR_STIFFNESS
+    area: float | None = None
+    volume: float | None = None
+    thickness: float | None = None
+    yield_radius: float | None = None
+    start: np.ndarray | None = None
+
+
+DEFAULT_OPTIONS = PressOptions()
+
+
+def start_of(rest: RestMesh, start: np.ndarray | None) -> np.ndarray:
+    """Positions (n, 3) of the solve to begin from; by default the rest array itself."""
+    if start is None:
+        return rest.shape.V
+    start = numbers(start, tr("Start"))
+    if start.shape != rest.V.shape:
+        raise InputError(
+            tr("The shape to begin from must have the {count:,} vertices of the mesh.").format(
+                count=len(rest.V)
+            )
+        )
+    return np.ascontiguousarray(start[rest.weld.first])
+
+
+def press_material(traits: Method, options: PressOptions) -> Material:
+    """Material with what yields; raises InputError on numbers that cannot be."""
+    stiffness, radius = options.stiffness, options.yield_radius
+    material = material_of(traits, stiffness, options.area_stiffness, options.shear_stiffness)
+    if radius is None:
+        return material
+    if not isinstance(radius, Real) or not radius > 0.0:
+        raise InputError(tr("The yield radius must be greater than 0."))
+    if not material.bending:
+        raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
+    return replace(material, yield_curvature=1.0 / radius)
