@@ -29,12 +29,15 @@ class CreasedCells:
     Parameters
     ----------
     rest : SolveMesh
+    creased : (n,) bool array
+        Vertices around which there are creases.
     kept : (m, 3, 3, 3) float array
         For every corner of a triangle, what a crease adds to the gradient of its positions, seen from that
         vertex.
     """
 
-    def __init__(self, rest: SolveMesh, kept: np.ndarray) -> None:
+    def __init__(self, rest: SolveMesh, creased: np.ndarray, kept: np.ndarray) -> None:
+        self._creased = creased.copy()
         self._start, self._neighbour, self._w = rest.graph
         n, F = len(rest.V), rest.F
         near = self._neighbour.astype(np.int64)
@@ -58,15 +61,17 @@ class CreasedCells:
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """Difference that they make to Eq. 1 at ``U`` (n, 3), rotations ``q`` (n, 4)."""
-        return float(_energy(self._start, self._neighbour, self._w, self._v, self._d, U, q))
+        return float(_energy(self._start, self._neighbour, self._w, self._v, self._d, self._creased, U, q))
 
     def add_moments(self, S: np.ndarray, U: np.ndarray, scale: float) -> None:
         """Add ``scale sum_j w_ij (u_i - u_j) d_ij^T`` to ``S`` (n, 3, 3)."""
-        _add_moments(self._start, self._neighbour, self._w, self._d, U, scale, S)
+        _add_moments(self._start, self._neighbour, self._w, self._d, self._creased, U, scale, S)
 
     def add_pull(self, b: np.ndarray, q: np.ndarray, scale: float) -> None:
         """Add ``scale / 2 sum_j w_ij (R_i d_ij - R_j d_ji)`` to ``b`` (n, 3)."""
-        _add_pull(self._start, self._neighbour, self._back, self._w, self._d, 0.5 * scale, q, b)
+        _add_pull(
+            self._start, self._neighbour, self._back, self._w, self._d, self._creased, 0.5 * scale, q, b
+        )
 
 
 @parallel(fastmath={"contract"})
@@ -76,11 +81,14 @@ def _energy(
     w: np.ndarray,
     v: np.ndarray,
     d: np.ndarray,
+    creased: np.ndarray,
     U: np.ndarray,
     q: np.ndarray,
 ) -> float:
     total = 0.0
     for i in prange(len(q)):
+        if not creased[i]:
+            continue
         own = 0.0
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
@@ -99,11 +107,14 @@ def _add_moments(
     neighbour: np.ndarray,
     w: np.ndarray,
     d: np.ndarray,
+    creased: np.ndarray,
     U: np.ndarray,
     scale: float,
     S: np.ndarray,
 ) -> None:
     for i in prange(len(S)):
+        if not creased[i]:
+            continue
         for e in range(start[i], start[i + 1]):
             j, weight = neighbour[e], scale * w[e]
             for a in range(3):
@@ -119,15 +130,21 @@ def _add_pull(
     back: np.ndarray,
     w: np.ndarray,
     d: np.ndarray,
+    creased: np.ndarray,
     half: float,
     q: np.ndarray,
     out: np.ndarray,
 ) -> None:
     for i in prange(len(q)):
         for e in range(start[i], start[i + 1]):
-            j, f = neighbour[e], back[e]
-            x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
-            a, b, c = turned(q, j, d[f, 0], d[f, 1], d[f, 2])
-            out[i, 0] += half * w[e] * (x - a)
-            out[i, 1] += half * w[e] * (y - b)
-            out[i, 2] += half * w[e] * (z - c)
+            j, f, weight = neighbour[e], back[e], half * w[e]
+            if creased[i]:
+                x, y, z = turned(q, i, d[e, 0], d[e, 1], d[e, 2])
+                out[i, 0] += weight * x
+                out[i, 1] += weight * y
+                out[i, 2] += weight * z
+            if creased[j]:
+                x, y, z = turned(q, j, d[f, 0], d[f, 1], d[f, 2])
+                out[i, 0] -= weight * x
+                out[i, 1] -= weight * y
+                out[i, 2] -= weight * z

@@ -25,7 +25,7 @@ from apd_viewer.geometry.energy.creased_cells import CreasedCells
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 
-_NONE = np.empty((0, 3, 3, 3))
+_NONE = np.empty((0, 3, 3, 3), np.float32)
 
 
 class PlasticBending:
@@ -54,12 +54,17 @@ class PlasticBending:
         self._bound = yield_curvature * self.bending.per_curvature
         self.kept, self.dissipated = _NONE, 0.0
         self._cells: CreasedCells | None = None
+        self._creased = np.zeros(len(self._bound), bool)
         self._elastic = np.ones(len(self._bound))
-        self._D, self._means = np.empty((0, 3, 3)), np.empty((0, 3, 3))
+        self._U, self._D = rest.V, gradients(rest.V, self.bending.patch.F, self.bending.hats)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._q, self._means, self._sizes = (np.empty(0) for _ in range(3))
 
     def energy(self, U: np.ndarray, q: np.ndarray) -> float:
         """Energy at ``U`` (n, 3), rotations ``q`` (n, 4), and all that flow has taken."""
-        _, _, sizes = self._changes(U, q)
+        sizes = self._changes(U, q)
         stored = np.minimum(sizes, self._bound)
         E = float(stored @ (2.0 * sizes - stored)) + self.dissipated
         return E + self._rigidity * self._cells.energy(U, q) if self._cells else E
@@ -67,22 +72,21 @@ class PlasticBending:
     def moments(self, U: np.ndarray, scale: float) -> np.ndarray:
         """Bending part of ``S_i`` in the local step at ``U`` (n, 3), (n, 3, 3)."""
         b = self.bending
-        D = gradients(U, b.patch.F, b.hats)
         ring = b.patch.start, b.patch.corner, b.weight, b.mean
-        S = kernels.moments(*ring, self.kept, D, scale * self._elastic)
+        S = kernels.moments(*ring, self._creased, self.kept, self._gradients(U), scale * self._elastic)
         if self._cells:
             self._cells.add_moments(S, U, scale * self._rigidity)
         return S
 
     def follow(self, U: np.ndarray, q: np.ndarray) -> None:
         """Let the rings flow as they would at ``U`` (n, 3), rotations ``q`` (n, 4)."""
-        self._D, self._means, sizes = self._changes(U, q)
+        sizes = self._changes(U, q)
         self._elastic = np.divide(self._bound, sizes, out=np.ones(len(sizes)), where=sizes > self._bound)
 
     def pull(self, q: np.ndarray, scale: float) -> np.ndarray:
         """Right-hand side for rotations ``q`` (n, 4) and the last flow, (n, 3)."""
         b = self.bending
-        rest = b.patch.F, b.weight, b.mean, self.kept
+        rest = b.patch.F, b.weight, b.mean, self._creased, self.kept
         tensions = kernels.tensions(*rest, self._elastic, self._D, self._means, 0.5 * scale, q)
         pull = gathered(b.patch.start, b.patch.corner, b.hats, tensions)
         if self._cells:
@@ -97,18 +101,27 @@ class PlasticBending:
         if not flowing.any():
             return
         if not len(self.kept):
-            self.kept = np.zeros((len(b.patch.F), 3, 3, 3))
+            self.kept = np.zeros((len(b.patch.F), 3, 3, 3), np.float32)
         ring = b.patch.start, b.patch.corner, b.mean, b.normals
-        kernels.add_flow(*ring, self._D, self._means, q, flowing, self.kept)
-        self._cells = CreasedCells(self._rest, self.kept)
+        self._creased |= flowing > 0.0
+        kernels.add_flow(*ring, self._D, self._means, q, flowing, self._creased, self.kept)
+        self._cells = CreasedCells(self._rest, self._creased, self.kept)
+        self._forget()
         self.follow(U, q)
         self.dissipated += E - self.energy(U, q)
 
-    def _changes(self, U: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``D_t`` (m, 3, 3), their means (n, 3, 3), and the lengths ``|B_i|`` (n,)."""
-        b = self.bending
-        D = gradients(U, b.patch.F, b.hats)
-        means, sizes = np.empty((len(q), 3, 3)), np.empty(len(q))
-        ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
-        kernels.change_sizes(*ring, self.kept, D, q, means, sizes)
-        return D, means, sizes
+    def _gradients(self, U: np.ndarray) -> np.ndarray:
+        """``D_t`` at ``U`` (n, 3), (m, 3, 3)."""
+        if U is not self._U:
+            self._U, self._D = U, gradients(U, self.bending.patch.F, self.bending.hats)
+            self._forget()
+        return self._D
+
+    def _changes(self, U: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Lengths ``|B_i|`` (n,) at ``U`` (n, 3), rotations ``q`` (n, 4)."""
+        b, D = self.bending, self._gradients(U)
+        if not np.array_equal(q, self._q):
+            self._q, self._means, self._sizes = q.copy(), np.empty((len(q), 3, 3)), np.empty(len(q))
+            ring = b.patch.start, b.patch.corner, b.weight, b.inverse, b.mean, b.normals
+            kernels.change_sizes(*ring, self._creased, self.kept, D, q, self._means, self._sizes)
+        return self._sizes

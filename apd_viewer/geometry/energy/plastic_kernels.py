@@ -17,6 +17,7 @@ def change_sizes(
     inverse: np.ndarray,
     mean: np.ndarray,
     normals: np.ndarray,
+    creased: np.ndarray,
     kept: np.ndarray,
     D: np.ndarray,
     q: np.ndarray,
@@ -37,7 +38,7 @@ def change_sizes(
         for e in range(start[i], start[i + 1]):
             t, c = corner[e] // 3, corner[e] % 3
             for b in range(3):
-                x, y, z = _target(mean, normals, kept, i, t, c, b)
+                x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
                 x, y, z = turned(q, i, x, y, z)
                 own += weight[t, c] * (
                     (D[t, 0, b] - d[0, b] - x) ** 2
@@ -49,13 +50,20 @@ def change_sizes(
 
 @njit(inline="always")
 def _target(
-    mean: np.ndarray, normals: np.ndarray, kept: np.ndarray, i: int, t: int, c: int, b: int
+    mean: np.ndarray,
+    normals: np.ndarray,
+    creased: np.ndarray,
+    kept: np.ndarray,
+    i: int,
+    t: int,
+    c: int,
+    b: int,
 ) -> tuple[float, float, float]:
     """Column ``b`` of ``P_t - mean_i P`` and of creases; mean is that of ``n n^T``."""
     n = normals[t, b]
     x, y, z = mean[i, 0, b], mean[i, 1, b], mean[i, 2, b]
     x, y, z = x - n * normals[t, 0], y - n * normals[t, 1], z - n * normals[t, 2]
-    if len(kept):
+    if creased[i]:
         x, y, z = x + kept[t, c, 0, b], y + kept[t, c, 1, b], z + kept[t, c, 2, b]
     return x, y, z
 
@@ -66,6 +74,7 @@ def moments(
     corner: np.ndarray,
     weight: np.ndarray,
     mean: np.ndarray,
+    creased: np.ndarray,
     kept: np.ndarray,
     D: np.ndarray,
     scale: np.ndarray,
@@ -79,7 +88,7 @@ def moments(
             for a in range(3):
                 for b in range(3):
                     s[a, b] += weight[t, c] * D[t, a, b]
-                    if len(kept):
+                    if creased[i]:
                         x, y, z = kept[t, c, b, 0], kept[t, c, b, 1], kept[t, c, b, 2]
                         own[a, b] += weight[t, c] * (D[t, a, 0] * x + D[t, a, 1] * y + D[t, a, 2] * z)
         for a in range(3):
@@ -95,6 +104,7 @@ def tensions(
     F: np.ndarray,
     weight: np.ndarray,
     mean: np.ndarray,
+    creased: np.ndarray,
     kept: np.ndarray,
     elastic: np.ndarray,
     D: np.ndarray,
@@ -113,7 +123,7 @@ def tensions(
             drawn, flows = w * elastic[i], w * (1.0 - elastic[i])
             for b in range(3):
                 x, y, z = mean[i, 0, b], mean[i, 1, b], mean[i, 2, b]
-                if len(kept):
+                if creased[i]:
                     x, y, z = x + kept[t, c, 0, b], y + kept[t, c, 1, b], z + kept[t, c, 2, b]
                 x, y, z = turned(q, i, x, y, z)
                 out[t, 0, b] += drawn * x
@@ -135,6 +145,7 @@ def add_flow(
     means: np.ndarray,
     q: np.ndarray,
     flowing: np.ndarray,
+    creased: np.ndarray,
     kept: np.ndarray,
 ) -> None:
     """Add ``flowing_i R_i^T B_it`` to what every corner keeps."""
@@ -144,7 +155,7 @@ def add_flow(
             for e in range(start[i], start[i + 1]):
                 t, c = corner[e] // 3, corner[e] % 3
                 for b in range(3):
-                    x, y, z = _target(mean, normals, kept, i, t, c, b)
+                    x, y, z = _target(mean, normals, creased, kept, i, t, c, b)
                     d, m = D[t], means[i]
                     dx, dy, dz = turned(back, i, d[0, b] - m[0, b], d[1, b] - m[1, b], d[2, b] - m[2, b])
                     kept[t, c, 0, b] += flowing[i] * (dx - x)
