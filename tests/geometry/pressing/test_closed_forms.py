@@ -38,7 +38,7 @@ def test_a_ring_between_plates(stiffness):
 
 
 def test_a_sphere_between_plates():
-    """Two point loads on shallow shells [Reissner 1946, Stresses and small displacements of shallow shells]."""
+    """Point loads at two poles [Reissner 1946, Stresses and small displacements of shallow shells]."""
     stiffness = 2e-4
     up = np.array([0.0, 0.0, 1.0])
     coarse, fine = (load_per_deflection(*sphere(n), up, stiffness) for n in (4, 5))
