@@ -70,7 +70,7 @@ class PaperDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("The paper's tables"))
         self.run = RunBar(tr("Run"), "paper", memory)
-        self.run.asked.connect(lambda: self.run.begin(lambda _, __: ["paper"]))
+        self.run.asked.connect(lambda: self.run.begin(lambda _, results: ["paper", "-o", str(results)]))
         self.run.busy.connect(self._make_room)
         self.run.ended.connect(self._show)
         self.table: QGridLayout | None = None

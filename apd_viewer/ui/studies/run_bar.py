@@ -108,8 +108,9 @@ class RunBar(QWidget):
         Parameters
         ----------
         words : callable
-            ``words(scratch, results)`` gives what to run, without where to: it is called on a thread, and may
-            write to the first folder what the command reads. The second is where the results will be.
+            ``words(scratch, results)`` gives what to run, all but ``--progress-lines``: it is called on a
+            thread, and may write to the first folder what the command reads. The second is empty: there
+            the command has to write its results.
         """
         self.close_all()
         self._saved = None
@@ -118,7 +119,7 @@ class RunBar(QWidget):
 
         def work() -> list[str]:
             results.mkdir()
-            return [*words(scratch, results), "-o", str(results), "--progress-lines"]
+            return [*words(scratch, results), "--progress-lines"]
 
         self._job = Job(tr("Preparing"), work, self._command.start, self._delivered.emit)
         self.words.setText(tr("preparing"))

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import (
-    QDialog,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QLineEdit,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
@@ -24,9 +14,8 @@ from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import MOST_STEPS, sweep_of, twist_of
 from apd_viewer.ui.studies.run_bar import RunBar
-from apd_viewer.ui.widgets.fields import Check, Choice, Number
-from apd_viewer.ui.widgets.figure_list import FigureView
-from apd_viewer.ui.widgets.fit_to_screen import resize_on_screen
+from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
+from apd_viewer.ui.widgets.fields import Check, Choice
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -36,7 +25,7 @@ if TYPE_CHECKING:
 _POSED, _TWIST = "posed", "twist"
 
 
-class SweepDialog(QDialog):
+class SweepDialog(StudyDialog):
     """Sweeps the session as it was when the dialog opened.
 
     Parameters
@@ -48,53 +37,25 @@ class SweepDialog(QDialog):
     view : View
         How an animation looks at the mesh.
     memory : Preferences
-
-    Attributes
-    ----------
-    run : RunBar
-    figure : FigureView or None
     """
 
     def __init__(self, window: QWidget, state: State, handle: int, view: View, memory: Preferences) -> None:
-        super().__init__(window, objectName="study")
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle(tr("Sweep – {name}").format(name=state.document.mesh.name))
+        mesh = state.document.mesh
+        run = RunBar(tr("Sweep"), f"{mesh.stem}-sweep", memory)
+        title = tr("Sweep – {name}").format(name=mesh.name)
+        super().__init__(window, title, run, "sweep.png", tr("Curves of area, volume and energy"))
         self._state, self._handle, self._view = state, handle, view
-        self.run = RunBar(tr("Sweep"), f"{state.document.mesh.stem}-sweep", memory)
-        self.run.asked.connect(self.begin)
-        self.run.busy.connect(self._show_busy)
-        self.run.ended.connect(self._show)
-        self.figure: FigureView | None = None
-        self._lay_out()
-
-    def _lay_out(self) -> None:
-        self._column = QVBoxLayout(self, spacing=12)
-        self._column.setContentsMargins(20, 16, 20, 16)
-        words = tr(
+        about = tr(
             "Runs the motion in steps, each shape starting from the previous one, and plots area, "
             "volume and energy."
         )
-        self._column.addWidget(QLabel(words, objectName="quiet", wordWrap=True))
-        self._asks = QWidget()
-        self._column.addWidget(self._asks)
-        grid = QGridLayout(self._asks, horizontalSpacing=16, verticalSpacing=8)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setColumnStretch(1, 1)
         rows = (
             (tr("Motion"), self._make_motion()),
             (tr("Steps"), self._make_steps()),
             (tr("Methods"), self._make_methods()),
             (tr("Also export"), self._make_extras()),
         )
-        for number, (title, row) in enumerate(rows):
-            grid.addWidget(QLabel(title, objectName="heading"), number, 0)
-            grid.addLayout(row, number, 1)
-        self.summary = QLabel(wordWrap=True, visible=False)
-        self.summary.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self._column.addWidget(self.summary)
-        self._column.addStretch(1)
-        self._column.addWidget(self.run)
-        self._fit(640)
+        self.lay_out(about, rows)
 
     def _make_motion(self) -> QHBoxLayout:
         document = self._state.document
@@ -109,18 +70,18 @@ class SweepDialog(QDialog):
         self.twist.setAccessibleName(tr("Angle of the twist"))
         self.motion.currentIndexChanged.connect(self._show_motion)
         self._show_motion()
-        return _row(self.motion, self.twist, spacing=8)
+        return row_of(self.motion, self.twist, spacing=8)
 
     def _show_motion(self) -> None:
         self.twist.setVisible(self.motion.currentData() == _TWIST)
 
     def _make_steps(self) -> QHBoxLayout:
-        self.steps = _field(tr("Number of steps"), 1, MOST_STEPS, 20)
-        self.to = _field(tr("End of the motion"), 1, 1000, 100, " %")
-        self.iterations = _field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
+        self.steps = count_field(tr("Number of steps"), 1, MOST_STEPS, 20)
+        self.to = count_field(tr("End of the motion"), 1, 1000, 100, " %")
+        self.iterations = count_field(tr("Iterations per step"), 1, 100_000, DEFAULT_ITERATIONS)
         words = tr("end at"), tr("of the motion, with at most"), tr("iterations each")
         first, second, third = map(QLabel, words)
-        return _row(self.steps, first, self.to, second, self.iterations, third, spacing=8)
+        return row_of(self.steps, first, self.to, second, self.iterations, third, spacing=8)
 
     def _make_methods(self) -> QHBoxLayout:
         own = self._state.document.method
@@ -129,12 +90,12 @@ class SweepDialog(QDialog):
             slow = METHODS[name].slow
             check.setChecked(not slow or own == name)
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")
-        return _row(*self.methods.values())
+        return row_of(*self.methods.values())
 
     def _make_extras(self) -> QHBoxLayout:
         self.meshes = Check(tr("the mesh of each step"))
         self.animation = Check(tr("an animation (GIF)"))
-        return _row(self.meshes, self.animation)
+        return row_of(self.meshes, self.animation)
 
     def begin(self) -> None:
         """Start the sweep with the options chosen."""
@@ -160,49 +121,6 @@ class SweepDialog(QDialog):
             session = scratch / "sweep.apd"
             save_session(session, self._state, self._view)
             film = ["--animation", str(results / "sweep.gif")] if animated else []
-            return ["sweep", str(session), *words, *film]
+            return ["sweep", str(session), *words, *film, "-o", str(results)]
 
         self.run.begin(prepared)
-
-    def _show_busy(self, on: bool) -> None:
-        self._asks.setEnabled(not on)
-        # Reserve room for the bar above the button: it would be taken from the fields.
-        self._column.activate()
-        if self._column.totalHeightForWidth(self.width()) > self.height():
-            self._fit(self.width())
-
-    def _show(self, folder: Path, said: str) -> None:
-        # The first line names a temporary folder.
-        self.summary.setText(re.sub(r"-(?=\d)", "−", "\n".join(said.splitlines()[1:])))
-        self.summary.show()
-        if self.figure is not None:
-            self._column.removeWidget(self.figure)
-            self.figure.deleteLater()
-        self.figure = FigureView(folder / "sweep.png", tr("Curves of area, volume and energy"))
-        self._column.insertWidget(self._column.indexOf(self.summary), self.figure)
-        self.figure.show()  # hidden widgets take no room
-        self._fit(max(self.width(), 900))
-
-    def _fit(self, width: int) -> None:
-        """Set the width, and the height it needs."""
-        self._column.activate()
-        resize_on_screen(self, QSize(width, self._column.totalHeightForWidth(width)))
-
-    def done(self, result: int) -> None:
-        """Close the dialog, and end a run in progress."""
-        self.run.close_all()
-        super().done(result)
-
-
-def _field(name: str, least: int, most: int, value: int, suffix: str = "") -> Number:
-    field = Number(accessibleName=name, minimum=least, maximum=most, value=value, decimals=0, suffix=suffix)
-    field.setFixedWidth(72)
-    return field
-
-
-def _row(*widgets: QWidget, spacing: int = 16) -> QHBoxLayout:
-    row = QHBoxLayout(spacing=spacing)
-    for widget in widgets:
-        row.addWidget(widget)
-    row.addStretch(1)
-    return row

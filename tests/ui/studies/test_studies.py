@@ -5,11 +5,12 @@ import csv
 import numpy as np
 import pytest
 import shiboken6
-from driving import Mouse, centre, document, idle
+from driving import document, idle
 from meshes import box, ends
 from PySide6.QtCore import QPointF, QProcess, Qt
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QFileDialog, QLabel
+from study_driving import click, finish
 
 from apd_viewer.commands.sweep import sweep_parser
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -44,20 +45,6 @@ def dialog(bar):
     return dialog
 
 
-def press(button):
-    """A click of the mouse, as a user makes it."""
-    assert button.isVisible()
-    assert button.isEnabled()
-    mouse = Mouse(button)
-    mouse.move(centre(button))
-    mouse.press(centre(button))
-    mouse.release(centre(button))
-
-
-def finish(qtbot, dialog):
-    qtbot.waitUntil(lambda: not dialog.run.running, timeout=60_000)
-
-
 def rows(path):
     with path.open(encoding="utf-8") as stream:
         return list(csv.DictReader(stream))
@@ -65,7 +52,7 @@ def rows(path):
 
 def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_path, monkeypatch):
     dialog.twist.setText("200deg")
-    press(dialog.run.start)
+    click(dialog.run.start)
     assert not dialog.steps.isEnabled()
     assert dialog.run.cancel.isVisible()
     finish(qtbot, dialog)
@@ -74,14 +61,14 @@ def test_a_sweep_is_drawn_and_saved_where_the_user_says(qtbot, bar, dialog, tmp_
     assert dialog.steps.isEnabled()
     (tmp_path / "mesh-sweep").mkdir()
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path))
-    press(dialog.run.save)
+    click(dialog.run.save)
     finish(qtbot, dialog)
     folder = tmp_path / "mesh-sweep-2"
     assert {path.name for path in folder.iterdir()} == {"sweep.csv", "sweep.png", "sweep.svg"}
     assert [float(line["degrees"]) for line in rows(folder / "sweep.csv")] == pytest.approx([0, 100, 200])
     opened = []
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toLocalFile()))
-    press(dialog.run.open)
+    click(dialog.run.open)
     assert opened == [str(folder)]
 
 
@@ -97,11 +84,12 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     dialog.meshes.setChecked(True)
     monkeypatch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
     begun = []
-    press(dialog.run.start)
-    options = sweep_parser().parse_args([*begun[0][1:], "-o", str(tmp_path)])
+    click(dialog.run.start)
+    options = sweep_parser().parse_args(begun[0][1:])
     assert (options.steps, options.to, options.iterations) == (3, 1.5, 500)
     assert options.methods == "arap,paper,exact"
     assert options.meshes
+    assert options.output == tmp_path / "out"
     assert options.animation == tmp_path / "out" / "sweep.gif"
     assert options.twist == []
     state, view = open_session(options.file)
@@ -110,11 +98,11 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
 
 
 def test_cancel_leaves_nothing(qtbot, dialog):
-    press(dialog.run.start)
+    click(dialog.run.start)
     qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
     scratch = dialog.run._scratch
     assert scratch.exists()
-    press(dialog.run.cancel)
+    click(dialog.run.cancel)
     assert not scratch.exists()
     assert not dialog.run.running
     assert "nothing was written" in dialog.run.words.text()
@@ -133,7 +121,7 @@ def test_cancel_leaves_nothing(qtbot, dialog):
 )
 def test_what_cannot_be_swept_is_said_at_once(change, words, bar, dialog):
     change(dialog)
-    press(dialog.run.start)
+    click(dialog.run.start)
     assert words in dialog.run.words.text()
     assert not dialog.run.running
 
@@ -150,7 +138,7 @@ def test_what_is_not_painted_is_not_swept(qtbot, window):
 
 
 def test_esc_and_the_window_close_a_dialog_and_end_its_work(qtbot, bar, dialog):
-    press(dialog.run.start)
+    click(dialog.run.start)
     qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
     process, scratch = dialog.run._command._process, dialog.run._scratch
     qtbot.keyClick(dialog, Qt.Key.Key_Escape)
@@ -173,11 +161,11 @@ def test_no_word_about_the_papers_tables_is_cut_off_while_they_are_run(qtbot, wi
     dialog = window.studies.dialogs["paper"]
     words = next(label for label in dialog.findChildren(QLabel) if "Li and Hui" in label.text())
     for _ in range(2):
-        press(dialog.run.start)
+        click(dialog.run.start)
         qtbot.waitUntil(dialog.run.bar.isVisible)
         qtbot.wait(20)
         assert words.height() >= words.heightForWidth(words.width())
-        press(dialog.run.cancel)
+        click(dialog.run.cancel)
 
 
 def test_the_papers_tables_stand_beside_ours(qtbot, window, tmp_path):
