@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,7 @@ from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press_output import report_of, row_of, summary
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
-from apd_viewer.files.mesh_writing import check_target, save_mesh
+from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.tables import write_table
@@ -137,6 +136,8 @@ def distance_of(text: str, extent: float) -> float:
 
 def _press(options: argparse.Namespace) -> None:
     output = check_target(options.output)
+    for beside in filter(None, (options.curve, options.figure, options.report)):
+        check_folder(beside)
     axis = axis_of(options.axis)
     mesh = open_mesh(options.mesh)
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
@@ -148,17 +149,17 @@ def _press(options: argparse.Namespace) -> None:
     steps = list(plates.steps(lambda done: progress.show(done, tr("pressing"))))
     found = pressed(steps, plates.pressing.is_stopped)
     progress.end()
-    with ExitStack() as beside:
-        if options.curve:
-            rows = [row_of(step) for step in found.steps]
-            write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
-        if options.figure:
-            # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
-            from apd_viewer.figures.press_curves import draw_press
+    save_mesh(mesh, found.U, output)
+    if options.curve:
+        rows = [row_of(step) for step in found.steps]
+        write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
+    if options.figure:
+        # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
+        from apd_viewer.figures.press_curves import draw_press
 
-            draw_press(found, options.figure)
-        if options.report:
-            said = json.dumps(report_of(mesh, rest, found, asked), indent=2)
-            beside.enter_context(replacing(options.report)).write_text(said + "\n", encoding="utf-8")
-        save_mesh(mesh, found.U, output)
+        draw_press(found, options.figure)
+    if options.report:
+        said = json.dumps(report_of(mesh, rest, found, asked), indent=2)
+        with replacing(options.report) as scratch:
+            scratch.write_text(said + "\n", encoding="utf-8")
     print(summary(found, rest, output))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.plain_numbers import signed
 from apd_viewer.files.report import room_of
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.language import tr
@@ -74,11 +75,11 @@ def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
     )
     if volume is not None and at_rest:
         lines.append(
-            tr("volume  {volume:.6g} of {rest:.6g} ({change:+.3f} %)").format(
-                volume=volume, rest=at_rest, change=100 * (volume / at_rest - 1)
+            tr("volume  {volume:.6g} of {rest:.6g} ({change} %)").format(
+                volume=volume, rest=at_rest, change=signed(100 * (volume / at_rest - 1), 3)
             )
         )
-    lines.append(tr("area    {change:+.3g} %").format(change=100 * last.area_error))
+    lines.append(tr("area    {change} %").format(change=signed(100 * last.area_error, 3)))
     curve = found.curve
     if curve.yield_load is not None:
         lines.append(
@@ -86,15 +87,20 @@ def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
                 load=curve.yield_load, deflection=curve.yield_deflection
             )
         )
-    lines.append(
-        tr("apparent stiffness {stiffness:.5g}, work {work:.5g}").format(
-            stiffness=curve.apparent_stiffness, work=curve.work
+    if curve.apparent_stiffness is not None:
+        lines.append(
+            tr("apparent stiffness {stiffness:.5g}, work {work:.5g}").format(
+                stiffness=curve.apparent_stiffness, work=curve.work
+            )
         )
-    )
     if last.crossings:
         lines.append(tr("{count:,} triangles cross others").format(count=last.crossings))
     if found.stopped:
-        lines.append(tr("Contact lets the plates go no farther."))
+        lines.append(
+            tr("Contact lets the plates come no nearer to each other than {distance:.4g}.").format(
+                distance=last.distance
+            )
+        )
     if not all(step.settled for step in found.steps):
-        lines.append(tr("Not every step came to rest; allow more --iterations."))
+        lines.append(tr("Not every step came to rest; allow more iterations."))
     return "\n".join(lines)

@@ -20,7 +20,7 @@ from apd_viewer.commands.sweep_output import (
 )
 from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import keep_shape, no_pictures
-from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.mesh_writing import check_folder, save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_transform
@@ -98,12 +98,8 @@ def _sweep(options: argparse.Namespace) -> None:
 
     if options.animation:
         check_film(options.animation)
-        if not (_is_in_output(options) or options.animation.parent.is_dir()):
-            raise InputError(
-                tr("There is no folder {folder}; create it or choose another.").format(
-                    folder=options.animation.parent
-                )
-            )
+        if not _is_in_output(options):
+            check_folder(options.animation)
     document, camera = _opened(options)
     twists = [twist_of(text) for text in options.twist]
     methods = [word.strip() for word in options.methods.split(",") if word.strip()]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apd_viewer.commands.plain_numbers import signed
 from apd_viewer.commands.progress import Progress
 from apd_viewer.figures.shapes import Picture, draw_shapes
-from apd_viewer.files.meshes import WRITTEN
+from apd_viewer.files.mesh_writing import suffix_for
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import Standpoint
@@ -26,9 +27,8 @@ _FILM_HEIGHT, _FILM_WIDTH = 560, 300  # pixels, the width of one shape
 
 def mesh_path(folder: Path, mesh: Mesh, step: SweepStep) -> Path:
     """Path of a step's mesh in the folder."""
-    own = mesh.origin.suffix if mesh.origin else ""
     (folder / "meshes").mkdir(exist_ok=True)
-    return folder / "meshes" / f"{step.method}-{step.number:03d}{own if own in WRITTEN else '.obj'}"
+    return folder / "meshes" / f"{step.method}-{step.number:03d}{suffix_for(mesh)}"
 
 
 def shape_path(folder: Path, step: SweepStep) -> Path:
@@ -98,15 +98,10 @@ def _words(step: SweepStep, abscissa: str) -> list[str]:
         "way": f"{step.way:.3g}",
         "part": f"{100 * step.part:.0f} %",
     }[abscissa]
-    lines = [where, tr("area {change} %").format(change=_signed(100 * step.frame.area_error))]
+    lines = [where, tr("area {change} %").format(change=signed(100 * step.frame.area_error, 2))]
     if step.volume_error is not None:
-        lines.append(tr("volume {change} %").format(change=_signed(100 * step.volume_error)))
+        lines.append(tr("volume {change} %").format(change=signed(100 * step.volume_error, 2)))
     return lines
-
-
-def _signed(value: float) -> str:
-    text = f"{value:+.2f}"
-    return "0.00" if float(text) == 0 else text
 
 
 def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
@@ -123,11 +118,11 @@ def summary(steps: Sequence[SweepStep], sweep: Sweep, folder: Path) -> str:
         worst = max(own, key=lambda step: abs(step.frame.area_error))
         said = tr("{method}: area {last} % at the end, {worst} % at most").format(
             method=METHODS[method].short_title,
-            last=_signed(100 * own[-1].frame.area_error),
-            worst=_signed(100 * worst.frame.area_error),
+            last=signed(100 * own[-1].frame.area_error, 2),
+            worst=signed(100 * worst.frame.area_error, 2),
         )
         if own[-1].volume_error is not None:
-            said += tr("; volume {change} %").format(change=_signed(100 * own[-1].volume_error))
+            said += tr("; volume {change} %").format(change=signed(100 * own[-1].volume_error, 2))
         lines.append(said)
         unsettled = sum(not step.frame.settled for step in own)
         if unsettled:

@@ -28,15 +28,20 @@ def check_target(path: str | Path) -> Path:
                 name=path.name, endings=", ".join(WRITTEN)
             )
         )
-    if not os.path.isdir(path.parent):  # noqa: PTH112
-        raise InputError(
-            tr("There is no folder {folder}; create it or choose another.").format(folder=path.parent)
-        )
+    check_folder(path)
     if os.path.isdir(path):  # noqa: PTH112
         raise InputError(
             tr("{path} cannot be written (it is a folder); choose another name.").format(path=path)
         )
     return path
+
+
+def check_folder(path: Path) -> None:
+    """Raise InputError unless the folder of ``path`` exists."""
+    if not os.path.isdir(path.parent):  # noqa: PTH112
+        raise InputError(
+            tr("There is no folder {folder}; create it or choose another.").format(folder=path.parent)
+        )
 
 
 class Written(NamedTuple):
@@ -52,6 +57,12 @@ class Written(NamedTuple):
 
     area: float
     dropped: tuple[str, ...]
+
+
+def suffix_for(mesh: Mesh) -> str:
+    """Suffix of files for shapes of ``mesh``: its own, or that of OBJ."""
+    own = mesh.origin.suffix if mesh.origin else ""
+    return own if own in WRITTEN else ".obj"
 
 
 def dropped(mesh: Mesh, path: str | Path) -> tuple[str, ...]:

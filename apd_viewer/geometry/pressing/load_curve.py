@@ -25,16 +25,16 @@ class LoadCurve(NamedTuple):
         The first maximum, from which the load falls; None if it only rises.
     yield_deflection : float or None
         Deflection at it, mesh units.
-    apparent_stiffness : float
+    apparent_stiffness : float or None
         Load per deflection at the beginning: of the line through 0 nearest to the points up to half of the
-        yield load, or of the last load.
+        yield load, or of the last load. None if the plates have not moved.
     work : float
         Work of the load along the whole way.
     """
 
     yield_load: float | None
     yield_deflection: float | None
-    apparent_stiffness: float
+    apparent_stiffness: float | None
     work: float
 
 
@@ -52,7 +52,7 @@ def load_curve(deflection: np.ndarray, load: np.ndarray) -> LoadCurve:
     most = y[top] if top is not None else y[-1]
     straight = (y <= _STRAIGHT * most) & (np.arange(len(y)) <= (len(y) if top is None else top))
     straight[1] = True
-    slope = float(x[straight] @ y[straight] / (x[straight] @ x[straight]))
+    slope = float(x[straight] @ y[straight] / (x[straight] @ x[straight])) if x[-1] > 0.0 else None
     work = float(np.trapezoid(y, x))
     if top is None:
         return LoadCurve(None, None, slope, work)

@@ -12,9 +12,10 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
-from apd_viewer.geometry.contact.obstacles import Obstacle, direction, plate
+from apd_viewer.geometry.contact.obstacles import Obstacle, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.geometry.pressing.plate_way import plate_way
 from apd_viewer.geometry.pressing.press_options import DEFAULT_OPTIONS, PressOptions
 from apd_viewer.geometry.pressing.pressing import Pressing
 from apd_viewer.language import tr
@@ -82,6 +83,11 @@ class PlatePress:
         Number of steps, and at most so many iterations for each.
     options : PressOptions
 
+    Attributes
+    ----------
+    way : PlateWay
+    pressing : Pressing
+
     Raises
     ------
     InputError
@@ -99,9 +105,8 @@ class PlatePress:
     ) -> None:
         _check_count(steps, MOST_STEPS, tr("The number of steps must be a whole number from 1 to {most:,}."))
         _check_count(iterations, 10**9, tr("The number of iterations must be a whole number of at least 1."))
-        self.axis, self._rest, self._to = direction(axis), rest, to
+        self._rest, self._asked = rest, (axis, to, thickness_of(rest.diagonal, options.thickness))
         self._count, self._iterations = steps, iterations
-        self._apart = thickness_of(rest.diagonal, options.thickness)
         self._relaxes = options.start is not None
         if self._relaxes:
             self.pressing = Pressing(rest, (), np.zeros((0, 3)), options)
@@ -112,25 +117,15 @@ class PlatePress:
     def _plates_around(self, U: np.ndarray) -> tuple[list[Obstacle], np.ndarray]:
         """Plates that touch a shape ``U`` (n, 3), and the ways (2, 3) that they go."""
         X = U[np.unique(self._rest.F)]
-        height = X @ self.axis
-        low, high = float(height.min()) - self._apart, float(height.max()) + self._apart
-        self.first = high - low
-        if not 0.0 < self._to < self.first:
-            raise InputError(
-                tr(
-                    "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
-                ).format(first=self.first)
-            )
+        self.way = way = plate_way(X, *self._asked)
         # The middle of the bounding box: plates need a place across their axis, too.
-        middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
-        middle = middle - (middle @ self.axis) * self.axis
-        size = float(np.linalg.norm(np.ptp(X, axis=0)))
+        middle, size = 0.5 * (X.min(axis=0) + X.max(axis=0)), diagonal(X)
+        middle = middle - (middle @ way.axis) * way.axis
         plates = [
-            plate(middle + low * self.axis, self.axis, size),
-            plate(middle + high * self.axis, -self.axis, size),
+            plate(middle + way.low * way.axis, way.axis, size),
+            plate(middle + way.high * way.axis, -way.axis, size),
         ]
-        self._way = self.first - self._to
-        return plates, 0.5 * self._way * np.array([self.axis, -self.axis])
+        return plates, 0.5 * way.length * np.array([way.axis, -way.axis])
 
     def steps(self, tick: Callable[[float], object] = lambda _: None) -> Iterator[PressStep]:
         """Press: the shapes at rest, from the first touch on.
@@ -146,10 +141,10 @@ class PlatePress:
         if self._relaxes:
             self._rest_at(0.0, partial(_tick_at, tick, 0, self._count))
             self.pressing.surround(*self._plates_around(self.pressing.U))
-        yield self._step()
+        yield self._step(settled=True)
         for k in range(self._count):
             self._rest_at((k + 1) / self._count, partial(_tick_at, tick, k, self._count))
-            yield self._step()
+            yield self._step(self.pressing.settled)
             if self.pressing.is_stopped:
                 return
 
@@ -166,7 +161,7 @@ class PlatePress:
             share = max(0.0, share - 1.0 / self._count)
             self._rest_at(share, partial(_tick_at, tick, k, self._count))
             k += 1
-            yield self._step()
+            yield self._step(self.pressing.settled)
 
     def _rest_at(self, share: float, tick: Callable[[float], object]) -> None:
         """Go to a share of the way, and come to rest there, as far as iterations suffice."""
@@ -176,15 +171,15 @@ class PlatePress:
             pressing.iterate()
             tick(pressing.iterations / (pressing.iterations + 200.0))
 
-    def _step(self) -> PressStep:
+    def _step(self, settled: bool) -> PressStep:
         pressing, rest = self.pressing, self._rest
         shape = pressing.U[rest.weld.first]
         found, crossed = rest.measure(shape), crossings(shape, rest.shape.F)
-        low, high = pressing.loads @ self.axis
-        gone = pressing.share * self._way
+        low, high = pressing.loads @ self.way.axis
+        gone = pressing.share * self.way.length
         return PressStep(
             U=frozen(pressing.U),
-            distance=self.first - gone,
+            distance=self.way.first - gone,
             deflection=gone,
             load_low=float(-low),
             load_high=float(high),
@@ -193,7 +188,7 @@ class PlatePress:
             volume_capped=found.volume_capped,
             area_error=found.area / rest.area - 1.0,
             crossings=None if crossed is None else len(crossed),
-            settled=pressing.settled or not pressing.share,
+            settled=settled,
             iterations=pressing.iterations,
         )
 

@@ -43,11 +43,11 @@ def test_nothing_crosses_on_the_way_and_the_area_stays():
             frames += 1
             if frames % 5:
                 continue
-            U, reach = pressing.U, pressing.share * (plates.first - 0.4) / 2
+            U, reach = pressing.U, pressing.share * (plates.way.first - 0.4) / 2
             assert not crosses.crosses(U)
             assert abs(rest.measure(U).area / rest.area - 1.0) <= 1e-9
-            assert U[:, 2].min() > -plates.first / 2 + reach
-            assert U[:, 2].max() < plates.first / 2 - reach
+            assert U[:, 2].min() > -plates.way.first / 2 + reach
+            assert U[:, 2].max() < plates.way.first / 2 - reach
         least.append(np.ptp(pressing.U[:, 2]))
     assert least[-1] < 0.4
     assert pressing.share == 1.0
@@ -56,7 +56,7 @@ def test_nothing_crosses_on_the_way_and_the_area_stays():
 def test_both_plates_carry_the_slope_of_the_energy():
     """At rest, by differences of the energy of plates a little nearer and farther."""
     plates = PlatePress(ball(), Z, 1.5, 2, options=STIFF)
-    pressing, way, h = plates.pressing, plates.first - 1.5, 2e-3
+    pressing, way, h = plates.pressing, plates.way.first - 1.5, 2e-3
     for share in (0.5, 1.0 - h):
         to_rest(pressing, share)
         low, high = pressing.loads @ Z

@@ -1,0 +1,72 @@
+"""The way of two plates that close on a mesh, from the first touch on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.mesh_contact import thickness_of
+from apd_viewer.geometry.contact.obstacles import direction
+from apd_viewer.geometry.mesh.arrays import diagonal
+from apd_viewer.language import tr
+
+
+class PlateWay(NamedTuple):
+    """Way of two parallel plates.
+
+    Attributes
+    ----------
+    axis : (3,) float array
+        Direction in which they press, of length 1.
+    low, high : float
+        Places of the plates along the axis at the first touch, mesh units.
+    to : float
+        Their distance in the end, mesh units.
+    """
+
+    axis: np.ndarray
+    low: float
+    high: float
+    to: float
+
+    @property
+    def first(self) -> float:
+        """Distance at the first touch."""
+        return self.high - self.low
+
+    @property
+    def length(self) -> float:
+        """Distance by which they close."""
+        return self.first - self.to
+
+
+def plate_way(points: np.ndarray, axis: np.ndarray, to: float, thickness: float | None) -> PlateWay:
+    """Way of plates that touch ``points`` at first, and are ``to`` apart in the end.
+
+    Parameters
+    ----------
+    points : (k, 3) float array
+        Vertices of a mesh, without loose ones.
+    axis : (3,) float array
+    to : float
+        Mesh units; less than the extent of the points.
+    thickness : float or None
+        Distance that plates and walls keep, mesh units; None for a thousandth of the diagonal.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+    """
+    axis, apart = direction(axis), thickness_of(diagonal(points), thickness)
+    height = points @ axis
+    way = PlateWay(axis, float(height.min()) - apart, float(height.max()) + apart, to)
+    if not 0.0 < to < way.first:
+        raise InputError(
+            tr(
+                "The plates are {first:.4g} apart at first; enter a smaller distance, and greater than 0."
+            ).format(first=way.first)
+        )
+    return way

@@ -1,0 +1,194 @@
+"""The command that presses: what it writes, and that it writes all of it or nothing."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+import trimesh
+from meshes import sphere, tube
+from PIL import Image
+
+from apd_viewer.__main__ import main
+from apd_viewer.commands import press as press_command
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+
+
+@pytest.fixture
+def ball(tmp_path):
+    V, F = sphere(3)
+    save_mesh(Mesh(V, F), V, tmp_path / "ball.off")
+    return tmp_path / "ball.off"
+
+
+@pytest.fixture
+def press(tmp_path, capsys):
+    """Run the command; return its status, what it said and the mesh that it was to write."""
+
+    def run(*words, out=tmp_path / "pressed.off"):
+        try:
+            status = main(["press", *map(str, words), "-o", str(out)])
+        except SystemExit as end:  # of argparse
+            status = end.code
+        said = capsys.readouterr()
+        return status, said.out, said.err, out
+
+    return run
+
+
+def rows(path):
+    with path.open(encoding="utf-8") as stream:
+        found = list(csv.DictReader(stream))
+    return [{name: float(value) if value else None for name, value in row.items()} for row in found]
+
+
+QUICK = "--axis", "z", "--to", "80%", "--steps", 2, "--stiffness", 0.001
+
+
+def test_mesh_curve_figure_and_report_say_the_same(ball, press, tmp_path):
+    curve, figure, report = tmp_path / "c.csv", tmp_path / "f.png", tmp_path / "r.json"
+    status, said, err, out = press(ball, *QUICK, "--curve", curve, "--figure", figure, "--report", report)
+    assert (status, err) == (0, "")
+    U, lines, found = open_mesh(out).V, rows(curve), json.loads(report.read_text(encoding="utf-8"))
+    assert np.ptp(U[:, 2]) <= 1.6 + 1e-9
+    first = lines[0]["distance"]
+    assert first > 2.0, "the plates touch, a wall's thickness away"
+    assert [line["distance"] for line in lines] == pytest.approx(np.linspace(first, 1.6, 3))
+    shape = trimesh.load(out, process=False)
+    assert shape.volume == pytest.approx(lines[-1]["volume"], rel=1e-9)
+    for name, value in lines[-1].items():
+        assert found[name] == pytest.approx(value), name
+    assert found["area_rest"] == pytest.approx(trimesh.load(ball, process=False).area, rel=1e-9)
+    assert f"{out}: plates 1.6 apart" in said.splitlines()[0]
+    assert f"work {found['work']:.5g}" in said
+    assert (tmp_path / "f.svg").exists()
+    with Image.open(figure) as image:
+        assert image.width > image.height
+
+
+@pytest.mark.parametrize("method", ["exact", "local", "arap"])
+def test_both_plates_carry_the_same_and_no_load_is_there_at_first(method, ball, press, tmp_path):
+    words = "--curve", tmp_path / "c.csv", "--method", method
+    assert press(ball, *QUICK, *words)[0] == 0
+    lines = rows(tmp_path / "c.csv")
+    assert all(line["settled"] for line in lines)
+    assert all(line["crossings"] == 0 for line in lines)
+    for line in lines[1:]:
+        assert line["load_low"] == pytest.approx(line["load_high"], rel=0.01)
+        assert line["load_low"] > 0.0
+    assert lines[1]["load_low"] < lines[2]["load_low"]
+
+
+@pytest.mark.parametrize("text", ["z", "Z", " z ", "0 0 2", "0,0,1", "0, 0, 0.5"])
+def test_an_axis_is_a_letter_or_three_numbers(text):
+    np.testing.assert_array_equal(press_command.axis_of(text) / max(press_command.axis_of(text)), [0, 0, 1])
+
+
+@pytest.mark.parametrize("text", ["60%", " 60 % ", "1.2", "6/5"])
+def test_a_distance_is_a_length_or_a_percentage(text):
+    assert press_command.distance_of(text, 2.0) == pytest.approx(1.2, rel=1e-12)
+
+
+def test_an_open_surface_has_the_volume_within_its_caps(press, tmp_path):
+    V, F = tube(16, 20)
+    save_mesh(Mesh(V, F), V, tmp_path / "tube.off")
+    curve = tmp_path / "c.csv"
+    words = "--to", "80%", "--steps", 2, "--stiffness", 0.01, "--thickness", 0.02
+    status, said, err, _ = press(tmp_path / "tube.off", *words, "--curve", curve)
+    assert (status, err) == (0, "")
+    first, *_, last = rows(curve)
+    assert last["volume"] is None
+    assert last["volume_capped"] < first["volume_capped"]
+    assert first["distance"] == pytest.approx(np.ptp(V[:, 0]) + 0.04)
+    assert "volume" in said
+
+
+def test_the_same_press_writes_the_same_files(ball, press, tmp_path):
+    for name in ("a", "b"):
+        folder = tmp_path / name
+        folder.mkdir()
+        beside = "--curve", folder / "c.csv", "--figure", folder / "f.png", "--report", folder / "r.json"
+        assert press(ball, *QUICK, *beside, out=folder / "o.off")[0] == 0
+    for name in ("c.csv", "f.png", "f.svg", "r.json", "o.off"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+
+
+def test_progress_is_said_in_lines(ball, press, monkeypatch):
+    monkeypatch.setattr("apd_viewer.commands.progress._INTERVAL", 0.0)
+    _, said, _, _ = press(ball, *QUICK, "--progress-lines")
+    lines = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
+    done = [line["done"] for line in lines]
+    assert len(done) > 5
+    assert done == sorted(done)
+    assert 0.0 < done[0] < done[-1] <= 1.0
+    assert {line["doing"] for line in lines} == {"pressing"}
+
+
+def test_steps_that_do_not_come_to_rest_are_named(ball, press, tmp_path):
+    beside = "--curve", tmp_path / "c.csv", "--report", tmp_path / "r.json"
+    _, said, _, _ = press(ball, *QUICK, "--iterations", 1, *beside)
+    assert "Not every step came to rest" in said
+    assert [line["settled"] for line in rows(tmp_path / "c.csv")] == [1.0, 0.0, 0.0]
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert report["apparent_stiffness"] is None, "the plates have not moved"
+
+
+WRONG = {
+    "a letter that is no axis": (["--axis", "w"], "is no direction"),
+    "two numbers": (["--axis", "1 0"], "is no direction"),
+    "a direction without length": (["--axis", "0 0 0"], "is no direction"),
+    "a distance of nothing": (["--to", "0"], "greater than 0"),
+    "a distance that is negative": (["--to=-5%"], "greater than 0"),
+    "plates that do not touch": (["--to", "120%"], "enter a smaller distance"),
+    "a distance that is no number": (["--to", "half"], "is unknown"),
+    "a method that cannot touch": (["--method", "paper"], "paper"),
+    "a method that is none": (["--method", "x"], "x"),
+    "stiffness": (["--stiffness", "-1"], "stiffness must be"),
+    "no stiffness": (["--stiffness", "nan"], "stiffness must be"),
+    "steps": (["--steps", "0"], "from 1 to 1,000"),
+    "iterations": (["--iterations", "0"], "at least 1"),
+    "a thickness of nothing": (["--thickness", "0"], "greater than 0"),
+    "walls thicker than the mesh": (["--thickness", "3"], "check the unit"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_is_said_in_a_line_and_nothing_is_written(case, ball, press, tmp_path):
+    words, sentence = WRONG[case]
+    before = sorted(tmp_path.rglob("*"))
+    beside = "--curve", tmp_path / "c.csv", "--figure", tmp_path / "f.png", "--report", tmp_path / "r.json"
+    status, out, err, _ = press(ball, *QUICK, *words, *beside)
+    assert (status, out) == (2, "")
+    assert re.fullmatch(r"error: .+\n", err)
+    assert sentence in err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("option", ["--curve", "--figure", "--report"])
+def test_a_folder_that_is_not_there_is_named_at_once(option, ball, press, tmp_path, monkeypatch):
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.setattr(press_command, "PlatePress", None)  # nothing is pressed before
+    status, out, err, _ = press(ball, *QUICK, option, tmp_path / "gone" / "file.png")
+    assert (status, out) == (2, "")
+    assert err == f"error: There is no folder {tmp_path / 'gone'}; create it or choose another.\n"
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_mesh_of_an_unknown_kind_is_refused_before_anything_is_pressed(ball, press, tmp_path):
+    status, _, err, _ = press(ball, *QUICK, out=tmp_path / "a.xyz")
+    assert status == 2
+    assert "supported ending" in err
+
+
+def test_what_is_interrupted_leaves_nothing(ball, press, tmp_path, monkeypatch):
+    before = sorted(tmp_path.rglob("*"))
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(press_command.Progress, "show", stop)
+    assert press(ball, *QUICK, "--curve", tmp_path / "c.csv")[0] == 130
+    assert sorted(tmp_path.rglob("*")) == before
