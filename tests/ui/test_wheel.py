@@ -118,6 +118,9 @@ def dialog_of(window, name):
     if name == "sweep":
         actions.pose.sweep.trigger()
         return window.studies.dialogs["sweep"]
+    if name == "press":
+        actions.pose.press.trigger()
+        return window.studies.dialogs["press"]
     if name == "settings":
         window.actions_.settings.trigger()
         return window.settings_page.dialog
@@ -134,7 +137,7 @@ def dialog_of(window, name):
     return dialog
 
 
-@pytest.mark.parametrize("name", ["sweep", "paper", "compare", "picture", "settings"])
+@pytest.mark.parametrize("name", ["sweep", "press", "paper", "compare", "picture", "settings"])
 def test_the_wheel_over_the_controls_of_a_dialog_changes_nothing(qtbot, bottle, name):
     dialog = dialog_of(bottle, name)
     qtbot.waitExposed(dialog)

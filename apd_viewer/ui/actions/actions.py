@@ -147,7 +147,8 @@ class Actions:
 
     def offer(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""
-        own = [*self.file.of_a_mesh, self.pose.compare, self.pose.sweep, self.pose.symmetric]
+        studies = [self.pose.compare, self.pose.sweep, self.pose.press]
+        own = [*self.file.of_a_mesh, *studies, self.pose.symmetric]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):

@@ -43,7 +43,7 @@ class PoseActions:
     ----------
     parts, pivots, nudges, named : list of QAction
     along : dict of Along to QAction
-    typed, put_back, symmetric, pause, compare, sweep : QAction
+    typed, put_back, symmetric, pause, compare, sweep, press : QAction
     """
 
     def __init__(self, maker: ActionMaker, commands: Commands) -> None:
@@ -167,6 +167,14 @@ class PoseActions:
             None,
             commands.studies.sweep,
         )
+        self.press = make(
+            "press",
+            tr("Press &between plates…"),
+            "press",
+            tr("Press the mesh at rest between two plates, and plot load and volume"),
+            None,
+            commands.studies.press,
+        )
         self.pause = make(
             "pause",
             tr("Pause or c&ontinue solving"),
@@ -212,4 +220,4 @@ class PoseActions:
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()
-        menu.addActions([self.pause, self.compare, self.sweep])
+        menu.addActions([self.pause, self.compare, self.sweep, self.press])

@@ -1,1 +1,1 @@
-"""Dialogs for sweeps and the paper's tables."""
+"""Dialogs for sweeps, presses and the paper's tables."""

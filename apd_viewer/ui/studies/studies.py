@@ -1,4 +1,4 @@
-"""Dialogs for work on many shapes: sweeps, and the paper's tables."""
+"""Dialogs for work on many shapes: sweeps, presses, and the paper's tables."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
+from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.studies.sweep_dialog import SweepDialog
 
 if TYPE_CHECKING:
@@ -52,6 +54,14 @@ class Studies(QObject):
             self._failed(state.document.problem)
             return
         self._show("sweep", lambda: SweepDialog(self._window, state, handle, view, self._memory))
+
+    def press(self) -> None:
+        """Press the mesh that is open between two plates; nothing need be painted."""
+        found = self._opened()
+        if found is not None:
+            state, _, view = found
+            document, unit = state.document, Unit(view.unit)
+            self._show("press", lambda: PressDialog(self._window, document, unit, self._memory))
 
     def paper(self) -> None:
         """Re-run the paper's tables."""

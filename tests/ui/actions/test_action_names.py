@@ -9,7 +9,7 @@ reshape:GROW reshape:SHRINK reshape:SMOOTH reshape:INVERT
 clear:base clear:handle clear:region clear:all lock_part hide_part
 reshape:MIRROR_X reshape:MIRROR_Y reshape:MIRROR_Z
 pause add_handle next_handle add_region type_motion put_back compare_methods
-pick_pivot type_pivot centre_pivot sweep
+pick_pivot type_pivot centre_pivot sweep press
 nudge:(-1,0,0) nudge:(1,0,0) nudge:(0,1,0) nudge:(0,-1,0) nudge:(0,0,1) nudge:(0,0,-1)
 along:WORLD along:HANDLE along:VIEW
 frame findings look:front look:side look:top look:-front look:-side look:-top edges

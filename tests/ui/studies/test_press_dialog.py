@@ -1,0 +1,215 @@
+"""The dialog that presses a mesh between plates: in a real window, with a real process."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from driving import document, idle
+from meshes import box, sphere, tube
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
+from study_driving import click, finish
+
+from apd_viewer.commands.press import press_parser
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.studies.press_dialog import PressDialog
+
+
+@pytest.fixture
+def asked(window, qtbot, tmp_path, monkeypatch):
+    """Open the dialog of a mesh; and the options that it would run the command with."""
+    dialogs = []
+
+    def ask(V, F, **changes):
+        state_of = window.session.store
+        window.session.files.open_mesh(Mesh(V, F))
+        idle(qtbot, window)
+        changed = replace(state_of.state.document, **changes)
+        dialog = PressDialog(window.shell, changed, state_of.unit, window.memory)
+        dialogs.append(dialog)
+        dialog.show()
+        return dialog
+
+    def options(dialog):
+        begun = []
+        with monkeypatch.context() as patch:
+            patch.setattr(dialog.run, "begin", lambda words: begun.append(words(tmp_path, tmp_path / "out")))
+            click(dialog.run.start)
+        return press_parser().parse_args(begun[0][1:])
+
+    yield ask, options
+    for dialog in dialogs:
+        dialog.close()
+
+
+@pytest.fixture
+def ball(qtbot, window):
+    """The dialog of a small ball with nothing painted, quick."""
+    window.session.files.open_mesh(Mesh(*sphere(2)))
+    idle(qtbot, window)
+    window.actions_.pose.press.trigger()
+    dialog = window.studies.dialogs["press"]
+    dialog.steps.setValue(2)
+    dialog.to.setValue(80)
+    return dialog
+
+
+def texts(choice):
+    return [choice.itemText(k) for k in range(choice.count())]
+
+
+def test_any_mesh_can_be_pressed_even_if_nothing_is_painted(qtbot, window):
+    action = window.actions_.pose.press
+    assert not action.isEnabled()
+    window.session.files.open_mesh(Mesh(*box(1, 1, 1)))
+    idle(qtbot, window)
+    assert document(window).problem
+    assert action.isEnabled()
+    action.trigger()
+    assert window.studies.dialogs["press"].isVisible()
+    assert window.notice.text == ""
+
+
+def test_the_dialog_knows_the_mesh_and_its_unit(qtbot, window):
+    window.session.files.open_mesh(Mesh(*box(1, 2, 4)))
+    idle(qtbot, window)
+    window._choose_unit(Unit.CENTIMETRE)
+    window.actions_.pose.press.trigger()
+    dialog = window.studies.dialogs["press"]
+    assert texts(dialog.direction) == ["X (1.000\xa0cm)", "Y (2.000\xa0cm)", "Z (4.000\xa0cm)"]
+    assert "0.5000\xa0cm apart" in dialog.distance.text()
+    dialog.direction.setCurrentIndex(2)
+    assert "2.000\xa0cm apart" in dialog.distance.text()
+    dialog.to.setValue(25)
+    assert "1.000\xa0cm apart" in dialog.distance.text()
+    assert dialog.thickness.placeholderText() == "0.00458\xa0cm"
+
+
+def test_loose_vertices_take_no_part_in_the_extent(asked):
+    V, F = box(1, 2, 4)
+    dialog = asked[0](np.vstack([V, [[50.0, 50.0, 50.0]]]), F)
+    assert texts(dialog.direction) == ["X (1.000)", "Y (2.000)", "Z (4.000)"]
+
+
+def test_as_they_stand_the_fields_say_what_the_command_says_without_options(asked):
+    ask, options = asked
+    said, plain = options(ask(*sphere(2))), press_parser().parse_args(["m.obj", "--to", "50%", "-o", "o.obj"])
+    for name in ("axis", "to", "steps", "iterations", "method", "area_stiffness", "shear_stiffness"):
+        assert getattr(said, name) == getattr(plain, name), name
+    assert said.thickness is said.area is said.volume is None
+
+
+def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
+    ask, options = asked
+    settings = {"method": "local", "stiffness": 0.02, "area_stiffness": 3.0, "shear_stiffness": 0.5}
+    dialog = ask(*tube(), **settings, thickness=0.0125)
+    assert dialog.hint.isHidden()
+    dialog.direction.setCurrentIndex(1)
+    said = options(dialog)
+    assert {name: getattr(said, name) for name in settings} == settings
+    assert (said.axis, said.thickness) == ("y", 0.0125)
+    assert said.output == str(tmp_path / "out" / "pressed.obj")
+    assert said.curve == tmp_path / "out" / "curve.csv"
+    assert trimesh.load(said.mesh, process=False).vertices == pytest.approx(tube()[0], abs=1e-12)
+
+
+def test_without_stiffness_a_little_is_proposed_and_a_line_says_why(asked):
+    dialog = asked[0](*sphere(2), stiffness=0.0)
+    assert dialog.stiffness.value() == 0.001
+    assert dialog.hint.isVisible()
+    assert "loads mean little" in dialog.hint.text()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_only_methods_that_keep_walls_apart_are_offered(method, asked):
+    dialog = asked[0](*sphere(2), method=method)
+    offered = [dialog.method.itemData(k) for k in range(dialog.method.count())]
+    assert offered == [name for name, traits in METHODS.items() if traits.may_touch]
+    assert dialog.method.currentData() == (method if method in offered else "exact")
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [("9 mm2", "is unknown"), ("0", "greater than 0"), ("-1", "greater than 0"), ("7", "check the unit")],
+)
+def test_a_wall_that_cannot_be_is_refused_at_once(typed, words, ball):
+    ball.thickness.setText(typed)
+    click(ball.run.start)
+    assert words in ball.run.words.text()
+    assert not ball.run.running
+    assert ball.run.start.isVisible()
+
+
+def test_a_flat_mesh_is_not_pressed_across(asked):
+    V, F = box(1, 2, 4)
+    dialog = asked[0](V * [1.0, 1.0, 0.0], F)
+    dialog.direction.setCurrentIndex(2)
+    click(dialog.run.start)
+    assert "greater than 0" in dialog.run.words.text()
+    assert not dialog.run.running
+
+
+def test_a_press_is_drawn_and_saved_in_the_format_of_the_mesh(qtbot, window, tmp_path, monkeypatch):
+    V, F = sphere(2)
+    save_mesh(Mesh(V, F), V, tmp_path / "ball.off")
+    window.session.files.open(tmp_path / "ball.off")
+    qtbot.waitUntil(lambda: window.session.store.state is not None)
+    idle(qtbot, window)
+    window.actions_.pose.press.trigger()
+    dialog = window.studies.dialogs["press"]
+    dialog.steps.setValue(2)
+    dialog.direction.setCurrentIndex(2)
+    click(dialog.run.start)
+    assert not dialog.steps.isEnabled()
+    assert dialog.run.cancel.isVisible()
+    finish(qtbot, dialog)
+    assert dialog.figure.drawn
+    assert dialog.summary.text().startswith("load ")
+    assert "pressed.off" not in dialog.summary.text()
+    assert dialog.steps.isEnabled()
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path))
+    click(dialog.run.save)
+    finish(qtbot, dialog)
+    folder = tmp_path / "ball-press"
+    names = {"pressed.off", "curve.csv", "press.png", "press.svg", "report.json"}
+    assert {path.name for path in folder.iterdir()} == names
+    with (folder / "curve.csv").open(encoding="utf-8") as stream:
+        assert [line["settled"] for line in csv.DictReader(stream)] == ["1", "1", "1"]
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    assert (report["mesh"], report["vertices"], report["stiffness"]) == ("ball.off", len(V), 0.001)
+    assert report["distance"] == pytest.approx(1.0, abs=1e-9)
+    assert np.ptp(trimesh.load(folder / "pressed.off", process=False).vertices[:, 2]) < 1.0
+
+
+def test_cancel_leaves_nothing(qtbot, ball):
+    click(ball.run.start)
+    scratch = ball.run._scratch
+    assert scratch.exists()
+    click(ball.run.cancel)  # while the mesh is written
+    assert not scratch.exists()
+    ball.steps.setValue(200)
+    click(ball.run.start)
+    qtbot.waitUntil(lambda: ball.run.bar.value() > 0, timeout=60_000)
+    scratch = ball.run._scratch
+    assert "pressing" in ball.run.words.text()
+    click(ball.run.cancel)
+    assert not scratch.exists()
+    assert not ball.run.running
+    assert "nothing was written" in ball.run.words.text()
+    assert ball.figure is None
+    assert ball.steps.isEnabled()
+
+
+def test_closing_the_dialog_ends_the_run(qtbot, window, ball):
+    click(ball.run.start)
+    qtbot.waitUntil(lambda: ball.run._command.running, timeout=10_000)
+    scratch = ball.run._scratch
+    qtbot.keyClick(ball, Qt.Key.Key_Escape)
+    assert window.studies.dialogs == {}
+    assert not scratch.exists()
