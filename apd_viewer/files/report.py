@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from apd_viewer.files.storage.atomic_file import replacing
+from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck, check_shape
 
 if TYPE_CHECKING:
@@ -64,12 +65,24 @@ def apart_of(target: TargetShape, mesh: Mesh, U: np.ndarray) -> dict[str, float]
 
 
 def room_of(found: ShapeCheck) -> dict[str, Any]:
-    """Readings of bounding boxes and self-intersections.
+    """Readings of self-intersections, bounding boxes and the convex hull.
 
-    That number is None where the library is missing that finds them.
+    The number of intersections is None where the library is missing that finds them.
     """
     return {
         "self_intersections": None if found.crossing is None else len(found.crossing),
         "box_volume": found.box,
         "packed_volume": found.packed,
+        **hull_fields(found.hull),
+    }
+
+
+def hull_fields(hull: HullReadings) -> dict[str, Any]:
+    """Fields of the convex hull, by name; mesh units."""
+    return {
+        "packed_sides": hull.sides,
+        "hull_volume": hull.volume,
+        "minimum_width": hull.width,
+        "bulk_volume": hull.bulk(),
+        "bulk_volume_range": (hull.bulk(DENSEST), hull.bulk(LOOSEST)),
     }

@@ -772,6 +772,10 @@ def test_info_on_a_bottle_without_a_cap_and_on_one_that_passes_through_itself(tm
     assert found["volume"] is None
     assert (found["volume_capped"], found["openings"]) == (pytest.approx(20), 1)
     assert found["packed_volume"] == pytest.approx(found["box_volume"]) == pytest.approx(20)
+    assert found["hull_volume"] == pytest.approx(20)
+    assert (found["minimum_width"], found["packed_sides"]) == (pytest.approx(2), pytest.approx([2, 2, 5]))
+    low, high = found["bulk_volume_range"]
+    assert 20 < low < found["bulk_volume"] < high
     assert found["self_intersections"] == 0
     assert "20 with its opening capped flat" in command("info", tmp_path / "in.obj")[1]
     W, G = np.vstack([V, V + [0.6, 0.7, 4.1]]), np.vstack([F, F + len(V)])
@@ -807,6 +811,8 @@ def test_the_report_on_an_open_mesh_has_the_volume_with_the_mouth_capped(tmp_pat
     assert re.search(r"(?m)^volume .* of 20 \(.*\), with its opening capped flat$", out)
     assert report["self_intersections"] == report["self_intersections_rest"] == 0
     assert report["packed_volume"] <= report["box_volume"] == pytest.approx(np.prod(np.ptp(mesh.V, axis=0)))
+    assert report["hull_volume_rest"] == pytest.approx(20)
+    assert capped.volume_capped < report["hull_volume"] < report["packed_volume"]
     assert any("There is no volume" in warning for warning in report["warnings"])
 
 

@@ -10,7 +10,7 @@ import meshes
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.hull_readings import hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
@@ -62,7 +62,7 @@ def test_it_says_what_is_found_here_too(checker_, woken):
         assert asked is shape
         assert np.array_equal(found.crossing, crossings(shape.U, shape.F))
         assert (len(found.crossing) > 0) == (apart < 2)
-        assert found.packed == packed_volume(shape.U)
+        assert found.packed == hull_readings(shape.U).box
         assert checker_.take() is None
 
 
@@ -182,7 +182,7 @@ def test_every_shape_that_has_settled_is_checked_and_none_that_moves(session):
     U = session.store.state.frame.U
     assert np.array_equal(crossed.crossing, crossings(U, mesh.joined_F))
     assert len(crossed.crossing) > 10
-    assert crossed.packed == pytest.approx(packed_volume(U), rel=1e-9)
+    assert crossed.packed == pytest.approx(hull_readings(U).box, rel=1e-9)
     assert session.shape_checks.at_rest is first
     session.gestures.undo()
     assert session.shape_checks.found is first, "it is known already"

@@ -18,36 +18,35 @@ def box_volume(points: np.ndarray) -> float:
     return float(np.prod(np.ptp(points, axis=0)))
 
 
-def packed_volume(points: np.ndarray) -> float:
-    """Volume of the smallest box found around ``points`` (k, 3), any orientation.
+def smallest_box(corners: np.ndarray) -> tuple[float, float, float]:
+    """Sides of the smallest box found around ``corners`` (k, 3), shortest first.
 
     No algorithm for it is exact and quick. The search is the same every time, and never worse than the box
     along the axes.
     """
     # Here: few runs of the program come this way, and the first picture does not wait for scipy.
     from scipy.optimize import minimize
-    from scipy.spatial import ConvexHull, QhullError
     from scipy.spatial.transform import Rotation
 
-    try:
-        corners = points[ConvexHull(points).vertices]
-    except QhullError:  # it is flat
-        return 0.0
     corners = np.ascontiguousarray((corners - corners.mean(axis=0)).T)
     some = np.ascontiguousarray(corners[:, :: 1 + corners.shape[1] // _ENOUGH])
 
-    def turned(turn: np.ndarray, what: np.ndarray = some) -> float:
-        return box_volume((Rotation.from_rotvec(turn).as_matrix() @ what).T)
+    def placed(turn: np.ndarray, what: np.ndarray) -> np.ndarray:
+        return (Rotation.from_rotvec(turn).as_matrix() @ what).T
+
+    def turned(turn: np.ndarray) -> float:
+        return box_volume(placed(turn, some))
 
     spread = Rotation.random(_ORIENTATIONS, rng=0).as_rotvec()
     best = spread[np.argsort([turned(turn) for turn in spread])[:_BEST]]
-    smallest = box_volume(points)
+    size, sides = box_volume(corners.T), np.ptp(corners, axis=1)
     for start in (np.zeros(3), _principal(corners), *best):
         around = np.vstack([start, start + _NEAR * np.eye(3)])
-        options = {"initial_simplex": around, "xatol": 1e-7, "fatol": 1e-12 * smallest, "maxiter": 400}
+        options = {"initial_simplex": around, "xatol": 1e-7, "fatol": 1e-12 * size, "maxiter": 400}
         found = minimize(turned, start, method="Nelder-Mead", options=options).x
-        smallest = min(smallest, turned(found, corners))
-    return smallest
+        sides = min(sides, np.ptp(placed(found, corners), axis=0), key=np.prod)
+    a, b, c = np.sort(sides).tolist()
+    return a, b, c
 
 
 def _principal(corners: np.ndarray) -> np.ndarray:

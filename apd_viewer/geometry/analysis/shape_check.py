@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
 
 
@@ -19,13 +19,12 @@ class ShapeCheck(NamedTuple):
         Triangles that pass through others; None where nobody could look.
     size : tuple of 3 floats
         Of the box along the axes.
-    packed : float
-        Volume of the smallest box around the shape, turned in any way.
+    hull : HullReadings
     """
 
     crossing: np.ndarray | None
     size: tuple[float, float, float]
-    packed: float
+    hull: HullReadings
 
     @property
     def box(self) -> float:
@@ -33,9 +32,14 @@ class ShapeCheck(NamedTuple):
         dx, dy, dz = self.size
         return dx * dy * dz
 
+    @property
+    def packed(self) -> float:
+        """Volume of the smallest box around the shape, turned in any way."""
+        return self.hull.box
+
 
 def check_shape(U: np.ndarray, F: np.ndarray) -> ShapeCheck:
     """Check the shape ``U`` (n, 3) of the triangles ``F`` (m, 3)."""
     points = U[np.unique(F)]
     dx, dy, dz = np.ptp(points, axis=0).tolist()
-    return ShapeCheck(crossings(U, F), (dx, dy, dz), packed_volume(points))
+    return ShapeCheck(crossings(U, F), (dx, dy, dz), hull_readings(points))

@@ -27,7 +27,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
     A shape are two messages: its triangles (m, 3) int32, and its positions (n, 3) float64. The answer are two
     as well: the triangles that pass through others, int64, and the three sizes of its box along the axes with
-    the volume of its smallest box, float64.
+    the volume, the width and the three sides of the smallest box of its hull, float64.
     """
     while (triangles := array_pipe.read(source)) is not None and (
         positions := array_pipe.read(source)
@@ -36,4 +36,4 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
         found = check_shape(np.frombuffer(positions).reshape(-1, 3), F)
         crossing = NOBODY_LOOKED if found.crossing is None else found.crossing.astype(np.int64).tobytes()
         array_pipe.write(sink, crossing)
-        array_pipe.write(sink, np.array([*found.size, found.packed]).tobytes())
+        array_pipe.write(sink, np.array([*found.size, *found.hull[:2], *found.hull.sides]).tobytes())

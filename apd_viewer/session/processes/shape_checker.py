@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.shape_check import ShapeCheck
 from apd_viewer.session.processes.child_process import START, ChildProcess
 from apd_viewer.session.processes.newest_answer import NewestAnswer
@@ -17,7 +18,8 @@ _START = START.format(module="processes.shape_check_main")
 # A settled shape is often moved again at once, and a program just starting has more urgent work.
 _CALM, _AT_FIRST = 0.3, 2.0  # s
 # Result if the process died or cannot be started.
-UNKNOWN = ShapeCheck(None, (math.nan, math.nan, math.nan), math.nan)
+_NONE = (math.nan, math.nan, math.nan)
+UNKNOWN = ShapeCheck(None, _NONE, HullReadings(math.nan, math.nan, _NONE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,5 +52,5 @@ def _answer(process: ChildProcess, shape: Shape) -> ShapeCheck | None:
     if crossing is None or boxes is None:
         return None
     ids = None if crossing == NOBODY_LOOKED else np.frombuffer(crossing, dtype=np.int64)
-    dx, dy, dz, packed = np.frombuffer(boxes).tolist()
-    return ShapeCheck(ids, (dx, dy, dz), packed)
+    dx, dy, dz, volume, width, a, b, c = np.frombuffer(boxes).tolist()
+    return ShapeCheck(ids, (dx, dy, dz), HullReadings(volume, width, (a, b, c)))

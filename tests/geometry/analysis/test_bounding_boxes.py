@@ -4,7 +4,8 @@ import meshes
 import numpy as np
 import pytest
 
-from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness, packed_volume
+from apd_viewer.geometry.analysis.bounding_boxes import box_volume, compactness
+from apd_viewer.geometry.analysis.hull_readings import hull_readings
 from apd_viewer.geometry.analysis.shape_check import check_shape
 from apd_viewer.geometry.mesh.operators import area, volume
 
@@ -21,7 +22,7 @@ def test_the_smallest_box_is_found_however_the_shape_lies(name, turn):
     rng = np.random.default_rng(turn)
     R = meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi))
     placed = 1e-3 * points @ R.T + [50, 0, -7]
-    assert packed_volume(placed) == pytest.approx(1e-9 * smallest, rel=1e-6)
+    assert hull_readings(placed).box == pytest.approx(1e-9 * smallest, rel=1e-6)
     assert box_volume(points @ R.T) == pytest.approx(np.prod(np.ptp(points @ R.T, axis=0)))
 
 
@@ -29,7 +30,7 @@ def test_the_smallest_box_is_found_however_the_shape_lies(name, turn):
 def test_no_box_of_many_orientations_is_smaller(seed):
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(60, 3)) * [4, 2, 1]
-    packed = packed_volume(points)
+    packed = hull_readings(points).box
     turns = [meshes.rotation(rng.normal(size=3), rng.uniform(0, np.pi)) for _ in range(4000)]
     tried = min(box_volume(points @ R.T) for R in turns)
     assert packed <= min(tried, box_volume(points))
@@ -38,7 +39,7 @@ def test_no_box_of_many_orientations_is_smaller(seed):
 
 def test_what_is_flat_takes_no_room():
     V, F = meshes.grid(4, 3)
-    assert packed_volume(V @ meshes.rotation([1, 2, 3], 0.8).T) == 0.0
+    assert hull_readings(V @ meshes.rotation([1, 2, 3], 0.8).T).box == 0.0
     found = check_shape(V, F)
     assert found.packed == 0.0
     assert len(found.crossing) == 0

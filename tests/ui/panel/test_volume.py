@@ -11,7 +11,7 @@ from driving import Mouse, document, idle
 from PySide6.QtCore import QPoint, QPointF, Qt
 
 from apd_viewer.files.mesh_writing import save_mesh
-from apd_viewer.geometry.analysis.bounding_boxes import packed_volume
+from apd_viewer.geometry.analysis.hull_readings import hull_readings
 from apd_viewer.geometry.analysis.self_intersections import crossings
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
@@ -87,8 +87,8 @@ def test_the_bottle_crushed_by_half_has_the_volume_of_the_mesh_that_is_exported(
     extents = [float(part) for part in room.extent.text().removesuffix("\u00a0cm").split("×")]
     assert extents == pytest.approx(other.extents, rel=5e-3)
     assert number(room.box.text()) == pytest.approx(np.prod(other.extents), rel=1e-3)
-    assert number(room.packed.text()) == pytest.approx(packed_volume(state.frame.U), rel=1e-3)
-    change = 100 * (packed_volume(state.frame.U) / packed_volume(rest.vertices) - 1)
+    assert number(room.packed.text()) == pytest.approx(hull_readings(state.frame.U).box, rel=1e-3)
+    change = 100 * (hull_readings(state.frame.U).box / hull_readings(rest.vertices).box - 1)
     assert room.heading.reading == f"smallest box {change:.1f} %".replace("-", "−")
     assert number(room.compact.text()) == pytest.approx(
         36 * np.pi * other.volume**2 / other.area**3, abs=6e-4

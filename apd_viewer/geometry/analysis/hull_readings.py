@@ -1,0 +1,57 @@
+"""Readings of a shape that depend on its convex hull alone."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.geometry.analysis.bounding_boxes import smallest_box
+from apd_viewer.geometry.analysis.convex_hull import convex_hull, minimum_width
+
+# Share of a container that convex bodies fill when they lie in it at random: equal spheres at their densest,
+# and the range from the loosest spheres [Onoda & Liniger 1990] to the densest spheroids [Donev et al. 2004].
+PACKING, LOOSEST, DENSEST = 0.64, 0.55, 0.71
+_LITTLE = 1e-9  # of an object: rounding
+
+
+class HullReadings(NamedTuple):
+    """Readings of a convex hull, mesh units; a flat shape has no volume and no width.
+
+    Attributes
+    ----------
+    volume : float
+    width : float
+        Least distance of two parallel planes with the shape between them.
+    sides : tuple of 3 floats
+        Of the smallest box in any orientation, shortest first.
+    """
+
+    volume: float
+    width: float
+    sides: tuple[float, float, float]
+
+    @property
+    def box(self) -> float:
+        """Volume of the smallest box."""
+        a, b, c = self.sides
+        return a * b * c
+
+    def bulk(self, packing: float = PACKING) -> float:
+        """Volume that one of many takes in a container, lying at random."""
+        return self.volume / packing
+
+    def count_in(self, container: float, packing: float = PACKING) -> int:
+        """Number of objects in a ``container``, cubic mesh units; 0 of a flat shape."""
+        return int(container / self.bulk(packing) + _LITTLE) if self.volume > 0.0 else 0
+
+
+def hull_readings(points: np.ndarray) -> HullReadings:
+    """Readings of the convex hull of ``points`` (k, 3)."""
+    hull = convex_hull(points)
+    if hull is None:  # its box has no volume either, in whatever way it is turned in its plane
+        centred = points - points.mean(axis=0)
+        along = centred @ np.linalg.svd(centred, full_matrices=False)[2].T
+        _, b, c = np.sort(np.ptp(along, axis=0)).tolist()
+        return HullReadings(0.0, 0.0, (0.0, b, c))
+    return HullReadings(hull.volume, minimum_width(hull), smallest_box(hull.corners))
