@@ -21,18 +21,21 @@ if TYPE_CHECKING:
         Convergence,
         Deformation,
         Frame,
+        HullReadings,
         Mesh,
         Pressed,
         PressStep,
         Region,
         Result,
         SurfacePoint,
+        VolumeReadings,
         deform,
         geodesic_path,
         open_mesh,
         plane_section,
         press,
         save_mesh,
+        volume_readings,
     )
 
 __version__ = "0.1.0"
@@ -40,6 +43,7 @@ __all__ = [
     "Convergence",
     "Deformation",
     "Frame",
+    "HullReadings",
     "InputError",
     "Mesh",
     "PressStep",
@@ -47,6 +51,7 @@ __all__ = [
     "Region",
     "Result",
     "SurfacePoint",
+    "VolumeReadings",
     "deform",
     "geodesic_path",
     "open_mesh",
@@ -54,6 +59,7 @@ __all__ = [
     "press",
     "save_mesh",
     "view",
+    "volume_readings",
 ]
 
 

@@ -3,6 +3,8 @@
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.hull_readings import HullReadings
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, volume_readings
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section
@@ -19,6 +21,7 @@ __all__ = [
     "Convergence",
     "Deformation",
     "Frame",
+    "HullReadings",
     "InputError",
     "Mesh",
     "PressStep",
@@ -26,10 +29,12 @@ __all__ = [
     "Region",
     "Result",
     "SurfacePoint",
+    "VolumeReadings",
     "deform",
     "geodesic_path",
     "open_mesh",
     "plane_section",
     "press",
     "save_mesh",
+    "volume_readings",
 ]

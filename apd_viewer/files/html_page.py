@@ -17,12 +17,25 @@ from apd_viewer.language import LANGUAGE
 if TYPE_CHECKING:
     from pathlib import Path
 
+GridCell: TypeAlias = tuple[tuple[str, str], ...]
+
 
 @dataclass(frozen=True)
 class Table:
     """Rows of name, value and remark in smaller letters."""
 
     rows: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Table with a heading over each column, the first of which names the rows.
+
+    A cell is some lines, each with a remark in smaller letters.
+    """
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[GridCell, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -74,7 +87,7 @@ class Attached:
     text: str
 
 
-Block: TypeAlias = Table | Note | Command | PictureRow | Drawing | Attached
+Block: TypeAlias = Table | Grid | Note | Command | PictureRow | Drawing | Attached
 
 
 @dataclass(frozen=True)
@@ -128,6 +141,10 @@ def _part(part: PageSection) -> str:
 def _block(block: Block) -> str:
     if isinstance(block, Table):
         return "<table>\n" + "\n".join(_row(*row) for row in block.rows) + "\n</table>"
+    if isinstance(block, Grid):
+        head = "".join(f'<th scope="col">{escape(name)}</th>' for name in block.head)
+        rows = "\n".join(_grid_row(block.head, row) for row in block.rows)
+        return f'<table class="grid">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>'
     if isinstance(block, Note):
         return f'<p class="{"warns" if block.warns else "note"}">{escape(block.text)}</p>'
     if isinstance(block, Command):
@@ -143,9 +160,25 @@ def _block(block: Block) -> str:
     return f"<p>{link} <small>{escape(block.text)}</small></p>"
 
 
+def _grid_row(head: tuple[str, ...], row: tuple[GridCell, ...]) -> str:
+    first, *others = row
+    cells = [f'<th scope="row">{_lines(first)}</th>']
+    for name, cell in zip(head[1:], others, strict=True):
+        cells.append(f'<td data-head="{escape(name)}">{_lines(cell)}</td>')
+    return f"<tr>{''.join(cells)}</tr>"
+
+
+def _lines(cell: GridCell) -> str:
+    """Lines of a cell, each a text with a remark."""
+    return "".join(f"<div>{_remarked(*line)}</div>" for line in cell)
+
+
+def _remarked(text: str, more: str) -> str:
+    return escape(text) + (f" <small>{escape(more)}</small>" if more else "")
+
+
 def _row(name: str, value: str, more: str) -> str:
-    small = f" <small>{escape(more)}</small>" if more else ""
-    return f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}{small}</td></tr>'
+    return f'<tr><th scope="row">{escape(name)}</th><td>{_remarked(value, more)}</td></tr>'
 
 
 def _picture(picture: PagePicture) -> str:

@@ -64,6 +64,14 @@ th, td { padding: 3px 0; vertical-align: top; overflow-wrap: anywhere; }
 th { padding-right: 12px; }
 small { font-size: 12.5px; }
 td small { display: block; }
+.grid { max-width: none; table-layout: auto; }
+.grid th, .grid td { width: auto; padding: 5px 14px 5px 0; border-top: 1px solid var(--line); }
+.grid thead th { border-top: none; font-size: 12.5px; }
+.grid tbody th { width: 19%; color: var(--ink); }
+.grid td:last-child { width: 36%; padding-right: 0; }
+.grid thead th, .grid td:nth-child(4) { white-space: nowrap; }
+.grid small { display: block; font-weight: 400; }
+.grid div + div { margin-top: 4px; }
 .warns { padding: 8px 12px; border-radius: 6px; background: var(--warm-soft); color: var(--warm); }
 pre { margin: 0 0 8px; padding: 8px 12px; border-radius: 6px; background: var(--field); }
 pre { white-space: pre-wrap; }
@@ -80,10 +88,20 @@ figure + table { margin-top: 12px; }
 a { color: var(--accent); }
 footer { border-top: 1px solid var(--line); padding-top: 12px; font-size: 12.5px; }
 @media screen and (max-width: 720px) { main { display: block; } .hero { text-align: left; } }
+@media screen and (max-width: 720px) {
+  .grid thead { display: none; }
+  .grid tbody th, .grid td, .grid td:last-child { display: block; width: auto; padding: 2px 0; border: none; }
+  .grid tbody th { padding-top: 8px; border-top: 1px solid var(--line); font-weight: 650; }
+  .grid td, .grid td:last-child { display: grid; grid-template-columns: 9em minmax(0, 1fr); }
+  .grid td:empty { display: none; }
+  .grid td > div { grid-column: 2; }
+  .grid td::before { content: attr(data-head); grid-column: 1; grid-row: 1; color: var(--quiet); }
+}
 @media print {
   @page { margin: 14mm; }
   body { padding: 0; max-width: none; font-size: 10pt; }
   section, figure, tr { break-inside: avoid; }
+  section:has(.grid) { break-inside: auto; }
   * { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
 }
 """

@@ -20,6 +20,7 @@ from apd_viewer.presentation.report_origin import (
     version_rows,
 )
 from apd_viewer.presentation.report_settings import handle_rows, region_blocks, settings_blocks
+from apd_viewer.presentation.report_volumes import reduction_block
 from apd_viewer.session.model.status_text import of_crossings, of_exempt
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall, mass
@@ -60,6 +61,7 @@ class Subject:
 def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogram: Drawing | None) -> Page:
     """Build the whole report."""
     state, unit = subject.state, subject.unit
+    checks = subject.at_rest, subject.found
     date = subject.moment.strftime("%Y-%m-%d %H:%M")
     parts = [
         PageSection(tr("Shape"), (*_warnings(state), pictures), wide=True),
@@ -71,6 +73,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
         PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
         PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
+        PageSection(tr("Volume reduction"), (reduction_block(state, unit, subject.wall, checks),), wide=True),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
         PageSection(tr("Mesh check"), tuple(_findings(subject)), wide=True),
         PageSection(tr("Mesh and file"), tuple(mesh_blocks(state, unit, evidence.file))),

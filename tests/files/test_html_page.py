@@ -15,6 +15,7 @@ from apd_viewer.files.html_page import (
     Attached,
     Command,
     Drawing,
+    Grid,
     Note,
     Page,
     PagePicture,
@@ -32,6 +33,7 @@ HOSTILE = "</td><script>alert('x')</script> & \"quoted\" {braces} ü"
 def page(name="bunny"):
     blocks = (
         Table(((name, name, name), ("plain", "value", ""))),
+        Grid((name, name), ((((f"{name}!", ""),), ((name, name), ("more", ""))), ((("none", ""),), ()))),
         Note(name),
         Note(name, warns=True),
         Command(name),
@@ -51,7 +53,10 @@ def test_a_page_is_well_formed_and_says_what_it_was_given(name):
     assert "script" not in found.tags
     assert found.title == name
     assert found.headings == [name, "empty"]
-    assert found.rows[name] == {name: f"{name}\n{name}" if name else "", "plain": "value"}
+    rows = found.rows[name]
+    assert (rows["plain"], rows["none"]) == ("value", "")
+    assert rows[f"{name}!"] == (f"{name}\n{name}more" if name else "more")
+    assert set(rows) == {name, "plain", f"{name}!", "none"}
     assert found.notes[name][:3] == [name, name, name]
 
 

@@ -12,7 +12,7 @@ class PageParts(HTMLParser):
     Attributes
     ----------
     rows : dict of str to dict of str to str
-        Value and remark of each row, parted by a line break, by heading and name.
+        Values and remarks of each row, parted by line breaks, by heading and name.
     notes : dict of str to list of str
     headings : list of str
     tags : list of str
@@ -63,8 +63,8 @@ class PageParts(HTMLParser):
         elif tag in ("th", "td") and self._row is not None:
             self._row.append(self._text)
         elif tag == "tr":
-            name, value = self._row
-            self.rows.setdefault(self.headings[-1], {})[name] = value.replace(" \n", "\n")
+            name, *values = (text.replace(" \n", "\n") for text in self._row)
+            self.rows.setdefault(self.headings[-1], {})[name] = "\n".join(values)
             self._row = None
         elif tag in ("p", "code") and self.headings:
             self.notes.setdefault(self.headings[-1], []).append(self._text)

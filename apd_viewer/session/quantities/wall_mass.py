@@ -71,9 +71,7 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
         raise InputError(tr("The mass needs the unit of the mesh; choose it next to the area."))
     if not wall.thickness.strip():
         raise InputError(tr("The mass needs a wall thickness; enter one such as 0.3mm."))
-    thickness = length(wall.thickness, unit, {})
-    if not thickness > 0.0:
-        raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
+    thickness = thickness_from(wall.thickness, unit)
     if not wall.density.strip():
         raise InputError(tr("The mass needs a density; enter one such as 1.38 g/cm³."))
     litres = unit.litres(area * thickness)
@@ -81,13 +79,28 @@ def mass(wall: Wall, area: float, unit: Unit) -> float | None:
     return 1000.0 * litres * density(wall.density)
 
 
+def thickness_from(text: str, unit: Unit) -> float:
+    """Thickness in mesh units from a text; raises InputError."""
+    thickness = length(text, unit, {})
+    if not thickness > 0.0:
+        raise InputError(tr("Enter a wall thickness greater than 0, such as 0.3mm."))
+    return thickness
+
+
 def thickness_of(wall: Wall, unit: Unit) -> float | None:
     """Thickness in mesh units; None where no usable one was typed."""
     try:
-        thickness = length(wall.thickness, unit, {})
+        return thickness_from(wall.thickness, unit)
     except InputError:
         return None
-    return thickness if thickness > 0.0 else None
+
+
+def density_of(wall: Wall) -> float | None:
+    """Density in g/cm³; None where no usable one was typed."""
+    try:
+        return density(wall.density)
+    except InputError:
+        return None
 
 
 def _is_bare(text: str) -> bool:

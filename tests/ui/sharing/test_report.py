@@ -16,11 +16,14 @@ from PySide6.QtGui import QImage
 
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.analysis.convex_hull import convex_hull
 from apd_viewer.geometry.measuring.kinds import Kind
 from apd_viewer.geometry.measuring.measurement import Plane
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import HANDLE
+from apd_viewer.presentation.number_format import significant
+from apd_viewer.presentation.published_volumes import PUBLISHED, VolumeName
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.model.state import opened
@@ -131,6 +134,21 @@ def test_a_report_says_what_the_panel_says_and_what_others_measure(qtbot, twiste
     assert number(rows["Local area change"]["Mean"]) == pytest.approx(100 * mean, rel=6e-3)
     grams = 0.03 * measured.area * 1.38
     assert number(size["Mass"]) == pytest.approx(grams, rel=1e-3)
+
+    reduction = rows["Volume reduction"]
+    named = {name.split("\n")[0]: (name, said) for name, said in reduction.items()}
+    checks, hull = window.session.shape_checks, convex_hull(measured.vertices)
+    assert named["Convex hull volume"][1].startswith(
+        f"{significant(checks.at_rest.hull.volume, 4)}\u00a0cm³\n{significant(hull.volume, 4)}\u00a0cm³\n"
+    )
+    assert named["Smallest box volume"][1].split("\n")[1] == shown.packed.text()
+    assert named["Objects in a bag of 45 l"][1].split("\n")[0] == "50"
+    assert number(named["Material volume"][1].split("\n")[1]) == pytest.approx(grams / 1.38, rel=1e-3)
+    text = "\n".join(said for _, said in named.values())
+    for figures in PUBLISHED.values():
+        for figure in figures:
+            assert text.count(f"{figure.words}\n{figure.source}") == 1
+    assert len(named) == len(VolumeName) + 1  # and the heading
 
     mesh, content = rows["Mesh and file"], file.read_bytes()
     assert page.title == file.name

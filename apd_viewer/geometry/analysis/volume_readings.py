@@ -1,0 +1,79 @@
+"""Volumes of a shape, each of a name of its own."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.analysis.hull_readings import HullReadings, hull_readings
+from apd_viewer.geometry.analysis.inspection import inspect
+from apd_viewer.geometry.mesh.arrays import numbers, whole_numbers
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.language import tr
+
+
+class VolumeReadings(NamedTuple):
+    """Volumes of a shape, cubic mesh units, and its area.
+
+    Attributes
+    ----------
+    area : float
+    enclosed : float or None
+        Inside the surface, with flat caps over its ``openings``; None if it encloses none.
+    openings : int
+    hull : HullReadings
+        Convex hull, smallest box and least width; bulk volume of one among many.
+    material : float or None
+        Area times thickness: a lower bound of every other volume. None if the thickness is not known.
+    """
+
+    area: float
+    enclosed: float | None
+    openings: int
+    hull: HullReadings
+    material: float | None
+
+    @classmethod
+    def of(
+        cls, area: float, enclosed: float | None, openings: int, hull: HullReadings, thickness: float | None
+    ) -> VolumeReadings:
+        """Readings with the material of a wall of ``thickness``, if known."""
+        return cls(area, enclosed, openings, hull, None if thickness is None else area * thickness)
+
+
+def volume_readings(U: np.ndarray, F: np.ndarray, *, thickness: float | None = None) -> VolumeReadings:
+    """Measure the volumes of a shape.
+
+    Parameters
+    ----------
+    U : (n, 3) float array
+    F : (m, 3) int array
+    thickness : float, optional
+        Of the wall, mesh units.
+
+    Raises
+    ------
+    InputError
+        If the input cannot be used; the message says why.
+
+    Examples
+    --------
+    >>> import apd_viewer
+    >>> U = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
+    >>> found = apd_viewer.volume_readings(U, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> round(found.enclosed, 3), round(found.hull.volume, 3), round(found.hull.bulk(), 3)
+    (1.333, 1.333, 2.083)
+    """
+    mesh = Mesh(numbers(U, tr("Vertices")), whole_numbers(F, tr("Faces")))
+    return volumes_of(mesh, thickness)
+
+
+def volumes_of(mesh: Mesh, thickness: float | None) -> VolumeReadings:
+    """Volumes of a mesh at rest; raises InputError unless ``thickness`` is above 0."""
+    if thickness is not None and not 0.0 < thickness < np.inf:
+        raise InputError(tr("Enter a wall thickness greater than 0."))
+    found, hull = inspect(mesh), hull_readings(mesh.V[np.unique(mesh.F)])
+    enclosed = found.volume if found.volume_capped is None else found.volume_capped
+    return VolumeReadings.of(found.area, enclosed, found.openings, hull, thickness)

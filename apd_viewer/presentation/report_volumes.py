@@ -1,0 +1,50 @@
+"""Report block: every volume by its name, beside published figures of the same."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from apd_viewer.files.html_page import Block, Grid, Note
+from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
+from apd_viewer.language import tr
+from apd_viewer.presentation import readings
+from apd_viewer.presentation.volume_words import volume_rows
+from apd_viewer.session.quantities.wall_mass import Wall, density_of, thickness_of
+
+if TYPE_CHECKING:
+    from apd_viewer.geometry.analysis.shape_check import ShapeCheck
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.units import Unit
+
+
+def reduction_block(
+    state: State, unit: Unit, wall: Wall, checks: tuple[ShapeCheck | None, ShapeCheck | None]
+) -> Block:
+    """Table of the volumes at rest and now; ``checks`` are those of both shapes."""
+    at_rest, found = checks
+    if found is None or at_rest is None:
+        return Note(tr("Not measured yet."))
+    if math.isnan(found.packed) or math.isnan(at_rest.packed):  # the process that measures has died
+        return Note(tr("Not measured; create the report again."))
+    now, then = readings.volumes(state.frame, state.inspection)
+    thickness, openings = thickness_of(wall, unit), state.inspection.openings
+    rows = volume_rows(
+        VolumeReadings.of(state.inspection.area, then, openings, at_rest.hull, thickness),
+        VolumeReadings.of(state.frame.area, now, openings, found.hull, thickness),
+        unit,
+        density_of(wall),
+    )
+    none = (("", tr("none found")),)
+    head = tr("Quantity"), tr("At rest"), tr("Now"), tr("Change"), tr("Published")
+    lines = [
+        (
+            ((row.title, row.about),),
+            (row.rest,),
+            (row.now,),
+            ((row.change, ""),) if row.change else (),
+            tuple((each.words, each.source) for each in row.published) or none,
+        )
+        for row in rows
+    ]
+    return Grid(head, tuple(lines))
