@@ -14,7 +14,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_COMMANDS = "deform", "info", "paper", "press", "replay", "sweep"
+_COMMANDS = "deform", "info", "paper", "press", "replay", "sweep", "volumes"
 _USAGE = tr(
     """\
 apd-viewer [FILE]                    open the window on FILE or on the sample bottle
@@ -23,6 +23,7 @@ apd-viewer info MESH                 check a mesh file and describe its contents
 apd-viewer press MESH ... -o OUT     press a mesh between two plates
 apd-viewer replay SESSION -o OUT     re-run a saved session without a window
 apd-viewer sweep SESSION -o DIR      area, volume and energy along the motion of the handle
+apd-viewer volumes MESH              volumes by name, beside published figures of crushed bottles
 apd-viewer paper [-o DIR]            reproduce the paper's tables on the sample bottle and duck
 """
 )

@@ -11,6 +11,7 @@ from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press import press_parser
 from apd_viewer.commands.replay import replay_parser
 from apd_viewer.commands.sweep import sweep_parser
+from apd_viewer.commands.volumes import volumes_parser
 
 PARSERS: dict[str, Callable[[], Parser]] = {
     "deform": deform_parser,
@@ -19,4 +20,5 @@ PARSERS: dict[str, Callable[[], Parser]] = {
     "press": press_parser,
     "replay": replay_parser,
     "sweep": sweep_parser,
+    "volumes": volumes_parser,
 }

@@ -1,0 +1,100 @@
+"""Output of the command volumes: lines and report."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from apd_viewer.files.report import hull_fields
+from apd_viewer.geometry.analysis.hull_readings import DENSEST, LOOSEST, PACKING
+from apd_viewer.language import tr
+from apd_viewer.presentation.published_volumes import PUBLISHED
+from apd_viewer.session.quantities.bulk import bulk_density, objects_in
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from apd_viewer.geometry.analysis.volume_readings import VolumeReadings
+    from apd_viewer.presentation.volume_words import Reading, VolumeRow
+    from apd_viewer.session.quantities.units import Unit
+
+_WIDTH = 28
+
+
+def written(name: str, rows: Iterable[VolumeRow], has_rest: bool) -> str:
+    """Lines on all quantities, for the terminal."""
+    lines = [name]
+    for row in rows:
+        said = _said(row.now)
+        if has_rest:
+            said = tr("{now} of {rest}").format(now=said, rest=_said(row.rest))
+            said += f"  {row.change}" if row.change else ""
+        lines.append(f"{row.title:<{_WIDTH}}{said}")
+        lines += [f"    {row.about}"] if row.about else []
+        for words, source, *_ in row.published:
+            lines.append("    " + tr("published: {words} [{source}]").format(words=words, source=source))
+    return "\n".join(lines)
+
+
+def _said(reading: Reading) -> str:
+    value, spread = reading
+    return f"{value} ({spread})" if spread else value
+
+
+def report_of(
+    names: tuple[str, str | None],
+    now: VolumeReadings,
+    rest: VolumeReadings | None,
+    unit: Unit,
+    density: float | None,
+    bag: float,
+) -> dict[str, Any]:
+    """Fields of the report.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the mesh and of the rest shape, if there is one.
+    now, rest : VolumeReadings
+    unit, density, bag
+        See :func:`~apd_viewer.presentation.volume_words.volume_rows`.
+    """
+    report: dict[str, Any] = {
+        "mesh": names[0],
+        "rest": names[1],
+        "unit": unit.value or None,
+        "packing": PACKING,
+        "packing_range": (LOOSEST, DENSEST),
+        "bag_litres": bag,
+        **_fields(now, unit, density, bag),
+    }
+    if rest is not None:
+        report |= {f"{name}_rest": value for name, value in _fields(rest, unit, density, bag).items()}
+    return report | {"published": _published()}
+
+
+def _fields(found: VolumeReadings, unit: Unit, density: float | None, bag: float) -> dict[str, Any]:
+    counts = [objects_in(bag, found, unit, packing) for packing in (LOOSEST, DENSEST)]
+    densities = [bulk_density(density, found, packing) for packing in (LOOSEST, DENSEST)]
+    return {
+        "area": found.area,
+        "enclosed_volume": found.enclosed,
+        "openings": found.openings,
+        "packed_volume": found.hull.box,
+        **hull_fields(found.hull),
+        "objects_in_bag": objects_in(bag, found, unit),
+        "objects_in_bag_range": counts,
+        "bulk_density": bulk_density(density, found),
+        "bulk_density_range": densities,
+        "material_volume": found.material,
+    }
+
+
+def _published() -> dict[str, list[dict[str, Any]]]:
+    return {
+        quantity.value: [
+            {name: None if value == math.inf else value for name, value in figure._asdict().items()}
+            for figure in figures
+        ]
+        for quantity, figures in PUBLISHED.items()
+    }

@@ -1,0 +1,73 @@
+"""The command volumes: what it prints and writes, and that it says no in one line."""
+
+import json
+
+import meshes
+import pytest
+
+import apd_viewer
+from apd_viewer.__main__ import main
+from apd_viewer.presentation.published_volumes import PUBLISHED, VolumeName
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A box of 4 x 5 x 10 and the same at half its height."""
+    V, F = meshes.box(4, 5, 10)
+    mesh = apd_viewer.Mesh(V, F)
+    paths = tmp_path / "rest.obj", tmp_path / "half.obj"
+    for path, scale in zip(paths, (1.0, 0.5), strict=True):
+        apd_viewer.save_mesh(mesh, V * [1, 1, scale], path)
+    return paths
+
+
+def test_readings_of_both_shapes_are_written_and_said(files, tmp_path, capsys):
+    rest, half = files
+    words = ["--unit", "cm", "--bag", "45", "--thickness", "0.3mm", "--density", "1"]
+    out = tmp_path / "v.json"
+    assert main(["volumes", str(half), "--rest", str(rest), *words, "--json", str(out)]) == 0
+    said, report = capsys.readouterr().out, json.loads(out.read_text(encoding="utf-8"))
+    assert (report["mesh"], report["rest"], report["unit"]) == ("half.obj", "rest.obj", "cm")
+    for suffix, volume in (("", 100.0), ("_rest", 200.0)):
+        for name in ("enclosed_volume", "hull_volume", "packed_volume"):
+            assert report[name + suffix] == pytest.approx(volume)
+        assert report["bulk_volume" + suffix] == pytest.approx(volume / report["packing"])
+        assert report["objects_in_bag" + suffix] == int(45_000 * report["packing"] / volume)
+        low, high = report["objects_in_bag_range" + suffix]
+        assert low < report["objects_in_bag" + suffix] < high
+        assert report["minimum_width" + suffix] == pytest.approx(4.0)
+    assert report["material_volume_rest"] == pytest.approx(0.03 * 220)
+    assert report["bulk_density_rest"] == pytest.approx(1000 * 0.03 * 220 * 0.64 / 200)
+    assert set(report["published"]) == {quantity.value for quantity in PUBLISHED}
+    assert {quantity.value for quantity in VolumeName} <= set(report)
+    for figures in PUBLISHED.values():
+        for figure in figures:
+            assert f"published: {figure.words} [{figure.source}]" in said
+    assert "100.0\u00a0cm³ of 200.0\u00a0cm³  −50.0 %" in said
+
+
+def test_a_mesh_alone_has_no_change(files, capsys):
+    assert main(["volumes", str(files[0])]) == 0
+    said = capsys.readouterr().out
+    assert " of " not in next(line for line in said.splitlines() if line.startswith("Enclosed"))
+    assert "0.0 %" not in said
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--bag", "45"], "add --unit"),
+        (["--bag", "0", "--unit", "cm"], "more than 0 litres"),
+        (["--density", "1"], "add --thickness"),
+        (["--thickness", "0"], "greater than 0"),
+        (["--thickness", "0.3mm"], "unit of the mesh"),
+        (["--rest", "gone.obj"], "no file"),
+    ],
+)
+def test_it_says_no_in_one_line_and_writes_nothing(files, tmp_path, capsys, words, sentence):
+    out = tmp_path / "v.json"
+    assert main(["volumes", str(files[0]), *words, "--json", str(out)]) == 2
+    said = capsys.readouterr()
+    assert sentence in said.err
+    assert said.err.count("\n") == 1
+    assert not out.exists()
