@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.commands.parser import Parser
-from apd_viewer.commands.press_output import report_of, row_of, summary
+from apd_viewer.commands.press_output import report_of, rows_of, summary
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
@@ -18,7 +18,7 @@ from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.files.tables import write_table
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
-from apd_viewer.geometry.pressing.press import pressed
+from apd_viewer.geometry.pressing.press import press_with
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -27,10 +27,14 @@ from apd_viewer.geometry.solver.methods import (
     METHODS,
 )
 from apd_viewer.language import tr
+from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.storage.session_file import open_session
 
 if TYPE_CHECKING:
     import argparse
+
+    from apd_viewer.geometry.mesh.mesh import Mesh
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _PRESSING = {name: method for name, method in METHODS.items() if method.may_touch}
@@ -45,7 +49,9 @@ def press_parser() -> Parser:
             "not pass through each other, and at each step the mesh comes to rest."
         ),
     )
-    parser.add_argument("mesh", metavar="MESH")
+    parser.add_argument(
+        "mesh", metavar="MESH", help=tr("mesh at rest, or a session: its shape springs back, and is pressed")
+    )
     parser.add_argument(
         "--axis", metavar="AXIS", default="x", help=tr('x, y, z or a direction such as "1 0 1"; default: x')
     )
@@ -99,6 +105,15 @@ def press_parser() -> Parser:
         help=tr("distance that walls keep, in mesh units; default: 1/1000 of the diagonal"),
     )
     parser.add_argument(
+        "--yield-radius",
+        metavar="LENGTH",
+        type=float,
+        help=tr("walls bent to less than this radius keep a crease, in mesh units; default: none do"),
+    )
+    parser.add_argument(
+        "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
+    )
+    parser.add_argument(
         "--iterations",
         metavar="N",
         type=int,
@@ -139,19 +154,19 @@ def _press(options: argparse.Namespace) -> None:
     for beside in filter(None, (options.curve, options.figure, options.report)):
         check_folder(beside)
     axis = axis_of(options.axis)
-    mesh = open_mesh(options.mesh)
+    mesh, start = _opened(options.mesh)
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
     height = mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))
-    stiffness = options.stiffness, options.area_stiffness, options.shear_stiffness
-    asked = PressOptions((), options.method, *stiffness, options.area, options.volume, options.thickness)
+    moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
+    goals = options.area, options.volume, options.thickness
+    asked = PressOptions((), options.method, *moduli, *goals, options.yield_radius, start)
     to = distance_of(options.to, float(np.ptp(height)))
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
-    steps = list(plates.steps(lambda done: progress.show(done, tr("pressing"))))
-    found = pressed(steps, plates.pressing.is_stopped)
+    found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
     save_mesh(mesh, found.U, output)
     if options.curve:
-        rows = [row_of(step) for step in found.steps]
+        rows = rows_of(found)
         write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
     if options.figure:
         # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
@@ -163,3 +178,11 @@ def _press(options: argparse.Namespace) -> None:
         with replacing(options.report) as scratch:
             scratch.write_text(said + "\n", encoding="utf-8")
     print(summary(found, rest, output))
+
+
+def _opened(path: str) -> tuple[Mesh, np.ndarray | None]:
+    """Mesh at rest, and the shape (n, 3) to begin from where a session has another."""
+    if Path(path).suffix.lower() != SUFFIX:
+        return open_mesh(path), None
+    state, _ = open_session(path)
+    return state.document.mesh, None if state.is_at_rest else state.frame.U

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.pressing.press_options import PressOptions
 
 
-def row_of(step: PressStep) -> dict[str, Cell]:
-    """Row of the table by column name."""
+def row_of(step: PressStep, opening: bool) -> dict[str, Cell]:
+    """Row of the table by column name, of plates that close or open."""
     return {
         "distance": step.distance,
         "load_low": step.load_low,
@@ -33,12 +33,19 @@ def row_of(step: PressStep) -> dict[str, Cell]:
         "crossings": step.crossings,
         "iterations": step.iterations,
         "settled": step.settled,
+        "opening": opening,
     }
+
+
+def rows_of(found: Pressed) -> list[dict[str, Cell]]:
+    """Rows of the table: as the plates close, then as they open."""
+    closing = [row_of(step, False) for step in found.steps]
+    return closing + [row_of(step, True) for step in found.released]
 
 
 def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions) -> dict[str, object]:
     """Fields of the report."""
-    last = found.steps[-1]
+    last = found.last
     room: dict[str, object] = {}
     for U, suffix in ((mesh.V, "_rest"), (found.U, "")):
         readings = room_of(check_shape(U, mesh.joined_F))
@@ -49,10 +56,11 @@ def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions)
         "faces": len(mesh.F),
         "method": options.method,
         "stiffness": options.stiffness,
+        "yield_radius": options.yield_radius,
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,
-        **row_of(last),
+        **row_of(last, bool(found.released)),
         "stopped": found.stopped,
         **found.curve._asdict(),
         **room,
@@ -70,15 +78,9 @@ def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
             low=last.load_low, high=last.load_high
         ),
     ]
-    volume, at_rest = (
-        (last.volume, rest.volume) if last.volume is not None else (last.volume_capped, rest.volume_capped)
-    )
-    if volume is not None and at_rest:
-        lines.append(
-            tr("volume  {volume:.6g} of {rest:.6g} ({change} %)").format(
-                volume=volume, rest=at_rest, change=signed(100 * (volume / at_rest - 1), 3)
-            )
-        )
+    lines += _volume_line(tr("volume  {volume:.6g} of {rest:.6g} ({change} %)"), last, rest)
+    if found.released:
+        lines += _volume_line(tr("opened  {volume:.6g} of {rest:.6g} ({change} %) remain"), found.last, rest)
     lines.append(tr("area    {change} %").format(change=signed(100 * last.area_error, 3)))
     curve = found.curve
     if curve.yield_load is not None:
@@ -101,6 +103,16 @@ def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
                 distance=last.distance
             )
         )
-    if not all(step.settled for step in found.steps):
+    if not all(step.settled for step in found.steps + found.released):
         lines.append(tr("Not every step came to rest; allow more iterations."))
     return "\n".join(lines)
+
+
+def _volume_line(words: str, step: PressStep, rest: RestMesh) -> list[str]:
+    """Line on the volume of a step; none where nothing is enclosed."""
+    now, at_rest = step.volume, rest.volume
+    if now is None:
+        now, at_rest = step.volume_capped, rest.volume_capped
+    if now is None or not at_rest:
+        return []
+    return [words.format(volume=now, rest=at_rest, change=signed(100 * (now / at_rest - 1), 3))]

@@ -11,6 +11,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from apd_viewer.geometry.pressing.plate_press import PressStep
     from apd_viewer.geometry.pressing.press import Pressed
 
 _SIZE = (9.0, 3.9)
@@ -25,21 +26,24 @@ def draw_press(found: Pressed, path: Path) -> None:
     path : Path
         Of the picture; its ending is replaced.
     """
-    steps = found.steps
-    x = [step.deflection for step in steps]
-    said = [(tr("Load, at stiffness 1"), [0.5 * (step.load_low + step.load_high) for step in steps])]
-    volumes = [step.volume if step.volume is not None else step.volume_capped for step in steps]
-    if volumes[0]:
-        change = [100 * ((volume or 0.0) / volumes[0] - 1.0) for volume in volumes]
-        said.append((tr("Volume change, %"), change))
+    ways = [way for way in (found.steps, found.steps[-1:] + found.released) if len(way) > 1]
+    said = [(tr("Load, at stiffness 1"), _load)]
+    if _volume(found.steps[0]):
+        said.append(
+            (tr("Volume change, %"), lambda step: 100 * (_volume(step) / _volume(found.steps[0]) - 1))
+        )
 
     def fill(figure: Figure) -> None:
         panels = figure.subplots(1, len(said), squeeze=False)[0]
-        for axes, (title, values) in zip(panels, said, strict=True):
+        for axes, (title, reading) in zip(panels, said, strict=True):
             axes.set_title(title)
             axes.set_xlabel(tr("deflection, in the unit of the mesh"))
-            axes.plot(x, values, marker="o", markersize=4)
+            for way, style, name in zip(ways, ("-", "--"), (tr("closing"), tr("opening")), strict=False):
+                x, y = [step.deflection for step in way], [reading(step) for step in way]
+                axes.plot(x, y, style, marker="o", markersize=4, label=name)
             axes.margins(x=0.02)
+        if len(ways) > 1:
+            panels[0].legend()
         if found.curve.yield_load is not None:
             place = found.curve.yield_deflection, found.curve.yield_load
             panels[0].annotate(
@@ -47,3 +51,12 @@ def draw_press(found: Pressed, path: Path) -> None:
             )
 
     draw(fill, _SIZE, path.parent, path.stem)
+
+
+def _load(step: PressStep) -> float:
+    return 0.5 * (step.load_low + step.load_high)
+
+
+def _volume(step: PressStep) -> float:
+    """Enclosed volume, openings capped; 0 where nothing is enclosed."""
+    return step.volume or step.volume_capped or 0.0

@@ -1,17 +1,19 @@
 """Press the sample bottle, or a tube, between two plates: load, energy and time of each step.
 
     python tests/benchmarks/pressing.py [--edge 1.0] [--tube AROUND] [--axis 0] [--to 0.2] [--steps 16]
-                                        [--stiffness 0.001] [--jitter 0] [--check]
+                                        [--iterations 3000] [--stiffness 0.001] [--yield-radius R]
+                                        [--jitter 0] [--check]
 
-Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. ``--check``
-counts, by another library, the frames in which anything crosses. Times are those of the processor, on one
-core.
+Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. With a yield
+radius the plates open again in the end. ``--check`` counts, by another library, the frames in which anything
+crosses. Times are those of the processor, on one core.
 """
 
 import argparse
 import os
 import sys
 import time
+from itertools import chain
 from pathlib import Path
 
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
@@ -51,15 +53,19 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     for option, default in (("--edge", 1.0), ("--to", 0.2), ("--stiffness", 1e-3), ("--jitter", 0.0)):
         parser.add_argument(option, type=float, default=default)
-    for option, default in (("--tube", 0), ("--axis", 0), ("--steps", 16)):
+    for option, default in (("--tube", 0), ("--axis", 0), ("--steps", 16), ("--iterations", 3000)):
         parser.add_argument(option, type=int, default=default)
+    parser.add_argument("--yield-radius", type=float)
     parser.add_argument("--check", action="store_true")
     asked = parser.parse_args()
     V, F = tube(asked.tube) if asked.tube else sample_bottle(asked.edge)[:2]
     V = V + asked.jitter * np.linalg.norm(np.ptp(V, axis=0)) * np.random.default_rng(0).normal(size=V.shape)
     rest, extent = RestMesh(V, F), float(np.ptp(V[:, asked.axis]))
-    axis, options = np.eye(3)[asked.axis], PressOptions(stiffness=asked.stiffness)
-    plates = PlatePress(rest, axis, asked.to * extent, asked.steps, options=options)
+    axis, options = (
+        np.eye(3)[asked.axis],
+        PressOptions(stiffness=asked.stiffness, yield_radius=asked.yield_radius),
+    )
+    plates = PlatePress(rest, axis, asked.to * extent, asked.steps, asked.iterations, options)
     check, crossed, steps, begun = CrossingCheck(V, F), [0, 0], [], time.process_time()
 
     def look(_: float) -> None:
@@ -69,14 +75,15 @@ def main() -> None:
 
     columns = "distance", "load below", "above", "energy", "volume", "iterations", "s", "settled"
     print(f"{len(V):,} vertices\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
-    for step in plates.steps(look):
+    opening = plates.release(look) if asked.yield_radius else ()
+    for step in chain(plates.steps(look), opening):
         steps.append(step)
         loads = f"{step.load_low:.4f} | {step.load_high:.4f} | {step.energy:.5g}"
         volume = "" if step.volume is None else f"{step.volume:.1f}"
         spent = f"{step.iterations} | {time.process_time() - begun:.0f} | {step.settled}"
         print(f"| {step.distance / extent:.3f} | {loads} | {volume} | {spent} |", flush=True)
         assert abs(step.area_error) <= 1e-9
-    print(f"\n{pressed(steps, plates.pressing.is_stopped).curve}")
+    print(f"\n{pressed(steps[: asked.steps + 1], (), plates.pressing.is_stopped).curve}")
     if asked.check:
         print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
 

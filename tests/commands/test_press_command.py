@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,10 @@ from apd_viewer.commands import press as press_command
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import save_session
 
 
 @pytest.fixture
@@ -192,3 +197,62 @@ def test_what_is_interrupted_leaves_nothing(ball, press, tmp_path, monkeypatch):
     monkeypatch.setattr(press_command.Progress, "show", stop)
     assert press(ball, *QUICK, "--curve", tmp_path / "c.csv")[0] == 130
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_what_remains_of_creases_is_written(ball, press, tmp_path):
+    """The plates open until they no longer touch; without creases all springs back."""
+    volumes = {}
+    for radius in (None, 4.0):
+        words = "--axis", "z", "--to", "60%", "--steps", 2, "--stiffness", 0.002, "--release"
+        curve, report = tmp_path / "c.csv", tmp_path / "r.json"
+        words += () if radius is None else ("--yield-radius", radius)
+        status, said, _, out = press(ball, *words, "--curve", curve, "--report", report)
+        assert status == 0
+        lines, found = rows(curve), json.loads(report.read_text(encoding="utf-8"))
+        assert [line["opening"] for line in lines][:4] == [0, 0, 0, 1]
+        assert max(lines[-1]["load_low"], lines[-1]["load_high"]) <= 1e-9 * lines[2]["load_low"]
+        volumes[radius] = trimesh.load(out, process=False).volume
+        assert found["volume"] == pytest.approx(volumes[radius], rel=1e-9)
+        assert "remain" in said
+    whole = trimesh.load(ball, process=False).volume
+    assert volumes[None] == pytest.approx(whole, rel=1e-4)
+    assert volumes[4.0] < 0.99 * whole
+
+
+def test_a_session_is_pressed_from_its_shape(press, tmp_path):
+    """A flattened tube springs back first, and less where its bends keep creases."""
+    V, F = tube(24, 12)
+    path = tmp_path / "tube.off"
+    save_mesh(Mesh(V, F), V, path)
+    mesh = open_mesh(path)
+    state = opened(mesh)
+    flat = V * (1.0, 0.5, 1.0)
+    U = flat * np.array([1.0, 1.0, 0.0]) * (face_areas(V, F).sum() / face_areas(flat, F).sum()) + V * (
+        0,
+        0,
+        1,
+    )
+    save_session(tmp_path / "flat.apd", state.at(frame=replace(state.frame, U=U)), View())
+    widths = []
+    for radius in ((), ("--yield-radius", 4.0)):
+        words = "--axis", "y", "--to", "50%", "--steps", 1, "--stiffness", 0.01
+        curve = tmp_path / "c.csv"
+        assert press(tmp_path / "flat.apd", *words, *radius, "--curve", curve)[0] == 0
+        widths.append(rows(curve)[0]["distance"])
+    assert widths[0] == pytest.approx(np.ptp(V[:, 1]), rel=0.01)
+    assert 1.2 < widths[1] < 0.97 * widths[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--yield-radius", 0], "must be greater than 0"),
+        (["--yield-radius", 2, "--stiffness", 0], "enter a stiffness, too"),
+    ],
+)
+def test_a_yield_radius_that_cannot_be_is_one_sentence(words, sentence, ball, press):
+    status, _, said, out = press(ball, *QUICK, *words)
+    assert status == 2
+    assert sentence in said
+    assert len(said.splitlines()) == 1
+    assert not out.exists()

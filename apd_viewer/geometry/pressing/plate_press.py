@@ -22,7 +22,9 @@ from apd_viewer.language import tr
 
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
 # For each step.
-DEFAULT_ITERATIONS = 3000
+DEFAULT_ITERATIONS = 10_000
+# Plates that open touch while they carry this part of what they carried.
+_TOUCHES = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +142,10 @@ class PlatePress:
         """
         if self._relaxes:
             self._rest_at(0.0, partial(_tick_at, tick, 0, self._count))
+            if not self.pressing.met:
+                raise InputError(
+                    tr("The shape to begin from has another area or volume; deform it with the same targets.")
+                )
             self.pressing.surround(*self._plates_around(self.pressing.U))
         yield self._step(settled=True)
         for k in range(self._count):
@@ -157,7 +163,8 @@ class PlatePress:
             As of :meth:`steps`.
         """
         share, k = self.pressing.share, 0
-        while share > 0.0 and self.pressing.loads.any():
+        touching = _TOUCHES * np.abs(self.pressing.loads).max()
+        while share > 0.0 and np.abs(self.pressing.loads).max() > touching:
             share = max(0.0, share - 1.0 / self._count)
             self._rest_at(share, partial(_tick_at, tick, k, self._count))
             k += 1

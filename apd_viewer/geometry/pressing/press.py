@@ -24,6 +24,9 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.language import tr
 
+# Share of the time that plates take to close, where they open again.
+_PRESSING = 0.7
+
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
@@ -32,21 +35,29 @@ class Pressed:
     Attributes
     ----------
     steps : tuple of PressStep
-        From the first touch on. All but the last have no ``U``.
+        From the first touch on.
+    released : tuple of PressStep
+        As the plates open again, until they no longer touch; empty if they stay.
     curve : LoadCurve
-        Of the mean of both loads.
+        Of the mean of both loads as the plates close.
     stopped : bool
         The plates could go no farther.
     """
 
     steps: tuple[PressStep, ...]
+    released: tuple[PressStep, ...]
     curve: LoadCurve
     stopped: bool
 
     @property
+    def last(self) -> PressStep:
+        """The end of all."""
+        return (self.steps + self.released)[-1]
+
+    @property
     def U(self) -> np.ndarray:
         """The last shape, (n, 3) float array."""
-        return self.steps[-1].U
+        return self.last.U
 
 
 def press(
@@ -64,6 +75,9 @@ def press(
     area: float | None = None,
     volume: float | None = None,
     thickness: float | None = None,
+    yield_radius: float | None = None,
+    start: np.ndarray | None = None,
+    release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
     progress: Callable[[float], object] = lambda _: None,
 ) -> Pressed:
@@ -81,6 +95,14 @@ def press(
         Vertices that are held where they are; none need be.
     method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness
         See :class:`~apd_viewer.geometry.solver.deformation.Deformation`.
+    yield_radius : float, optional
+        Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; without it
+        they spring back from everything.
+    start : (n, 3) float array, optional
+        Shape to begin from, such as a twisted one. It springs back first, since nothing but ``fixed`` is
+        held; creases that it has by its ``yield_radius`` stay.
+    release : bool
+        Open the plates again in the end, to see what remains.
     iterations : int
         At most so many for each step.
     progress : callable
@@ -97,13 +119,25 @@ def press(
     """
     V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
     check_mesh(V, F)
-    options = PressOptions(fixed, method, stiffness, area_stiffness, shear_stiffness, area, volume, thickness)
+    moduli = stiffness, area_stiffness, shear_stiffness
+    options = PressOptions(fixed, method, *moduli, area, volume, thickness, yield_radius, start)
     plates = PlatePress(RestMesh(V, F), np.asarray(axis), to, steps, iterations, options)
-    return pressed(list(plates.steps(progress)), plates.pressing.is_stopped)
+    return press_with(plates, release, progress)
 
 
-def pressed(steps: Sequence[PressStep], stopped: bool) -> Pressed:
+def press_with(
+    plates: PlatePress, release: bool, progress: Callable[[float], object] = lambda _: None
+) -> Pressed:
+    """Press with plates that are in place; see :func:`press`."""
+    part = _PRESSING if release else 1.0
+    steps = list(plates.steps(lambda done: progress(part * done)))
+    stopped = plates.pressing.is_stopped
+    released = list(plates.release(lambda done: progress(part + (1.0 - part) * done))) if release else []
+    return pressed(steps, released, stopped)
+
+
+def pressed(steps: Sequence[PressStep], released: Sequence[PressStep], stopped: bool) -> Pressed:
     """Steps of a press with the readings of their loads."""
     loads = [0.5 * (step.load_low + step.load_high) for step in steps]
     curve = load_curve(np.array([step.deflection for step in steps]), np.array(loads))
-    return Pressed(tuple(steps), curve, stopped)
+    return Pressed(tuple(steps), tuple(released), curve, stopped)

@@ -3,6 +3,10 @@
 Nothing needs to be held. Obstacles push without friction, so where nothing holds the mesh it slides as far as
 forces that are not balanced push it, and comes to rest where they are. It does not turn as a whole, as if
 guided: a tall one would topple under the least load.
+
+A wall that is pressed evenly would stay straight beyond the load at which it buckles: nothing would tell it
+to which side. So it is disturbed a little before every way of the obstacles, always in the same manner: it
+gives to small random forces as its stiffness has it, most where it is about to buckle.
 """
 
 from __future__ import annotations
@@ -34,6 +38,8 @@ from apd_viewer.language import tr
 
 # Loads on a mesh at rest cancel out up to this part of their sum; so many more iterations are spent on that.
 _BALANCED, _PATIENCE = 2e-3, 300
+# Largest way of a disturbance, in sizes of the mesh: a tenth of the distance that walls keep by default.
+_DISTURBED, _SEED = 1e-4, 0
 
 
 class Pressing:
@@ -123,6 +129,11 @@ class Pressing:
         return self._descent.is_stopped
 
     @property
+    def met(self) -> bool:
+        """True if area and volume are as asked for."""
+        return self._descent.met
+
+    @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
         if not self._descent.converged:
@@ -163,7 +174,14 @@ class Pressing:
         targets, handle_of = self._path_of
         shifts = np.array([self._from * self._shifts, share * self._shifts])
         path = HeldPath(targets, targets, handle_of, shifts)
+        if path.length:
+            self._disturb()
         self._descent.follow(path, 0.0 if path.length else 1.0)
+
+    def _disturb(self) -> None:
+        forces = np.random.default_rng(_SEED).normal(size=(len(self._surface.free), 3))
+        way = self._surface.solve(forces)
+        self._descent.disturb(_DISTURBED * self.rest.diagonal / np.abs(way).max() * way)
 
     def iterate(self) -> None:
         """One iteration."""

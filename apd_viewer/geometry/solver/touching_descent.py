@@ -173,12 +173,25 @@ class TouchingDescent:
         surface, projection, start = self._surface, self._projection, self._surface.U
         held = self._path.at(share)
         surface.contact.send_obstacles(self._path.shift(share))
-        W, _ = projection.onto(surface.assembled(surface.following(self.held, held), held))
-        if not projection.met:
+        if not self._moves_to(surface.assembled(surface.following(self.held, held), held)):
             surface.contact.send_obstacles(self._path.shift(self.share))
             projection.evaluate(start)
             return False
-        surface.local_step(W)
-        surface.contact.go(W)
         self.held = held
+        return True
+
+    def disturb(self, way: np.ndarray) -> None:
+        """Move the free vertices by ``way`` (f, 3), if that is free."""
+        start = self._surface.U
+        if not self._moves_to(self._surface.assembled(start[self._surface.free] + way, self.held)):
+            self._projection.evaluate(start)
+        self._quasi_newton.resume()
+
+    def _moves_to(self, W: np.ndarray) -> bool:
+        """Move to what is near ``W`` (n, 3) and meets the goals; False if refused."""
+        W, _ = self._projection.onto(W)
+        if not self._projection.met:
+            return False
+        self._surface.local_step(W)
+        self._surface.contact.go(W)
         return True
