@@ -11,8 +11,12 @@ import trimesh
 
 ROOT = Path(__file__).parents[1]
 RESOURCES = ROOT / "resources"
-SAMPLES = ["bottle", "duck"]
-TRANSFORMS = ["bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"]
+CLOSED = ["bottle", "duck", "cushion"]
+SAMPLES = [*CLOSED, "cloth"]
+TRANSFORMS = [
+    *("bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"),
+    *("cloth-fold", "cushion-press"),
+]
 ICONS = sorted(path.stem for path in (RESOURCES / "icons").glob("*.svg") if path.stem != "apd-viewer")
 
 
@@ -30,15 +34,39 @@ def sample(request):
     return mesh, np.loadtxt(RESOURCES / f"{request.param}.sel", dtype=int)
 
 
-def test_samples_are_closed_single_and_outward(sample):
-    mesh, _ = sample
+@pytest.mark.parametrize("name", CLOSED)
+def test_samples_are_closed_and_outward(name):
+    mesh = read_mesh(RESOURCES / f"{name}.obj")
     assert mesh.is_watertight
-    assert mesh.is_winding_consistent
     assert mesh.euler_number == 2
     assert mesh.volume > 0
+
+
+def test_the_cloth_is_a_disc_that_looks_upwards():
+    mesh = read_mesh(RESOURCES / "cloth.obj")
+    assert mesh.euler_number == 1
+    assert len(mesh.outline().entities) == 1
+    flat = mesh.vertices[mesh.faces][:, :, 1].min(axis=1) > 0.1
+    assert flat.sum() > len(mesh.faces) / 2
+    assert (mesh.face_normals[flat, 1] > 0).all()
+
+
+def test_samples_are_single_and_oriented(sample):
+    mesh, _ = sample
+    assert mesh.is_winding_consistent
     assert (
         len(trimesh.graph.connected_components(mesh.edges_unique, nodes=np.arange(len(mesh.vertices)))) == 1
     )
+
+
+@pytest.mark.parametrize("name", ["cloth", "cushion"])
+def test_triangles_of_fabric_have_no_preferred_direction(name):
+    mesh = read_mesh(RESOURCES / f"{name}.obj")
+    ends = mesh.vertices[mesh.edges_unique][:, :, [2, 0]]
+    inner = np.hypot(*ends.mean(axis=1).T) < 8.0  # nearly flat, and away from hem and piping
+    angle = np.arctan2(*np.diff(ends, axis=1)[inner, 0].T)
+    # Moduli are tensors of order 4 at most: six directions that are alike, as of a lattice, are none to them.
+    assert max(abs(np.exp(1j * k * angle).mean()) for k in (2, 4)) < 0.05
 
 
 def test_samples_are_of_a_handy_size_and_stand_on_the_ground(sample):

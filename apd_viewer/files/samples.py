@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,42 @@ from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-SAMPLES = {"bottle": tr("PET bottle"), "duck": tr("Rubber duck")}
+# Of fabric: bends easily and hardly stretches, the total area to the last digits.
+_FABRIC = {"method": "local", "hold_area": True, "stiffness": 1e-4, "area_stiffness": 200.0}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A sample mesh, ready to be deformed.
+
+    Attributes
+    ----------
+    title, tip : str
+    settings : mapping
+        Fields of the document that begin otherwise than those of any mesh.
+    pivot : (3,) tuple of floats or None
+        What the handle turns about, mesh units; None is its centre.
+    """
+
+    title: str
+    tip: str
+    settings: Mapping[str, object] = field(default_factory=dict)
+    pivot: tuple[float, float, float] | None = None
+
+
+SAMPLES = {
+    "bottle": Sample(tr("PET bottle"), tr("Open the PET bottle, already painted: twist its neck")),
+    "cloth": Sample(
+        tr("Cloth"),
+        tr("Open the cloth with a hem, already painted: turn the handle to fold it"),
+        _FABRIC,
+        pivot=(0.0, 0.4, 0.0),
+    ),
+    "cushion": Sample(
+        tr("Silk cushion"), tr("Open the silk cushion, already painted: press its handle down"), _FABRIC
+    ),
+    "duck": Sample(tr("Rubber duck"), tr("Open the rubber duck, already painted: bend its tail")),
+}
 
 
 def resource(name: str) -> Path:

@@ -7,12 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.samples import SAMPLES, open_sample
+from apd_viewer.files.samples import SAMPLES, Sample, open_sample
 from apd_viewer.files.scalar_files import Rows, write_scalars
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_selection import selection_of, with_selection
@@ -71,7 +74,8 @@ class Files:
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        self.open_with(SAMPLES[name], lambda: _begun(opened(*open_sample(name))))
+        sample = SAMPLES[name]
+        self.open_with(sample.title, lambda: _with_settings(_begun(opened(*open_sample(name))), sample))
 
     def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh from memory."""
@@ -210,3 +214,11 @@ class Files:
 def _begun(state: State) -> State:
     """The same with contact on, if that leaves the hand its pace."""
     return state.at(replace(state.document, contact=len(state.document.mesh.V) <= _COMFORTABLE))
+
+
+def _with_settings(state: State, sample: Sample) -> State:
+    """The same with the settings of a sample."""
+    handle = state.document.handles[0]
+    pivot = None if sample.pivot is None else frozen(np.array(sample.pivot))
+    document = state.document.with_handle(0, replace(handle, pivot=pivot))
+    return state.at(replace(document, **sample.settings))  # type: ignore[arg-type]

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
 
-_OPEN_SAMPLE = {
-    "bottle": tr("Open the PET bottle, already painted"),
-    "duck": tr("Open the rubber duck, already painted"),
-}
 _KEYS = QKeySequence.StandardKey
 
 
@@ -116,9 +112,11 @@ class FileActions:
         )
         self.quit = make("quit", tr("&Quit"), "quit", tr("Close the window"), _KEYS.Quit, commands.quit)
         self.samples = []
-        for name, title in SAMPLES.items():
-            tip, command = _OPEN_SAMPLE[name], partial(requests.open_sample, name)
-            self.samples.append(make(f"open_sample:{name}", title, "sample", tip, None, command))
+        for name, sample in SAMPLES.items():
+            command = partial(requests.open_sample, name)
+            self.samples.append(
+                make(f"open_sample:{name}", sample.title, "sample", sample.tip, None, command)
+            )
 
     def _make_target(self, maker: ActionMaker, commands: Commands) -> None:
         self.target = maker.make(

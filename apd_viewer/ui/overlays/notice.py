@@ -188,7 +188,7 @@ class Empty(QWidget):
         self._row = QHBoxLayout()
         buttons = [QPushButton(tr("Open mesh…"), objectName="primary", clicked=requests.ask)]
         for name, sample in SAMPLES.items():
-            buttons.append(QPushButton(sample, clicked=partial(requests.open_sample, name)))
+            buttons.append(QPushButton(sample.title, clicked=partial(requests.open_sample, name)))
         for button in buttons:
             button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
             self._row.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)

@@ -1,7 +1,8 @@
 """Settings know actions by their names: under another name, the keys that a user chose are lost."""
 
 NAMES = """
-open export save save_as report save_picture copy_picture quit open_sample:bottle open_sample:duck
+open export save save_as report save_picture copy_picture quit
+open_sample:bottle open_sample:cloth open_sample:cushion open_sample:duck
 undo redo reset bake settings take:ORBIT take:BASE take:HANDLE take:REGION take:ERASE take:MOVE
 way:BRUSH way:BOX way:LASSO way:POLYGON way:FILL way:PIECE way:LOOP way:SLAB
 through larger smaller type_brush choose_by_numbers load_selection save_selection
