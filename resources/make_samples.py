@@ -502,14 +502,24 @@ def comment(*lines: str) -> str:
     return "".join(f"# {line}\n" for line in (*lines, LICENCE, "made by make_samples.py"))
 
 
-def write_mesh(path: Path, title: str, V: np.ndarray, F: np.ndarray) -> None:
-    """Write an OBJ file: vertices to a nanometre, then triangles."""
+def vertex_normals(V: np.ndarray, F: np.ndarray) -> np.ndarray:
+    """Return the unit normal of every vertex, the mean of those around it by their angles."""
+    mesh = trimesh.Trimesh(V, F, process=False)
+    return trimesh.geometry.weighted_vertex_normals(len(V), F, mesh.face_normals, mesh.face_angles)
+
+
+def write_mesh(path: Path, title: str, V: np.ndarray, F: np.ndarray, soft: bool = False) -> None:
+    """Write an OBJ file: vertices to a nanometre, triangles, and normals of what is `soft`, without edges."""
     edges = np.sort(np.vstack([F[:, :2], F[:, 1:], F[:, ::2]]), axis=1)
     shut = "closed" if (np.unique(edges, axis=0, return_counts=True)[1] == 2).all() else "open"
     size = f"{len(V)} vertices, {len(F)} triangles; {shut}; unit: centimetre; +Y is up"
     vertices = "".join("v {:.9g} {:.9g} {:.9g}\n".format(*v) for v in np.round(V, 7) + 0.0)
-    faces = "".join("f {} {} {}\n".format(*f) for f in F + 1)
-    path.write_text(comment(title, size) + vertices + faces, encoding="utf-8", newline="\n")
+    normals, corner = "", "{0}"
+    if soft:
+        normals = "".join("vn {:.3f} {:.3f} {:.3f}\n".format(*n) for n in vertex_normals(V, F) + 0.0)
+        corner = "{0}//{0}"
+    faces = "".join("f " + " ".join(corner.format(i) for i in face) + "\n" for face in F + 1)
+    path.write_text(comment(title, size) + vertices + normals + faces, encoding="utf-8", newline="\n")
 
 
 def write_selection(path: Path, title: str, labels: np.ndarray) -> None:
@@ -559,7 +569,7 @@ def write_duck(folder: Path) -> None:
 def write_cushion(folder: Path) -> None:
     """Write the cushion, its selection, and how a hand presses it."""
     V, F = cushion()
-    write_mesh(folder / "cushion.obj", "a cushion with piping along its seam", V, F)
+    write_mesh(folder / "cushion.obj", "a cushion with piping along its seam", V, F, soft=True)
     title = f"cushion.obj: held below, handle above, both within {PALM} cm of its axis"
     write_selection(folder / "cushion.sel", title, cushion_labels(V))
     title = "press the cushion: the handle of cushion.sel goes down"
@@ -569,7 +579,7 @@ def write_cushion(folder: Path) -> None:
 def write_cloth(folder: Path) -> None:
     """Write the cloth, its selection and its fold."""
     V, F = cloth()
-    write_mesh(folder / "cloth.obj", "a cloth with a hem", V, F)
+    write_mesh(folder / "cloth.obj", "a cloth with a hem", V, F, soft=True)
     title = f"cloth.obj: held where z > {CLOTH_FREE}, handle where z < -{CLOTH_FREE}"
     write_selection(folder / "cloth.sel", title, cloth_labels(V))
     title = f"fold the cloth: half a turn about the line along +X through [0, {FOLD_HEIGHT}, 0]"

@@ -13,8 +13,8 @@ from apd_viewer.files.selections.survey_formats import read_selection
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.language import tr
 
-# Of fabric: bends easily and hardly stretches, the total area to the last digits.
-_FABRIC = {"method": "local", "hold_area": True, "stiffness": 1e-4, "area_stiffness": 200.0}
+# Fabric keeps the area of every triangle, and the total area to the last digits.
+_FABRIC = {"method": "local", "hold_area": True}
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,13 @@ SAMPLES = {
     "cloth": Sample(
         tr("Cloth"),
         tr("Open the cloth with a hem, already painted: turn the handle to fold it"),
-        _FABRIC,
+        {**_FABRIC, "stiffness": 2e-4, "area_stiffness": 200.0},
         pivot=(0.0, 0.4, 0.0),
     ),
     "cushion": Sample(
-        tr("Silk cushion"), tr("Open the silk cushion, already painted: press its handle down"), _FABRIC
+        tr("Silk cushion"),
+        tr("Open the silk cushion, already painted: press its handle down"),
+        {**_FABRIC, "stiffness": 1e-3, "area_stiffness": 100.0},
     ),
     "duck": Sample(tr("Rubber duck"), tr("Open the rubber duck, already painted: bend its tail")),
 }

@@ -11,7 +11,7 @@ import numpy as np
 
 from apd_viewer.files.mesh_writing import check_target, save_mesh
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.samples import SAMPLES, Sample, open_sample
+from apd_viewer.files.samples import SAMPLES, open_sample
 from apd_viewer.files.scalar_files import Rows, write_scalars
 from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file, write_selection
@@ -74,8 +74,7 @@ class Files:
 
     def open_sample(self, name: str) -> None:
         """Open a sample, painted, in the background."""
-        sample = SAMPLES[name]
-        self.open_with(sample.title, lambda: _with_settings(_begun(opened(*open_sample(name))), sample))
+        self.open_with(SAMPLES[name].title, lambda: opened_sample(name))
 
     def open_mesh(self, mesh: Mesh) -> None:
         """Open a mesh from memory."""
@@ -216,9 +215,9 @@ def _begun(state: State) -> State:
     return state.at(replace(state.document, contact=len(state.document.mesh.V) <= _COMFORTABLE))
 
 
-def _with_settings(state: State, sample: Sample) -> State:
-    """The same with the settings of a sample."""
-    handle = state.document.handles[0]
+def opened_sample(name: str) -> State:
+    """A sample at rest, painted and with its settings."""
+    sample, state = SAMPLES[name], _begun(opened(*open_sample(name)))
     pivot = None if sample.pivot is None else frozen(np.array(sample.pivot))
-    document = state.document.with_handle(0, replace(handle, pivot=pivot))
+    document = state.document.with_handle(0, replace(state.document.handles[0], pivot=pivot))
     return state.at(replace(document, **sample.settings))  # type: ignore[arg-type]
