@@ -72,10 +72,15 @@ def press_material(traits: Method, options: PressOptions) -> Material:
     """Material with what yields; raises InputError on numbers that cannot be."""
     stiffness, radius = options.stiffness, options.yield_radius
     material = material_of(traits, stiffness, options.area_stiffness, options.shear_stiffness)
+    check_yield(radius, material.bending)
+    return material if radius is None else replace(material, yield_curvature=1.0 / radius)
+
+
+def check_yield(radius: float | None, stiffness: float) -> None:
+    """Raise InputError unless walls can yield at a radius; None is none."""
     if radius is None:
-        return material
+        return
     if not isinstance(radius, Real) or not radius > 0.0:
         raise InputError(tr("The yield radius must be greater than 0."))
-    if not material.bending:
+    if not stiffness:
         raise InputError(tr("Walls without bending stiffness keep no creases; enter a stiffness, too."))
-    return replace(material, yield_curvature=1.0 / radius)

@@ -10,15 +10,19 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import save_mesh, suffix_for
+from apd_viewer.geometry.contact.mesh_contact import thickness_of
+from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, MOST_STEPS
 from apd_viewer.geometry.pressing.plate_way import plate_way
+from apd_viewer.geometry.pressing.press_options import check_yield
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format
+from apd_viewer.presentation.number_format import short
+from apd_viewer.ui.studies.length_field import LengthField
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
-from apd_viewer.ui.studies.thickness_field import ThicknessField
-from apd_viewer.ui.widgets.fields import Choice, Number
+from apd_viewer.ui.widgets.fields import Check, Choice, Number
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -49,7 +53,6 @@ class PressDialog(StudyDialog):
         self._document, self._unit = document, unit
         self._points = mesh.V[np.unique(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)
-        self.thickness = ThicknessField(document.thickness, self._points, unit)
         about = tr(
             "Presses the mesh at rest, with nothing held, between two plates that close on it in steps, "
             "and plots load and volume."
@@ -60,7 +63,8 @@ class PressDialog(StudyDialog):
             (tr("Steps"), self._make_steps()),
             (tr("Method"), self._make_method()),
             (tr("Stiffness"), self._make_stiffness()),
-            (tr("Wall thickness"), row_of(self.thickness)),
+            (tr("Wall thickness"), self._make_thickness(document.thickness)),
+            (tr("Yield radius"), self._make_creases()),
         )
         self.lay_out(about, rows)
 
@@ -105,6 +109,18 @@ class PressDialog(StudyDialog):
         self.hint.setHidden(own > 0.0)
         return row_of(self.stiffness, self.hint, spacing=8)
 
+    def _make_thickness(self, given: float | None) -> QHBoxLayout:
+        tip = tr("Distance that walls keep: 0.3mm, or a number in the unit of the mesh")
+        usual = self._unit.length(short(thickness_of(diagonal(self._points), None)))
+        self.thickness = LengthField(tr("Wall thickness"), tip, usual, self._unit, given)
+        return row_of(self.thickness)
+
+    def _make_creases(self) -> QHBoxLayout:
+        tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
+        self.radius = LengthField(tr("Yield radius"), tip, tr("no creases"), self._unit)
+        self.release = Check(tr("open the plates again, to see what remains"))
+        return row_of(self.radius, self.release)
+
     @property
     def _distance(self) -> float:
         """Of the plates in the end, mesh units."""
@@ -121,7 +137,8 @@ class PressDialog(StudyDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            thickness = self.thickness.value
+            thickness, radius = self.thickness.value, self.radius.value
+            check_yield(radius, self.stiffness.value())
             plate_way(self._points, axis, self._distance, thickness)
         except InputError as error:
             self.run.fail(str(error))
@@ -129,6 +146,9 @@ class PressDialog(StudyDialog):
         options = self._options
         if thickness is not None:
             options["--thickness"] = repr(thickness)
+        if radius is not None:
+            options["--yield-radius"] = repr(radius)
+        flags = ["--release"] if self.release.isChecked() else []
         mesh = self._document.mesh
 
         def prepared(scratch: Path, results: Path) -> list[str]:
@@ -141,7 +161,7 @@ class PressDialog(StudyDialog):
                 "--report": "report.json",
             }
             asked = options | {option: str(results / name) for option, name in files.items()}
-            return ["press", str(rest), *(word for pair in asked.items() for word in pair)]
+            return ["press", str(rest), *flags, *(word for pair in asked.items() for word in pair)]
 
         self.run.begin(prepared)
 

@@ -213,3 +213,27 @@ def test_closing_the_dialog_ends_the_run(qtbot, window, ball):
     qtbot.keyClick(ball, Qt.Key.Key_Escape)
     assert window.studies.dialogs == {}
     assert not scratch.exists()
+
+
+def test_creases_and_release_reach_the_command(asked):
+    ask, options = asked
+    dialog = ask(*box(1, 2, 4))
+    plain = options(dialog)
+    assert plain.yield_radius is None
+    assert not plain.release
+    dialog.radius.setText("6")
+    dialog.release.click()
+    creased = options(dialog)
+    assert creased.yield_radius == pytest.approx(6.0)
+    assert creased.release
+
+
+@pytest.mark.parametrize(
+    ("typed", "stiffness", "words"), [("0", 0.001, "greater than 0"), ("2", 0.0, "stiffness")]
+)
+def test_a_yield_radius_that_cannot_be_is_refused_at_once(typed, stiffness, words, ball):
+    ball.radius.setText(typed)
+    ball.stiffness.setValue(stiffness)
+    click(ball.run.start)
+    assert not ball.run.running
+    assert words in ball.run.words.text()
