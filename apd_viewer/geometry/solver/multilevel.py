@@ -22,8 +22,9 @@ _COARSE_TOLERANCE = 1e-4
 # Iterations of the coarsest level for one of the next, which takes as long as they.
 _COARSEST_ITERATIONS = 16
 # Rotations of a coarser level leave a stiff surface rough: up to 8 times as at rest, 3.3 times after three
-# iterations without them, and 2.7 times after six.
-_SMOOTHING = 6
+# iterations without them, and 2.7 times after six. Fabric gets three: after six a preview of a bent bar
+# crossed itself, and contact did not let the shape go on before the factor was ready.
+_SMOOTHING, _SMOOTHING_OF_FABRIC = 6, 3
 # The iterations of a coarse level double from step to step up to this factor: the first step must be quick,
 # for the targets may move on.
 _MOST_AHEAD = 8
@@ -207,7 +208,7 @@ class Multilevel:
         """Prolong the coarse level's rotations; descend once it has converged."""
         if self._previews and not (self.coarse.converged and self.fine.ready):
             self._advance_coarse()
-            self.coarse.smooth(_SMOOTHING)
+            self.coarse.smooth(_SMOOTHING_OF_FABRIC if self.elastic.membrane else _SMOOTHING)
             self._preview = self._preview or Preview(self.elastic, self.coarse, self.fine.goals)
             self._preview.follow(self.held)
             self._expected.wait()
