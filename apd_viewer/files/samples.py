@@ -40,13 +40,13 @@ SAMPLES = {
     "bottle": Sample(tr("PET bottle"), tr("Open the PET bottle, already painted: twist its neck")),
     "cloth": Sample(
         tr("Cloth"),
-        tr("Open the cloth with a hem, already painted: turn the handle to fold it"),
+        tr("Open the cloth, already painted: fold it over"),
         {**_FABRIC, "stiffness": 2e-4, "area_stiffness": 200.0},
         pivot=(0.0, 0.4, 0.0),
     ),
     "cushion": Sample(
         tr("Silk cushion"),
-        tr("Open the silk cushion, already painted: press its handle down"),
+        tr("Open the silk cushion, already painted: press it down"),
         {**_FABRIC, "stiffness": 1e-3, "area_stiffness": 100.0},
     ),
     "duck": Sample(tr("Rubber duck"), tr("Open the rubber duck, already painted: bend its tail")),
