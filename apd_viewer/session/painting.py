@@ -8,8 +8,8 @@ import numpy as np
 
 from apd_viewer.language import tr
 from apd_viewer.session.model.document_parts import cleared, with_next_region
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import reshaped
 
 if TYPE_CHECKING:

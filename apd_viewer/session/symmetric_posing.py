@@ -12,8 +12,8 @@ from apd_viewer.language import tr
 from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.names import next_name
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.posing.symmetry import mirror_image
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import reshaped
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.status_text import about_lock
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.ui.tools.click_tool import ClickSelector
 from apd_viewer.ui.tools.toolbox import Tool, Way
 

@@ -16,8 +16,8 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document_parts import cleared, with_next_region, without_handle
 from apd_viewer.session.model.named_parts import Handle, PartFlags
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import reshaped
 from apd_viewer.session.storage.session_file import open_session, save_session
 

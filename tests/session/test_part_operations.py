@@ -17,8 +17,8 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.named_parts import NamedRegion
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import reshaped
 
 PARTS = [Part(BASE), Part(HANDLE), Part(HANDLE + 1), Part(1, is_region=True), Part(2, is_region=True)]

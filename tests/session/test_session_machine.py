@@ -16,7 +16,7 @@ from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.store import Activity
 
 SIZES = ((1, 1, 3), (2, 1, 3), (1, 1, 4))

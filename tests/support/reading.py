@@ -29,9 +29,9 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.samples import open_sample
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.motions import TypedMotion
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import View
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.store import Activity
 from apd_viewer.ui.application import make_application

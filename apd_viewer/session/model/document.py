@@ -27,6 +27,7 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
+from apd_viewer.session.model.named_obstacle import NamedObstacle
 from apd_viewer.session.model.named_parts import (
     IDENTITY,
     NO_FLAGS,
@@ -71,6 +72,8 @@ class Document:
         Whether walls are kept from passing through each other, by methods that can.
     thickness : float or None
         Distance that walls in contact keep, mesh units; None is a thousandth of the size of the mesh.
+    obstacles : tuple of NamedObstacle
+        What the surface touches and does not enter, while contact is on.
     base : PartFlags
     measurements : tuple of Measurement
     target : TargetShape or None
@@ -103,6 +106,7 @@ class Document:
     calm: bool = field(default=True, metadata=NOT_FACTORED)
     contact: bool = field(default=False, metadata=NOT_FACTORED)
     thickness: float | None = field(default=None, metadata=NOT_FACTORED)
+    obstacles: tuple[NamedObstacle, ...] = field(default=(), metadata=NOT_FACTORED)
     base: PartFlags = field(default=NO_FLAGS, metadata=NOT_FACTORED)
     measurements: tuple[Measurement, ...] = field(default=(), metadata=NOT_FACTORED)
     target: TargetShape | None = field(default=None, metadata=NOT_FACTORED)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from apd_viewer.geometry.picking.vertex_sets import grown, mirrored, shrunk, smoothed
-from apd_viewer.session.model.part_operation import PartOperation
 from apd_viewer.session.posing.symmetry import mirror_plane
+from apd_viewer.session.selecting.part_operation import PartOperation
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.painted_part import Part

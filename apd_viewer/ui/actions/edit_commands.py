@@ -14,7 +14,7 @@ from apd_viewer.ui.tools.toolbox import Tool
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.motions import TypedMotion
-    from apd_viewer.session.model.part_operation import PartOperation
+    from apd_viewer.session.selecting.part_operation import PartOperation
     from apd_viewer.session.session import Session
     from apd_viewer.ui.panel.panel import Panel
     from apd_viewer.ui.tools.active_parts import ActiveParts

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.session.model.painted_part import Part
-from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.selecting.part_operation import PartOperation
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.named_parts import PartFlags

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QMenu
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.part_operation import PartOperation
+from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.ui.tools.toolbox import Way
 
 if TYPE_CHECKING:

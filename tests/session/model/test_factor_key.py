@@ -16,6 +16,7 @@ from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.document_parts import with_next_region
 from apd_viewer.session.model.factor_key import FACTORED, factored_fields
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.named_parts import Handle, NamedPose, NamedRegion, PartFlags
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.requests import alike, factored_for
@@ -27,6 +28,7 @@ def of_handle(said: Document, **what: object) -> Document:
     return said.with_handle(0, replace(said.handles[0], **what))
 
 
+BELOW = NamedObstacle("Plate 1", ObstacleKind.PLATE, frozen(np.array([0.0, 0.0, -1.0])), frozen(np.eye(3)[2]))
 # Another value for every field.
 OF_DOCUMENT = {
     "mesh": lambda said: replace(said, mesh=said.mesh.baked(frozen(said.mesh.V * [1.0, 1.0, 2.0]))),
@@ -46,6 +48,7 @@ OF_DOCUMENT = {
     "calm": lambda said: replace(said, calm=False),
     "contact": lambda said: replace(said, contact=True),
     "thickness": lambda said: replace(said, contact=True, thickness=0.125),
+    "obstacles": lambda said: replace(said, contact=True, obstacles=(BELOW,)),
     "staying": lambda said: replace(said, staying=(0,)),
     "base": lambda said: replace(said, base=PartFlags(hidden=True)),
     "mirror": lambda said: replace(said, mirror=0),

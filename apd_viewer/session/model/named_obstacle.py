@@ -1,0 +1,81 @@
+"""Obstacles of a document: plates, spheres and cylinders that a surface touches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+import numpy as np
+
+from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, direction, plate, sphere
+from apd_viewer.geometry.mesh.arrays import frozen
+
+MOST_OBSTACLES = 20
+_UP = frozen(np.array([0.0, 1.0, 0.0]))
+_NO_SHIFT = frozen(np.zeros(3))
+
+
+class ObstacleKind(Enum):
+    """Shape of an obstacle."""
+
+    PLATE = "plate"
+    SPHERE = "sphere"
+    CYLINDER = "cylinder"
+
+
+@dataclass(frozen=True, eq=False)
+class NamedObstacle:
+    """An obstacle, and how far it has been moved.
+
+    Attributes
+    ----------
+    name : str
+    kind : ObstacleKind
+    place : (3,) float array
+        Where it was put: a point of a plate, the centre of a sphere or cylinder; mesh units, read-only.
+    axis : (3,) float array
+        Unit normal of a plate, to the side that stays free; unit axis of a cylinder; read-only.
+    radius : float
+        Of a sphere or cylinder, mesh units; 0 of a plate.
+    length : float
+        Of a cylinder, between the centres of its round ends, mesh units; 0 of others.
+    shift : (3,) float array
+        Its motion since it was put there, mesh units, read-only.
+    """
+
+    name: str
+    kind: ObstacleKind
+    place: np.ndarray
+    axis: np.ndarray = field(default_factory=lambda: _UP)
+    radius: float = 0.0
+    length: float = 0.0
+    shift: np.ndarray = field(default_factory=lambda: _NO_SHIFT)
+
+    def solid(self, size: float) -> Obstacle:
+        """The obstacle where it was put, in the way of what is ``size`` large.
+
+        Parameters
+        ----------
+        size : float
+            Extent of all that a plate is to stop, mesh units.
+
+        Raises
+        ------
+        InputError
+            If it has no extent or direction.
+        """
+        if self.kind is ObstacleKind.PLATE:
+            return plate(self.place, self.axis, size)
+        if self.kind is ObstacleKind.SPHERE:
+            return sphere(self.place, self.radius)
+        half = 0.5 * self.length * direction(self.axis)
+        return capsule(self.place - half, self.place + half, self.radius)
+
+    def shifted(self, shift: np.ndarray) -> NamedObstacle:
+        """The obstacle ``shift`` (3,) from where it was put."""
+        return replace(self, shift=frozen(np.array(shift, dtype=np.float64)))
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Its place now, (3,)."""
+        return self.place + self.shift
