@@ -141,9 +141,10 @@ class Projection:
         """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
-        step has brought [Broyden 1965]: values cost less than gradients. Such a step leaves of a miss about
-        as much as the product of the last two, and no less than slopes that are off in other directions can
-        spoil; where that is nothing, the last step is not measured.
+        step has brought [Broyden 1965]: values cost less than gradients. With a single goal such a step leaves
+        of a miss about as much as the product of the last two, and no less than slopes that are off in other
+        directions can spoil; where that is nothing, the last step is not measured. Of several goals, the
+        slopes are known along the line of the last step alone, and a miss may stay as it was.
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measures.values(U)
@@ -163,7 +164,7 @@ class Projection:
             left = self._worst_that_can_move(tried)
             if left < (1.0 - 0.1 * share) * worst:
                 self._inverse = _learned(self._inverse, step, tried - self.values)
-                foreseen = left * max(left / worst, _CURVED * worst)
+                foreseen = left * max(left / worst, _CURVED * worst) if len(mu) == 1 else left
                 U, self.values, worst, mu, share, fresh = there, tried, left, mu + step, 1.0, False
             elif fresh:
                 share *= 0.5
