@@ -141,10 +141,10 @@ class Projection:
         """Positions near ``U`` (n, 3) meeting the goals, and the steps along each.
 
         Leaves the values of the positions that it returns. On the way the slopes are corrected by what each
-        step has brought [Broyden 1965]: values cost less than gradients. With a single goal such a step leaves
-        of a miss about as much as the product of the last two, and no less than slopes that are off in other
-        directions can spoil; where that is nothing, the last step is not measured. Of several goals, the
-        slopes are known along the line of the last step alone, and a miss may stay as it was.
+        step has brought [Broyden 1965]: values cost less than gradients. Towards a single goal such a step
+        leaves of a miss about as much as the product of the last two, and no less than slopes that are off in
+        other directions can spoil; where that is nothing, the last step is not measured. Of several goals
+        the slopes are known along the line of the last step alone, and a miss may stay as it was.
         """
         mu = np.zeros(len(self.goals))
         self.values = self._measures.values(U)
