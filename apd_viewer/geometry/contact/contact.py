@@ -85,13 +85,35 @@ class Contact:
         self._most = _FIRMEST / _STIFFNESS
         together = np.vstack([held, self._zone, self.followers.together])
         self._pairs = NearPairs(V, F, together, thickness)
-        E = self._pairs.edges
-        self.obstacles = [ObstaclePairs(V, F, E, obstacle, thickness) for obstacle in obstacles]
+        self._V, self._thickness = V, thickness
+        self.surround(obstacles)
         self.exempt = np.union1d(np.flatnonzero(self._zone), self._pairs.joined)
         self.touching, self.least, self.examined = 0, np.inf, 0
+        for pairs in self.obstacles:
+            pairs.enter(V)
         self._set_out(V)
 
-    def may_enter(self, U: np.ndarray) -> bool:
+    def surround(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put other obstacles around the surface, which has to :meth:`enter` anew."""
+        V, E = self._V, self._pairs.edges
+        self.obstacles = [ObstaclePairs(V, self._F, E, obstacle, self._thickness) for obstacle in obstacles]
+
+    def may_enter(self, U: np.ndarray, shifts: np.ndarray | None = None) -> bool:
+        """True if ``U`` (n, 3) intersects no obstacle, and itself no more than at rest.
+
+        Parameters
+        ----------
+        U : (n, 3) float array
+        shifts : (o, 3) float array, optional
+            Of the obstacles; without, where they are.
+        """
+        shifts, placed = self.shifts if shifts is None else shifts, self.followers.carried(U)
+        clear = all(
+            pairs.clearance(placed, at) > 0.0 for pairs, at in zip(self.obstacles, shifts, strict=True)
+        )
+        return clear and self._may_cross_so(U)
+
+    def _may_cross_so(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""
         pairs = crossing_pairs(self.followers.carried(U), self._F)
         if pairs is None:
@@ -103,12 +125,18 @@ class Contact:
         may_cross |= np.all(np.isin(corners, self._pairs.joined).any(axis=2), axis=1)
         return bool(may_cross.all())
 
-    def enter(self, U: np.ndarray) -> None:
-        """Begin at ``U`` (n, 3), which must not cross itself anew."""
+    def enter(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
+        """Begin at ``U`` (n, 3) and shifts that :meth:`may_enter`."""
         placed = self.followers.carried(U)
-        for pairs in self._all:
-            pairs.enter(placed)
+        self._pairs.enter(placed)
+        for pairs, shift in zip(self.obstacles, self.shifts if shifts is None else shifts, strict=True):
+            pairs.enter(placed, shift)
         self._set_out(U)
+
+    @property
+    def shifts(self) -> np.ndarray:
+        """How far each obstacle is from its place, (o, 3)."""
+        return np.array([pairs.shift for pairs in self.obstacles]).reshape(-1, 3)
 
     @property
     def _all(self) -> list[NearPairs | ObstaclePairs]:
@@ -119,16 +147,17 @@ class Contact:
         return sum(pairs.energy_ahead for pairs in self._all)
 
     def _set_out(self, U: np.ndarray) -> None:
-        self.start = self._ahead = U
+        self.start, self._ahead, self._is_ahead = U, U, False
         self._placed = self._placed_ahead = self.followers.carried(U)
         self._energy = self._energy_ahead = self._energy_found
 
     def go(self, U: np.ndarray) -> None:
         """Stand at ``U``: where the last free way ended or began."""
-        if U is self._ahead and U is not self.start:
+        if self._is_ahead and U is self._ahead:
             for pairs in self._all:
                 pairs.accept()
             self.start, self._placed, self._energy = U, self._placed_ahead, self._energy_ahead
+            self._is_ahead = False
 
     def shares(self, W: np.ndarray) -> np.ndarray | None:
         """Shares (n,) of the way to ``W`` (n, 3) to try next; None if it is free."""
@@ -143,29 +172,40 @@ class Contact:
     def _look_ahead(self, W: np.ndarray) -> np.ndarray | None:
         """Free shares (n,) of the way to ``W`` (n, 3); None if all is free."""
         self._ahead, self._placed_ahead, self._energy_ahead = self.start, self._placed, self._energy
+        self._is_ahead = False
         placed = self.followers.carried(W)
         found = [pairs.examine(self._placed, placed) for pairs in self._all]
         blocked = [shares for shares in found if shares is not None]
         if blocked:
             return np.min(blocked, axis=0)
         self._ahead, self._placed_ahead, self._energy_ahead = W, placed, self._energy_found
+        self._is_ahead = True  # a new place of obstacles even where W is the start
         return None
 
-    def leads_to(self, W: np.ndarray) -> bool:
-        """Go straight to ``W`` (n, 3); False, and stay, if something is in the way."""
-        start, self.examined = self.start, 0
-        if self._goes(W):
+    def leads_to(self, W: np.ndarray, shifts: np.ndarray | None = None) -> bool:
+        """Go straight to ``W`` (n, 3); False, and stay, if something is in the way.
+
+        Parameters
+        ----------
+        W : (n, 3) float array
+        shifts : (o, 3) float array, optional
+            Where the obstacles go; without, they stay.
+        """
+        start, before, self.examined = self.start, self.shifts, 0
+        if self._goes(W, before if shifts is None else shifts):
             return True
-        if not self._goes(start):
-            self.enter(start)
+        if not self._goes(start, before):
+            self.enter(start, before)
         return False
 
-    def _goes(self, W: np.ndarray) -> bool:
+    def _goes(self, W: np.ndarray, shifts: np.ndarray) -> bool:
         """Go straight to ``W`` in parts, as far as the way is free."""
-        start, done, part = self.start, 0.0, 1.0
+        start, before, done, part = self.start, self.shifts, 0.0, 1.0
         while done < 1.0:
             self.examined += 1
-            end = W if done + part >= 1.0 else start + (done + part) * (W - start)
+            share = min(1.0, done + part)
+            end = W if share == 1.0 else start + share * (W - start)
+            self.send_obstacles(shifts if share == 1.0 else before + share * (shifts - before))
             shares = self._look_ahead(end)
             if shares is None:
                 self.go(end)
@@ -222,7 +262,7 @@ class Contact:
     def send_obstacles(self, shifts: np.ndarray) -> None:
         """Let obstacles go to ``shifts`` (o, 3) from their first places on the next way."""
         for pairs, shift in zip(self.obstacles, shifts, strict=True):
-            pairs.ahead = pairs.obstacle.points + shift
+            pairs.send(shift)
 
     def carried_along(self, U: np.ndarray, W: np.ndarray) -> np.ndarray:
         """``W`` (n, 3), with what is near obstacles at ``U`` pushed along with them."""

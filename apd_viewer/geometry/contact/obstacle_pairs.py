@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.collision_times import examine
 from apd_viewer.geometry.contact.distances import gaps
 from apd_viewer.geometry.contact.gap_energy import gap_gradient, gap_springs
@@ -14,6 +15,8 @@ from apd_viewer.geometry.linalg.parallel_ops import largest_difference
 _LISTED_WITHIN = 6.0
 # No step goes below this part of the range.
 _FLOOR = 5e-3
+# Nor below this part of the gap that an obstacle was put at.
+_LEFT = 0.5
 # Bounds that come so near to the range, in ranges, are made exact.
 _MARGIN = 0.5
 # In steps of the obstacle: so far ahead of it vertices go along.
@@ -24,6 +27,7 @@ _CORNER = 3.0**0.5  # longest of vectors whose coordinates are at most 1
 class ObstaclePairs:
     """Near pairs of a surface and an obstacle, with their gap energy.
 
+    There are none before the surface enters.
     All pairs keep a lower bound of their gaps; those that may be in touch soon are listed.
 
     Parameters
@@ -37,10 +41,10 @@ class ObstaclePairs:
     Attributes
     ----------
     obstacle : Obstacle
-    points : (p, 3) float array
-        Where those of the obstacle are.
-    ahead : (p, 3) float array
-        Where they go on the next way.
+    shift, shift_ahead : (3,) float arrays
+        How far the obstacle is from its place, and where it goes on the next way.
+    points, ahead : (p, 3) float arrays
+        Its points there.
     energy_ahead : float
         Energy per stiffness at the end of the free way found last.
     force : (3,) float array
@@ -49,20 +53,38 @@ class ObstaclePairs:
 
     def __init__(self, V: np.ndarray, F: np.ndarray, E: np.ndarray, obstacle: Obstacle, reach: float) -> None:
         self.obstacle, self._reach = obstacle, reach
-        self.points = self.ahead = obstacle.points
+        self._stand(np.zeros(3))
         self._all, self._all_edges = obstacle.pairs(F, E, len(V))
         lengths = np.linalg.norm(V[E[:, 0]] - V[E[:, 1]], axis=1)
         self._beyond = _LISTED_WITHIN * float(lengths.mean())
         self.force, self.energy_ahead = np.zeros(3), 0.0
         self._low = self._low_after = np.zeros(0)
-        self.enter(V)
+        self._floor = _FLOOR * reach
+        self._F, self._listed_at, self._bound = F, self._with(V, self.points), np.zeros(0)
+        self._pairs, self._edges = self._all[:0], self._all_edges[:0]
 
-    def enter(self, U: np.ndarray) -> None:
-        """List the pairs anew at ``U`` (n, 3)."""
-        self.ahead = self.points
+    def clearance(self, U: np.ndarray, shift: np.ndarray) -> float:
+        """Least distance from ``U`` (n, 3) at a shift (3,); negative if they intersect."""
+        return clearance(self.obstacle, shift, U, self._F)
+
+    def _stand(self, shift: np.ndarray) -> None:
+        self.shift = self.shift_ahead = shift
+        self.points = self.ahead = self.obstacle.points + shift
+
+    def send(self, shift: np.ndarray) -> None:
+        """Go to ``shift`` (3,) from its place on the next way."""
+        self.shift_ahead, self.ahead = shift, self.obstacle.points + shift
+
+    def enter(self, U: np.ndarray, shift: np.ndarray | None = None) -> None:
+        """List the pairs anew at ``U`` (n, 3), and at ``shift`` (3,) instead of where it is.
+
+        It must be clear of ``U``. What is nearer than steps go may stay as near.
+        """
+        self._stand(self.shift if shift is None else shift)
         self._listed_at = self._with(U, self.points)
         self._bound = np.full(len(self._all), -np.inf)
         self._list(self._listed_at)
+        self._floor = min(_FLOOR * self._reach, _LEFT * float(self._low.min(initial=np.inf)))
         self.examine(U, U)
         self.accept()
 
@@ -78,7 +100,7 @@ class ObstaclePairs:
         bounds = (
             self._low,
             np.full(len(self._low), self._reach),
-            np.full(len(self._low), _FLOOR * self._reach),
+            np.full(len(self._low), self._floor),
         )
         owner = np.zeros(len(self._low), np.int32)
         self.energy_ahead, blocked = examine(
@@ -93,7 +115,7 @@ class ObstaclePairs:
 
     def accept(self) -> None:
         """Go the free way found last."""
-        self._low, self.points = self._low_after, self.ahead
+        self._low, self.points, self.shift = self._low_after, self.ahead, self.shift_ahead
 
     @property
     def may_touch(self) -> bool:
