@@ -107,11 +107,13 @@ class Contact:
         shifts : (o, 3) float array, optional
             Of the obstacles; without, where they are.
         """
-        shifts, placed = self.shifts if shifts is None else shifts, self.followers.carried(U)
-        clear = all(
-            pairs.clearance(placed, at) > 0.0 for pairs, at in zip(self.obstacles, shifts, strict=True)
-        )
-        return clear and self._may_cross_so(U)
+        return self.is_clear(U, self.shifts if shifts is None else shifts) and self._may_cross_so(U)
+
+    def is_clear(self, U: np.ndarray, shifts: np.ndarray) -> bool:
+        """True if ``U`` (n, 3) intersects no obstacle at shifts (o, 3)."""
+        placed = self.followers.carried(U)
+        at_each = zip(self.obstacles, shifts, strict=True)
+        return all(pairs.clearance(placed, shift) > 0.0 for pairs, shift in at_each)
 
     def _may_cross_so(self, U: np.ndarray) -> bool:
         """True if ``U`` (n, 3) crosses itself no more than at rest."""

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from apd_viewer.geometry.mesh.arrays import frozen
+
 # Relative accuracy of area and volume targets; the paper's method has a
 # tolerance of its own.
 MET = 1e-9
+# Of no obstacles.
+NO_SHIFTS = frozen(np.zeros((0, 3)))
 
 
 class Touch(NamedTuple):
-    """Contact of a shape with itself.
+    """Contact of a shape with itself and with obstacles.
 
     Attributes
     ----------
@@ -74,6 +78,12 @@ class Frame:
         Share of the way from rest to the targets that contact has let the held vertices go.
     contact : Touch or None
         None without contact.
+    loads : (o, 3) float array
+        Forces on the obstacles, energy per length: those of a material of stiffness 1. Of a settled shape
+        they are the derivatives of its energy by the shifts, with the sign changed. Read-only.
+    shifts : (o, 3) float array
+        How far the obstacles have come from their places, mesh units, read-only; contact may have stopped
+        them.
     """
 
     U: np.ndarray
@@ -94,3 +104,5 @@ class Frame:
     seconds_left: float | None = None
     share_reached: float = 1.0
     contact: Touch | None = None
+    loads: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
+    shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)

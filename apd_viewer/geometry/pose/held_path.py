@@ -31,6 +31,13 @@ class HeldPath:
         Vertices of one number move as one.
     shifts : (2, o, 3) float array, optional
         How far each obstacle is shifted at the start and at the end; it goes straight.
+
+    Attributes
+    ----------
+    length : float
+        The longest way of all, mesh units.
+    moves_held, moves_obstacles : bool
+        Whether there are ways of either.
     """
 
     def __init__(
@@ -40,6 +47,8 @@ class HeldPath:
         moved = np.unique(handle_of[(X != Y).any(axis=1)])
         self._parts = [_part(X, Y, np.flatnonzero(handle_of == k)) for k in moved]
         lengths = [length for _, _, length in self._parts]
+        self.moves_held = len(moved) > 0
+        self.moves_obstacles = bool((shifts[0] != shifts[1]).any())
         self.length = max([*lengths, *np.linalg.norm(shifts[1] - shifts[0], axis=1)], default=0.0)
 
     def shift(self, share: float) -> np.ndarray:

@@ -36,11 +36,6 @@ from apd_viewer.geometry.solver.touching_descent import TouchingDescent
 from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
 
-# Loads on a mesh at rest cancel out up to this part of their sum; so many more iterations are spent on that.
-_BALANCED, _PATIENCE = 2e-3, 300
-# Largest way of a disturbance, in sizes of the mesh: a tenth of the distance that walls keep by default.
-_DISTURBED, _SEED = 1e-4, 0
-
 
 class Pressing:
     """A mesh between obstacles that move.
@@ -136,9 +131,7 @@ class Pressing:
     @property
     def settled(self) -> bool:
         """True if iterating further changes nothing."""
-        if not self._descent.converged:
-            return False
-        return self.imbalance <= _BALANCED or self.iterations - self._converged_after > _PATIENCE
+        return self._descent.converged
 
     @property
     def energy(self) -> float:
@@ -160,33 +153,22 @@ class Pressing:
 
         0 where something is held, which takes the rest.
         """
-        loads = self.loads
-        total = float(np.linalg.norm(loads, axis=1).sum())
-        if len(self._held) or not total:
-            return 0.0
-        return float(np.linalg.norm(loads.sum(axis=0))) / total
+        return self._descent.imbalance
 
     def aim(self, share: float) -> None:
         """Let the obstacles go to a share of their way; creases up to here last."""
         self._elastic.keep_creases()
         self._from = self.share
-        self._to, self.iterations, self._converged_after = share, 0, 0
+        self._to, self.iterations = share, 0
         targets, handle_of = self._path_of
         shifts = np.array([self._from * self._shifts, share * self._shifts])
         path = HeldPath(targets, targets, handle_of, shifts)
         if path.length:
-            self._disturb()
+            self._descent.disturb()
         self._descent.follow(path, 0.0 if path.length else 1.0)
-
-    def _disturb(self) -> None:
-        forces = np.random.default_rng(_SEED).normal(size=(len(self._surface.free), 3))
-        way = self._surface.solve(forces)
-        self._descent.disturb(_DISTURBED * self.rest.diagonal / np.abs(way).max() * way)
 
     def iterate(self) -> None:
         """One iteration."""
         with cores_for(len(self.rest.shape.V)):
             self._descent.step()
         self.iterations += 1
-        if not self._descent.converged:
-            self._converged_after = self.iterations

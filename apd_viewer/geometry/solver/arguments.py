@@ -94,11 +94,11 @@ def targets_of(
         raise InputError(
             tr("Targets must be {n} finite positions, one for each held vertex.").format(n=len(fixed))
         )
-    if np.abs(targets - rest.V[fixed]).max() > _FARTHEST * rest.diagonal:
+    if np.abs(targets - rest.V[fixed]).max(initial=0.0) > _FARTHEST * rest.diagonal:
         raise InputError(tr("A target position is too far from the mesh; check the unit and the transform."))
     asked = targets[chosen] - rest.weld.offset_of(fixed[chosen])
     apart = targets - rest.weld.offset_of(fixed) - asked[inverse]
-    if np.abs(apart).max() > (1e-9 + rest.weld.slack) * rest.diagonal:
+    if np.abs(apart).max(initial=0.0) > (1e-9 + rest.weld.slack) * rest.diagonal:
         raise InputError(tr("A vertex has two target positions; give it one."))
     return targets, asked
 

@@ -1,4 +1,4 @@
-"""Descent of a surface that does not pass through itself.
+"""Descent of a surface that passes neither through itself nor through obstacles.
 
 As long as nothing is in the way, the shapes are those of the solver that knows of no contact, each reached by
 a way that was found free. Where that ends, the surface descends in contact with itself, until it is aimed
@@ -8,6 +8,7 @@ anew with nothing in touch.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,7 @@ from apd_viewer.geometry.solver.touching_surface import TouchingSurface
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.contact.obstacles import Obstacle
     from apd_viewer.geometry.energy.elastic import Elastic
 
 # In sizes of the mesh: how far held vertices are moved at once, and steps before they are moved on.
@@ -49,18 +51,28 @@ def check_contact(method: Method, plain: bool) -> None:
         )
 
 
-def stopped_at(share: float) -> str:
-    """Sentence on a handle that contact stops at a share of its way."""
-    return tr("Contact stops the handle at {percent:.0f} % of the way.").format(
-        percent=math.floor(100.0 * share)
-    )
+def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
+    """Raise InputError if there are obstacles without contact."""
+    if len(obstacles) and not contact:
+        raise InputError(tr("Obstacles need contact; switch it on, or remove the obstacles."))
+
+
+def stopped_at(share: float, contact: ContactDescent | None = None) -> str:
+    """Sentence on what contact stops at a share of its way; by default the handle."""
+    moves = contact.moves if contact else (True, False)
+    said = {
+        (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the way."),
+        (False, True): tr("Contact stops the obstacle at {percent:.0f} % of the way."),
+    }.get(moves, tr("Contact stops the handle at {percent:.0f} % of the way."))
+    return said.format(percent=math.floor(100.0 * share))
 
 
 def whole_way(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
     """The frame of a ``leg``, from 0, with share and sentence of all ``legs``."""
     share = (leg + (1.0 if contact is None else contact.share_of_path)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
-    return replace(frame, share_reached=share, unreached=stopped_at(share) if stopped else frame.unreached)
+    said = stopped_at(share, contact) if stopped else frame.unreached
+    return replace(frame, share_reached=share, unreached=said)
 
 
 def in_contact(
@@ -70,8 +82,9 @@ def in_contact(
     handle_of: np.ndarray,
     thickness: float | None = None,
     loose: LooseParts | None = None,
+    obstacles: Sequence[Obstacle] = (),
 ) -> ContactDescent:
-    """Solver whose shapes do not cross themselves.
+    """Solver whose shapes cross neither themselves nor obstacles.
 
     Parameters
     ----------
@@ -87,16 +100,21 @@ def in_contact(
         Distance that walls keep, mesh units.
     loose : LooseParts, optional
         What the surface carries along; without, it is left out.
+    obstacles : sequence of Obstacle
+        The surface enters among them with its first step.
     """
     shape, fixed = rest.shape, inner.elastic.fixed
-    if not handle_of.any():
+    if len(fixed) and not handle_of.any():
         handle_of = connected_components(shape.L[fixed][:, fixed])[1] + 1
     contact = contact_of(shape, fixed, handle_of[: len(fixed)], rest.diagonal, thickness, loose)
-    return ContactDescent(inner, goals, contact, handle_of)
+    return ContactDescent(inner, goals, contact, handle_of, obstacles)
 
 
 class ContactDescent:
-    """Steps of a surface whose shapes do not cross themselves.
+    """Steps of a surface whose shapes cross neither themselves nor obstacles.
+
+    Where nothing is held, obstacles alone move the surface: it slides as far as forces that are not balanced
+    push it, and does not turn as a whole.
 
     Parameters
     ----------
@@ -107,6 +125,7 @@ class ContactDescent:
     contact : Contact
     handle_of : (k + s,) int array
         Held and soft vertices of one number move as one.
+    obstacles : sequence of Obstacle
 
     Attributes
     ----------
@@ -114,10 +133,17 @@ class ContactDescent:
     contact : Contact
     held : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
+    shifts : (o, 3) float array
+        How far the obstacles have come from their places.
     """
 
     def __init__(
-        self, inner: IterativeSolver, goals: tuple[Goal, ...], contact: Contact, handle_of: np.ndarray
+        self,
+        inner: IterativeSolver,
+        goals: tuple[Goal, ...],
+        contact: Contact,
+        handle_of: np.ndarray,
+        obstacles: Sequence[Obstacle] = (),
     ) -> None:
         self.elastic: Elastic = inner.elastic
         self.contact = contact
@@ -128,7 +154,7 @@ class ContactDescent:
         self._size = float(np.linalg.norm(np.ptp(V, axis=0)))
         self._at_rest = np.concatenate([V[self.elastic.fixed], V[self.elastic.soft.ids]])
         self.held = self._targets = self._at_rest
-        self._set_path()
+        self.surround(obstacles)
 
     @property
     def U(self) -> np.ndarray:
@@ -174,7 +200,7 @@ class ContactDescent:
 
     @property
     def share_reached(self) -> float:
-        """Share of the way from rest to their targets that the held vertices have gone."""
+        """Share of the way from rest to their targets that what moves has gone."""
         left = (1.0 - self._share) * self._path.length
         return 1.0 - left / max(self._whole, left) if left else 1.0
 
@@ -182,11 +208,25 @@ class ContactDescent:
     def touch(self) -> Touch:
         """Contact at ``U``."""
         contact = self.contact
-        contact.go(self._U)
-        contact.gradient(self._U)
+        self._find_forces()
         least = float(contact.least) if contact.touching else None
         carried = np.flatnonzero((contact.followers.together > 0).any(axis=0))
         return Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
+
+    @property
+    def loads(self) -> np.ndarray:
+        """Forces on the obstacles at ``U``, (o, 3)."""
+        self._find_forces()
+        return self.contact.loads
+
+    def _find_forces(self) -> None:
+        self.contact.go(self._U)
+        self.contact.gradient(self._U)
+
+    @property
+    def moves(self) -> tuple[bool, bool]:
+        """Whether held vertices and obstacles have a way to go."""
+        return self._path.moves_held, self._path.moves_obstacles
 
     @property
     def is_stopped(self) -> bool:
@@ -228,26 +268,73 @@ class ContactDescent:
             self._touch()
         self._set_path()
 
-    def restart(self, U: np.ndarray) -> None:
-        """Continue from positions ``U`` (n, 3), or from rest if those cross."""
-        if not self.contact.may_enter(U):
-            U = self.elastic.rest.V
-        self.contact.enter(U)
-        self._U = U
+    def surround(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put other obstacles around the surface; it enters with :meth:`restart`.
+
+        Without, it enters at rest with the next step.
+        """
+        self.contact.surround(obstacles)
+        self.shifts = self._shifts = self._places = np.zeros((len(obstacles), 3))
+        self._before = self._U, self.shifts
+        self._is_inside = not obstacles
+        self._touching = None
+        self._set_path()
+
+    def restart(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
+        """Continue from positions ``U`` (n, 3), or from rest if those intersect.
+
+        Parameters
+        ----------
+        U : (n, 3) float array
+        shifts : (o, 3) float array, optional
+            Of the obstacles there; without, where they are. If ``U`` is not clear of them, they begin at
+            their places.
+
+        Raises
+        ------
+        InputError
+            If not even the shape at rest is clear of obstacles at their places.
+        """
+        if shifts is None:
+            # One step back may be asked for.
+            shifts = self._before[1] if U is self._before[0] else self.shifts
+        rest, places = self.elastic.rest.V, self._places
+        ways = [(U, shifts), (U, places), (rest, places)]
+        found = next((way for way in ways if self.contact.may_enter(*way)), None)
+        if found is None and len(places) and not self.contact.is_clear(rest, places):
+            raise InputError(
+                tr("An obstacle intersects the shape to begin from; move it away, or remove it.")
+            )
+        self._enter(*(found or (rest, places)))
+
+    def _enter(self, U: np.ndarray, shifts: np.ndarray) -> None:
+        self.contact.enter(U, shifts)
+        self._U, self.shifts, self._is_inside = U, shifts, True
         self.held = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
         self._release()
         self._set_path()
 
-    def aim(self, targets: np.ndarray) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
-        self._targets = targets
+    def aim(self, targets: np.ndarray, shifts: np.ndarray | None = None) -> None:
+        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here.
+
+        Parameters
+        ----------
+        targets : (k + s, 3) float array
+        shifts : (o, 3) float array, optional
+            Where obstacles go, straight; without, to their places.
+        """
+        self._targets, self._shifts = targets, self._places if shifts is None else shifts
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
+        if self._touching and self._path.moves_obstacles:
+            self._touching.disturb()
 
     def _set_path(self) -> None:
-        self._path = HeldPath(self.held, self._targets, self._handle_of)
-        self._whole = HeldPath(self._at_rest, self._targets, self._handle_of).length
+        ends = np.array([self.shifts, self._shifts])
+        self._path = HeldPath(self.held, self._targets, self._handle_of, ends)
+        ends = np.array([self._places, self._shifts])
+        self._whole = HeldPath(self._at_rest, self._targets, self._handle_of, ends).length
         self._share = self._ahead = 0.0 if self._path.length else 1.0
         self._part = _PART * self._size / max(self._path.length, _PART * self._size)
         self._steps, self._refused = _STEPS, 0
@@ -257,12 +344,16 @@ class ContactDescent:
             self._inner.aim(self._path.at(self._share))
 
     def step(self) -> None:
-        """Step to a shape with a free way to it."""
+        """Step to a shape with a free way to it; see :meth:`restart`."""
+        if not self._is_inside:
+            self.restart(self.elastic.rest.V, self._places)
+        self._before = self._U, self.shifts
         if self._touching is None:
             self._step_freely()
         else:
             self._touching.step()
             self._U, self._share, self.held = self._touching.U, self._touching.share, self._touching.held
+            self.shifts = self._path.shift(self._share)
 
     def _step_freely(self) -> None:
         """Take the next shape of the inner solver, if the way is free."""
@@ -272,10 +363,12 @@ class ContactDescent:
         self._steps += 1
         self._inner.step()
         W = self._inner.U
-        if W is self._U:
+        if W is self._U and self._share == self._ahead:
             return
-        if self.contact.leads_to(W):
+        shifts = self._path.shift(self._ahead)
+        if self.contact.leads_to(W, shifts):
             self._U, self._share, self.held, self._refused = W, self._ahead, self._inner.held, 0
+            self.shifts = shifts
             return
         self._refused += self.contact.examined
         if self._refused >= _PATIENCE or self._inner.converged:
@@ -284,11 +377,19 @@ class ContactDescent:
 
     def _touch(self) -> None:
         """Descend in contact from the last shape."""
-        surface = TouchingSurface(self.elastic, self.contact)
-        self._touching = TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
+        self._touching = self._descending()
         self._touching.follow(self._path, self._share)
+        if self._path.moves_obstacles:
+            self._touching.disturb()
+
+    def _descending(self) -> TouchingDescent:
+        surface = TouchingSurface(self.elastic, self.contact)
+        return TouchingDescent(surface, self._U, self.held, self._goals, self._tolerance)
 
     def _release(self) -> None:
-        """Descend without contact from the last shape."""
-        self._touching = None
-        self._inner.restart(self._U)
+        """Descend without contact from the last shape, unless nothing is held."""
+        if len(self.elastic.fixed):
+            self._touching = None
+            self._inner.restart(self._U)
+        elif self._touching is None or self._touching.U is not self._U:
+            self._touching = self._descending()

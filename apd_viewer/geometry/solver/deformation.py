@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,12 @@ from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import handle_of, soft_of, start_of, targets_of, vertex_ids
 from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
-from apd_viewer.geometry.solver.contact_descent import check_contact, in_contact, stopped_at
+from apd_viewer.geometry.solver.contact_descent import (
+    check_contact,
+    check_obstacles,
+    in_contact,
+    stopped_at,
+)
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
     MEMORY,
@@ -45,6 +50,7 @@ from apd_viewer.geometry.solver.restarts import minimizer
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
+    from apd_viewer.geometry.contact.obstacles import Obstacle
     from apd_viewer.geometry.linalg.linear_solver import Factored
     from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 
@@ -105,6 +111,9 @@ class Deformation:
     thickness : float, optional
         Distance that walls in contact keep, mesh units; a thousandth of the diagonal of the bounding box
         without it.
+    obstacles : sequence of Obstacle
+        What no shape enters, where contact is on; it touches without friction. Nothing need be held then:
+        what is held by nothing slides, and does not turn as a whole.
 
     Attributes
     ----------
@@ -141,6 +150,7 @@ class Deformation:
         calm: bool = True,
         contact: bool = False,
         thickness: float | None = None,
+        obstacles: Sequence[Obstacle] = (),
     ) -> None:
         if rest is None:
             V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
@@ -154,16 +164,19 @@ class Deformation:
             rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
         )
         self._handle_of = handle_of(handle, rest, self._solve_ids)
-        self._traits = check_method(method, self._handle_of)
+        check_obstacles(obstacles, contact)
+        self._traits = check_method(method, self._handle_of, len(obstacles) > 0)
         self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose, contact)
         self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
-        if np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids]).sum() == len(self._solve_ids):
+        moved = np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids])
+        if len(fixed) and moved.sum() == len(self._solve_ids):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.shape.V)):
             levels = partial(calm_levels, rest.shape, self._solve_ids, self._handle_of, self._soft)
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
-            self._kept.ask(area, volume, regions, calm)
+            # Nothing is calm where nothing is held.
+            self._kept.ask(area, volume, regions, calm and len(self._solve_ids) > 0)
             started = time.perf_counter()
             elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
             self._solver = self._solver_of(elastic, plain)
@@ -171,7 +184,8 @@ class Deformation:
             if contact:
                 check_contact(self._traits, plain)
                 of = np.concatenate([self._handle_of, self._soft.handle + 1])
-                self.contact = in_contact(self._solver, self._kept.goals, rest, of, thickness, self.loose)
+                inner, goals = self._solver, self._kept.goals
+                self.contact = in_contact(inner, goals, rest, of, thickness, self.loose, obstacles)
                 self._solver = self.contact
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
@@ -182,7 +196,7 @@ class Deformation:
         if self._traits.moves_handles:
             of = np.concatenate([self._handle_of, self._soft.handle + 1])
             return LiHui(elastic, of, self._kept.goals)
-        if plain or self._traits.plain_only:
+        if plain or self._traits.plain_only or not len(elastic.fixed):
             return ConstrainedDescent(elastic, self._kept.goals, plain=True)
         return minimizer(elastic, self._kept.goals)
 
@@ -227,12 +241,39 @@ class Deformation:
             See the class.
         """
         with cores_for(len(self.rest.shape.V)):
-            self._kept.ask(area, volume, regions, calm)
+            self._kept.ask(area, volume, regions, calm and len(self._solve_ids) > 0)
             self._solver.keep(self._kept.goals)
         self._begin()
 
+    def surround(self, obstacles: Sequence[Obstacle]) -> None:
+        """Put other obstacles around the surface; nothing is factored for it.
+
+        Aim with ``U`` then: without, the surface begins at rest.
+
+        Parameters
+        ----------
+        obstacles
+            See the class.
+
+        Raises
+        ------
+        InputError
+            If contact is off, or nothing else moves the surface.
+        """
+        check_obstacles(obstacles, self.contact is not None)
+        check_method(self.method, self._handle_of, len(obstacles) > 0)
+        if self.contact is not None:
+            with cores_for(len(self.rest.shape.V)):
+                self.contact.surround(obstacles)
+        self._begin()
+
     def aim(
-        self, targets: np.ndarray, U: np.ndarray | None = None, soft_targets: np.ndarray | None = None
+        self,
+        targets: np.ndarray,
+        U: np.ndarray | None = None,
+        soft_targets: np.ndarray | None = None,
+        shifts: np.ndarray | None = None,
+        begin: np.ndarray | None = None,
     ) -> None:
         """Hold the fixed vertices at ``targets`` from now on.
 
@@ -244,20 +285,51 @@ class Deformation:
             Continue from these positions; otherwise from where the last iteration ended.
         soft_targets : (s, 3) float array, optional
             Where each of the soft vertices is drawn to; without, to where it is at rest.
+        shifts : (o, 3) float array, optional
+            How far from its place each obstacle goes, straight and together with the held vertices; without,
+            to its place.
+        begin : (o, 3) float array, optional
+            How far from its place each obstacle is at ``U``; without, where it goes. If it intersects ``U``
+            there, it begins at its place; if it does so there too, at rest.
+
+        Raises
+        ------
+        InputError
+            If the input cannot be used, or obstacles at their places intersect the shape at rest; the
+            message says what to do.
         """
         targets, asked = targets_of(targets, self.rest, self.fixed, self._chosen, self._inverse.ravel())
         U = None if U is None else start_of(U, self.rest)
+        shifts, begin = self._shifts_of(shifts), None if begin is None else self._shifts_of(begin)
         self._asked, self._targets = asked, targets
         with cores_for(len(self.rest.shape.V)):
             if self._kept.restore_calm():
                 self._solver.keep(self._kept.goals)
             if U is not None:
-                self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
+                self._restart(U, shifts if begin is None else begin)
             drawn = self.rest.shape.V[self._soft.ids]
             if soft_targets is not None:
                 drawn = numbers(soft_targets, "Soft targets")[self._drawn]
-            self._solver.aim(np.concatenate([self._asked, drawn]) if len(drawn) else self._asked)
+            goal = np.concatenate([self._asked, drawn]) if len(drawn) else self._asked
+            if self.contact is None:
+                self._solver.aim(goal)
+            else:
+                self.contact.aim(goal, shifts)
         self._begin()
+
+    def _shifts_of(self, given: np.ndarray | None) -> np.ndarray:
+        count = 0 if self.contact is None else len(self.contact.shifts)
+        shifts = np.zeros((count, 3)) if given is None else numbers(given, tr("Shifts"))
+        if shifts.shape != (count, 3) or not np.isfinite(shifts).all():
+            raise InputError(tr("Shifts must be {n} finite vectors, one for each obstacle.").format(n=count))
+        return shifts
+
+    def _restart(self, U: np.ndarray, begin: np.ndarray) -> None:
+        U = self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
+        if self.contact is None:
+            self._solver.restart(U)
+        else:
+            self.contact.restart(U, begin)
 
     def _begin(self) -> None:
         self._iteration = 0
@@ -327,8 +399,15 @@ class Deformation:
             gap=self._step_gap if solver.converged is None else solver.gap,
             seconds_left=solver.seconds_left,
             share_reached=self.share_reached,
-            contact=None if self.contact is None else self.contact.touch,
+            **self._touched(),
         )
+
+    def _touched(self) -> dict[str, Any]:
+        """The fields of a frame about contact."""
+        if self.contact is None:
+            return {}
+        loads, shifts = frozen(self.contact.loads), frozen(self.contact.shifts.copy())
+        return {"contact": self.contact.touch, "loads": loads, "shifts": shifts}
 
     @property
     def share_reached(self) -> float:
@@ -379,7 +458,7 @@ class Deformation:
 
     def _drift(self) -> float:
         away = self._solver.held[: len(self._asked)] - self._asked
-        handles = range(1, int(self._handle_of.max()) + 1)
+        handles = range(1, int(self._handle_of.max(initial=0)) + 1)
         centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
         return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
 
@@ -390,7 +469,7 @@ class Deformation:
 
     def _unreached(self) -> str | None:
         if self.contact is not None and self.contact.is_stopped:
-            return stopped_at(self.share_reached)
+            return stopped_at(self.share_reached, self.contact)
         missed = self.missed if self._solver.stuck else None
         if missed is None:
             return _CALM_GAVE_WAY if self._kept.has_let_calm_go else None

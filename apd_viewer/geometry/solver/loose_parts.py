@@ -68,7 +68,8 @@ class LooseParts:
         piece = rest.shape.piece
         self._without_base = _without_base(piece, held, handle_of)
         self._is_held = np.zeros(len(piece), dtype=bool)
-        self._is_held[piece[held]] = True
+        # Where nothing is held, all deforms.
+        self._is_held[piece[held] if len(held) else slice(None)] = True
         self._vertices = np.flatnonzero(~self._is_held[piece])
         self._stays = self._chosen(loose)
 

@@ -154,10 +154,13 @@ def method_named(name: str) -> Method:
     return METHODS[name]
 
 
-def check_method(name: str, handle_of: np.ndarray) -> Method:
-    """Method by its name; raises InputError if unknown or too little is held."""
+def check_method(name: str, handle_of: np.ndarray, obstacles: bool = False) -> Method:
+    """Method by its name; raises InputError if unknown or too little is held.
+
+    Where there are ``obstacles``, nothing need be.
+    """
     method = method_named(name)
-    if len(handle_of) == 0:
+    if len(handle_of) == 0 and not obstacles:
         raise InputError(tr("No vertices are held; give the vertices of the base and the handles."))
     if method.moves_handles and ((handle_of > 0).all() or not (handle_of > 0).any()):
         raise InputError(

@@ -30,6 +30,10 @@ _PATIENCE = 12
 _WINDOW = 10
 # Where much is in the way, about as long a step as the last is what can be gone.
 _GROWTH = 1.6
+# Largest way of a disturbance, in sizes of the mesh: a tenth of the distance that walls keep by default.
+_DISTURBED, _SEED = 1e-4, 0
+# Loads on a mesh that nothing holds cancel out up to this part of their sum; so many more steps are spent.
+_BALANCED, _MORE_STEPS = 2e-3, 300
 
 
 class TouchingDescent:
@@ -109,10 +113,30 @@ class TouchingDescent:
 
     @property
     def converged(self) -> bool:
-        """True if the path has ended, and further steps would gain next to nothing."""
+        """True if the path has ended, and further steps would gain next to nothing.
+
+        Where nothing is held, loads have to cancel out, too.
+        """
         if self.is_on_its_way:
             return False
+        return self._gains_little and (self._unbalanced > _MORE_STEPS or self.imbalance <= _BALANCED)
+
+    @property
+    def _gains_little(self) -> bool:
         return self._at_minimum or (self.gap is not None and self.gap <= 1.0)
+
+    @property
+    def imbalance(self) -> float:
+        """Length of the sum of all loads on obstacles, in the sum of their lengths.
+
+        0 where something is held, which takes the rest.
+        """
+        contact = self._surface.contact
+        if len(self._surface.elastic.fixed) or not contact.obstacles:
+            return 0.0
+        contact.gradient(self.U)
+        total = float(np.linalg.norm(contact.loads, axis=1).sum())
+        return float(np.linalg.norm(contact.loads.sum(axis=0))) / total if total else 0.0
 
     @property
     def gap(self) -> float | None:
@@ -131,7 +155,7 @@ class TouchingDescent:
 
     def _begin_to_converge(self) -> None:
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
-        self._at_minimum = False
+        self._at_minimum, self._unbalanced = False, 0
 
     def step(self) -> None:
         """Walk the next part if it is time, or reduce the energy."""
@@ -144,6 +168,7 @@ class TouchingDescent:
         self._at_minimum = not self._quasi_newton.step(self.held)
         self._surface.contact.go(self.U)
         self._energies.append(self._quasi_newton.energy)
+        self._unbalanced = self._unbalanced + 1 if self._gains_little else 0
 
     @property
     def _has_followed(self) -> bool:
@@ -180,9 +205,16 @@ class TouchingDescent:
         self.held = held
         return True
 
-    def disturb(self, way: np.ndarray) -> None:
-        """Move the free vertices by ``way`` (f, 3), if that is free."""
+    def disturb(self) -> None:
+        """Move the free vertices a little, if that is free, always in the same manner.
+
+        A wall that is pressed evenly would stay straight beyond the load at which it buckles: nothing would
+        tell it to which side. So it gives to small random forces as its stiffness has it, most where it is
+        about to buckle.
+        """
         start = self._surface.U
+        way = self._surface.solve(np.random.default_rng(_SEED).normal(size=(len(self._surface.free), 3)))
+        way *= _DISTURBED * self._size / np.abs(way).max()
         if not self._moves_to(self._surface.assembled(start[self._surface.free] + way, self.held)):
             self._projection.evaluate(start)
         self._quasi_newton.resume()
