@@ -5,6 +5,7 @@ from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.analysis.hull_readings import HullReadings
 from apd_viewer.geometry.analysis.volume_readings import VolumeReadings, volume_readings
+from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, plate, sphere
 from apd_viewer.geometry.goals.goals import Region
 from apd_viewer.geometry.measuring.geodesics import geodesic_path
 from apd_viewer.geometry.measuring.sections import plane_section
@@ -24,17 +25,21 @@ __all__ = [
     "HullReadings",
     "InputError",
     "Mesh",
+    "Obstacle",
     "PressStep",
     "Pressed",
     "Region",
     "Result",
     "SurfacePoint",
     "VolumeReadings",
+    "capsule",
     "deform",
     "geodesic_path",
     "open_mesh",
     "plane_section",
+    "plate",
     "press",
     "save_mesh",
+    "sphere",
     "volume_readings",
 ]

@@ -18,12 +18,13 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.selections.selection import Selection
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
 from apd_viewer.files.storage.atomic_file import replacing
 from apd_viewer.geometry.analysis.target_shape import TargetShape
 from apd_viewer.geometry.goals.goals import Region
-from apd_viewer.geometry.pose.constraints import constraints
+from apd_viewer.geometry.pose.constraints import FREE, constraints
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.loose_parts import GO, STAY
@@ -36,11 +37,12 @@ from apd_viewer.geometry.solver.methods import (
 )
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import label_colors
+from apd_viewer.session.model.named_obstacle import solids_of
+from apd_viewer.session.storage.obstacle_json import read_obstacles
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from apd_viewer.files.selections.selection import Selection
     from apd_viewer.geometry.mesh.mesh import Mesh
 
 
@@ -54,7 +56,6 @@ def deform_parser() -> Parser:
     parser.add_argument(
         "--selection",
         metavar="SEL",
-        required=True,
         help=tr(
             "one label per vertex (0 base, 1 free, 2 handle, 3 next handle, ...), or .json, .npz, .dmat, .ply"
         ),
@@ -62,7 +63,7 @@ def deform_parser() -> Parser:
     parser.add_argument(
         "--transform",
         metavar="DEF",
-        required=True,
+        default=[],
         action="append",
         help=tr("4x4 matrix that moves the handle; repeat for each handle"),
     )
@@ -104,6 +105,12 @@ def deform_parser() -> Parser:
         metavar="LENGTH",
         type=float,
         help=tr("distance that walls keep with --contact, in mesh units; default: 1/1000 of the diagonal"),
+    )
+    parser.add_argument(
+        "--obstacles",
+        metavar="FILE.json",
+        type=Path,
+        help=tr("plates, spheres and cylinders that push, as a session lists them; turns --contact on"),
     )
     _add_targets(parser)
     _add_convergence(parser)
@@ -233,9 +240,12 @@ def _deform(options: argparse.Namespace) -> None:
     if options.thickness is not None and not options.contact:
         raise InputError(tr("--thickness is the distance that walls keep in contact; add --contact."))
     mesh = open_mesh(options.mesh)
-    selection = read_selection_file(options.selection, mesh)
+    obstacles = read_obstacles(options.obstacles) if options.obstacles else ()
+    selection = _selection(options, mesh)
     regions = [_region(words, len(mesh.V)) for words in options.region]
-    held = constraints(selection.labels, mesh.V, [read_transform(path) for path in options.transform])
+    poses = [read_transform(path) for path in options.transform]
+    held = constraints(selection.labels, mesh.V, poses, obstacles=bool(obstacles))
+    pushing = solids_of(obstacles, mesh.V)
     target = TargetShape(open_mesh(options.compare)) if options.compare else None
     convergence = Convergence(options.most_iterations, options.energy_tolerance, options.step_tolerance)
     last = options.iterations, convergence.most_iterations
@@ -255,8 +265,10 @@ def _deform(options: argparse.Namespace) -> None:
         volume=options.volume,
         loose=options.loose,
         calm=options.calm,
-        contact=options.contact,
+        contact=options.contact or bool(obstacles),
         thickness=options.thickness,
+        obstacles=pushing,
+        shifts=np.array([each.shift for each in obstacles]).reshape(-1, 3),
         regions=regions,
         convergence=convergence,
         progress=progress_line(*last) if sys.stderr.isatty() else None,
@@ -271,6 +283,15 @@ def _deform(options: argparse.Namespace) -> None:
     print(summary(mesh, result, output, written))
     if options.picture and not picture:
         print(no_pictures())
+
+
+def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
+    """What is painted; only where obstacles push it need not be given."""
+    if options.selection:
+        return read_selection_file(options.selection, mesh)
+    if not options.obstacles:
+        raise InputError(tr("Give --selection and --transform, or --obstacles that push."))
+    return Selection(np.full(len(mesh.V), FREE, dtype=np.uint8))
 
 
 def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:

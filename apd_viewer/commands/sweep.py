@@ -32,7 +32,7 @@ from apd_viewer.session.model.document_selection import with_selection
 from apd_viewer.session.model.state import opened
 from apd_viewer.session.model.view import SUFFIX, Standpoint
 from apd_viewer.session.storage.session_file import open_session
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS
 from apd_viewer.session.studies.sweep_setup import sweep_of, twist_of
 
 if TYPE_CHECKING:
@@ -79,8 +79,7 @@ def sweep_parser() -> Parser:
         "--iterations",
         metavar="N",
         type=int,
-        default=DEFAULT_ITERATIONS,
-        help="at most so many a step; default: %(default)s",
+        help=f"at most so many a step; default: {DEFAULT_ITERATIONS}, with obstacles {SETTLING_ITERATIONS}",
     )
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="folder to write to")
     parser.add_argument("--meshes", action="store_true", help="write the mesh of every step, too")
@@ -109,13 +108,13 @@ def _sweep(options: argparse.Namespace) -> None:
         folder = stack.enter_context(filling(options.output))
         kept = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="apd-viewer-")))
         steps = _run(sweep, progress, folder if options.meshes else None, kept if options.animation else None)
-        lines = [row_of(step) for step in steps]
+        lines = [row_of(step, sweep) for step in steps]
         write_table(folder / "sweep.csv", list(lines[0]), [list(line.values()) for line in lines])
 
         # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
         from apd_viewer.figures.sweeps import draw_sweep
 
-        draw_sweep(steps, sweep.abscissa, folder)
+        draw_sweep(steps, sweep.abscissa, folder, obstacles=[each.name for each in sweep.obstacles])
         filmed = not options.animation or write_sweep_film(
             sweep, steps, kept, camera, _film_path(options, folder), progress
         )

@@ -36,9 +36,11 @@ def shape_path(folder: Path, step: SweepStep) -> Path:
     return folder / f"{step.method}-{step.number}.npy"
 
 
-def row_of(step: SweepStep) -> dict[str, Cell]:
+def row_of(step: SweepStep, sweep: Sweep) -> dict[str, Cell]:
     """Row of the table by column name."""
     frame = step.frame
+    # Methods that know no contact have no loads.
+    loads = step.loads or (None,) * len(sweep.obstacles)
     return {
         "method": step.method,
         "step": step.number,
@@ -54,6 +56,7 @@ def row_of(step: SweepStep) -> dict[str, Cell]:
         "handle_drift": frame.handle_drift,
         "iterations": frame.iteration,
         "settled": frame.settled,
+        **{f"load_{k}": load for k, load in enumerate(loads, start=1)},
     }
 
 

@@ -26,7 +26,13 @@ _TICKS = (1, 5, 10, 15, 30, 45, 60, 90, 180, 360)  # degrees
 _FLAT = 1e-3  # percent: a curve within this is a straight line, and not its rounding
 
 
-def draw_sweep(steps: Sequence[SweepStep], abscissa: str, folder: Path, name: str = "sweep") -> None:
+def draw_sweep(
+    steps: Sequence[SweepStep],
+    abscissa: str,
+    folder: Path,
+    name: str = "sweep",
+    obstacles: Sequence[str] = (),
+) -> None:
     """Draw the curves of a sweep; without volume where the surface is open.
 
     Parameters
@@ -37,6 +43,8 @@ def draw_sweep(steps: Sequence[SweepStep], abscissa: str, folder: Path, name: st
     folder : Path
     name : str
         Of the files, without ending.
+    obstacles : sequence of str
+        Names of the obstacles; each has a curve of its load.
     """
     said = [
         (tr("Area change, %"), [100 * step.frame.area_error for step in steps]),
@@ -46,8 +54,20 @@ def draw_sweep(steps: Sequence[SweepStep], abscissa: str, folder: Path, name: st
     if steps[0].volume_error is None:
         del said[1]
 
+    loads = [
+        (tr("Load on {name}").format(name=title), [step.loads[k] if step.loads else np.nan for step in steps])
+        for k, title in enumerate(obstacles)
+    ]
+    rows = 1 + -(-len(loads) // len(said))
+
     def fill(figure: Figure) -> None:
-        panels = figure.subplots(1, len(said))
+        grid = figure.subplots(rows, len(said), squeeze=False)
+        panels, others = grid[0], grid[1:].ravel()
+        for axes, (title, values) in zip(others, loads, strict=False):
+            axes.set_title(title)
+            _curves(axes, steps, abscissa, np.array(values))
+        for axes in others[len(loads) :]:
+            axes.set_axis_off()
         for axes, (title, values) in zip(panels, said, strict=True):
             axes.set_title(title)
             _curves(axes, steps, abscissa, np.array(values))
@@ -56,7 +76,7 @@ def draw_sweep(steps: Sequence[SweepStep], abscissa: str, folder: Path, name: st
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels), handlelength=3.2)
 
-    draw(fill, _SIZE, folder, name)
+    draw(fill, (_SIZE[0], rows * _SIZE[1]), folder, name)
 
 
 def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.ndarray) -> None:
@@ -70,7 +90,7 @@ def _curves(axes: Axes, steps: Sequence[SweepStep], abscissa: str, values: np.nd
         if own.sum() > _DENSE:
             look["marker"] = ""
         axes.plot(x[own], values[own], label=METHODS[method].short_title, **look)
-    if np.abs(values).max() < _FLAT:
+    if np.nanmax(np.abs(values), initial=0.0) < _FLAT:
         axes.set_ylim(-0.1, 0.1)
     if abscissa == "degrees":
         span = float(np.ptp(x))

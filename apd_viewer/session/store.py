@@ -110,8 +110,9 @@ class Store:
         paused = self.activity is Activity.PAUSED
         if self._asked is not None and (paused or self.activity is Activity.REFINING):
             self.activity = Activity.REFINING if paused else Activity.PAUSED
-            U = self.required().frame.U
-            self._worker.ask(Request(self._asked, self._generation, U, iterate=paused))
+            frame = self.required().frame
+            asked = Request(self._asked, self._generation, frame.U, iterate=paused, shifts=frame.shifts)
+            self._worker.ask(asked)
             self._listener.status_changed()
 
     def revert(self, document: Document) -> None:
@@ -178,6 +179,7 @@ class Store:
         iterate = iterate and state.document.problem is None
         self.activity = Activity.REFINING if iterate else Activity.IDLE
         self._asked = state.document
-        self._worker.ask(Request(state.document, self._generation, state.frame.U, iterate))
+        frame = state.frame
+        self._worker.ask(Request(state.document, self._generation, frame.U, iterate, shifts=frame.shifts))
         self._listener.changed(old, state)
         self._listener.status_changed()

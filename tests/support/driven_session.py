@@ -151,7 +151,8 @@ def check_equal(found: State, saved: State) -> None:
     assert [(part.name, part.area) for part in a.regions] == [(part.name, part.area) for part in b.regions]
     assert a.flags == b.flags
     assert (a.target and a.target.mesh.digest) == (b.target and b.target.mesh.digest)
-    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target"}
+    check_same_obstacles(a, b)
+    arrays = {"mesh", "labels", "member", "grip", "handles", "regions", "target", "obstacles"}
     for field in fields(a):
         if field.name not in arrays:
             assert getattr(a, field.name) == getattr(b, field.name), field.name
@@ -162,10 +163,20 @@ def check_equal(found: State, saved: State) -> None:
         if field.name in ("U", "total", "gap"):  # the latter two are of the solver, not of the shape
             continue
         mine, other = getattr(found.frame, field.name), getattr(saved.frame, field.name)
-        if isinstance(other, float) or field.name == "regions":
+        if isinstance(other, np.ndarray):
+            check_same_array(mine, other)
+        elif isinstance(other, float) or field.name == "regions":
             assert mine == pytest.approx(other, rel=1e-12, abs=1e-13), field.name
         else:
             assert mine == other, field.name
+
+
+def check_same_obstacles(a: Document, b: Document) -> None:
+    for mine, other in zip(a.obstacles, b.obstacles, strict=True):
+        assert (mine.name, mine.kind) == (other.name, other.kind)
+        assert (mine.radius, mine.length) == (other.radius, other.length)
+        for name in ("place", "axis", "shift"):
+            check_same_array(getattr(mine, name), getattr(other, name))
 
 
 def check_same_array(mine: np.ndarray, other: np.ndarray) -> None:

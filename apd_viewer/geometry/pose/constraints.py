@@ -73,7 +73,11 @@ def transform(pose: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 
 def constraints(
-    labels: np.ndarray, grip: np.ndarray, poses: Sequence[np.ndarray], soft: Soft = NO_SOFT
+    labels: np.ndarray,
+    grip: np.ndarray,
+    poses: Sequence[np.ndarray],
+    soft: Soft = NO_SOFT,
+    obstacles: bool = False,
 ) -> Constraints:
     """Hold the base at ``grip`` and each handle at its pose applied to ``grip``.
 
@@ -87,13 +91,15 @@ def constraints(
         Motion of each handle since then.
     soft : Soft
         What the handles draw along.
+    obstacles : bool
+        Whether there are any to push: then base and handles may be missing.
 
     Raises
     ------
     InputError
         If there is no base, no handle, nothing free, or a handle without a pose.
     """
-    problem = what_is_missing(labels)
+    problem = what_is_missing(labels, obstacles)
     if problem:
         raise InputError(problem)
     count = int(labels.max()) - HANDLE + 1
@@ -120,11 +126,11 @@ def constraints(
     return Constraints(fixed, tuple(handles), targets, soft, drawn)
 
 
-def what_is_missing(labels: np.ndarray) -> str | None:
-    """Next thing to paint, as a sentence; None if handles can move."""
-    if not (labels == BASE).any():
+def what_is_missing(labels: np.ndarray, obstacles: bool = False) -> str | None:
+    """Next thing to paint, as a sentence; None if handles, or obstacles, can move."""
+    if not obstacles and not (labels == BASE).any():
         return tr("There is no base: paint the part that stays in place as base.")
-    if not (labels >= HANDLE).any():
+    if not obstacles and not (labels >= HANDLE).any():
         return tr("There is no handle: paint the part to move as handle.")
     if not (labels == FREE).any():
         return tr("Everything is painted: erase some paint to leave a part free to deform.")

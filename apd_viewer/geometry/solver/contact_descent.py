@@ -363,7 +363,7 @@ class ContactDescent:
         self._steps += 1
         self._inner.step()
         W = self._inner.U
-        if W is self._U and self._share == self._ahead:
+        if W is self._U and (self._path.moves_held or self._share == self._ahead):
             return
         shifts = self._path.shift(self._ahead)
         if self.contact.leads_to(W, shifts):

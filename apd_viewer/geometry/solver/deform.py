@@ -10,6 +10,7 @@ from numbers import Integral
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.goals.goals import Reading, Region
 from apd_viewer.geometry.mesh.arrays import numbers
 from apd_viewer.geometry.pose.frame import Frame
@@ -55,6 +56,10 @@ class Result:
         Least distance of walls in touch, mesh units; None without contact, or where nothing touches.
     pairs_in_contact : int
         Pairs of vertex and triangle, or of two edges, in touch.
+    loads : (o, 3) float array
+        Forces on the obstacles, energy per length: those of a material of stiffness 1.
+    shifts : (o, 3) float array
+        How far the obstacles have come from their places, mesh units.
     """
 
     U: np.ndarray
@@ -83,6 +88,8 @@ class Result:
     share_reached: float
     least_gap: float | None
     pairs_in_contact: int
+    loads: np.ndarray
+    shifts: np.ndarray
 
 
 def deform(
@@ -105,6 +112,8 @@ def deform(
     calm: bool = True,
     contact: bool = False,
     thickness: float | None = None,
+    obstacles: Sequence[Obstacle] = (),
+    shifts: np.ndarray | None = None,
     convergence: Convergence = DEFAULT_CONVERGENCE,
     progress: Callable[[Frame], None] | None = None,
 ) -> Result:
@@ -114,8 +123,11 @@ def deform(
     ----------
     V, F, fixed, method, tolerance, stiffness, handle, area_stiffness, shear_stiffness
         See :class:`Deformation`.
-    area, volume, regions, loose, calm, contact, thickness, convergence
+    area, volume, regions, loose, calm, contact, thickness, obstacles, convergence
         See there too.
+    shifts : (o, 3) float array, optional
+        How far each obstacle goes from its place, straight, together with the held vertices; an equal part of
+        it to each way point of a path. Without, they stay.
     targets : (k, 3) or (s, k, 3) float array
         A position for each of ``fixed``, mesh units; or a path of s way points that is walked in order. The
         ``share_reached`` of a path counts all ways between two points alike.
@@ -153,25 +165,31 @@ def deform(
         calm=calm,
         contact=contact,
         thickness=thickness,
+        obstacles=obstacles,
         convergence=convergence,
         plain=iterations is not None,
     )
     targets = numbers(targets, tr("Targets"))
     if targets.ndim != 3 or not len(targets):
-        solver.aim(targets)
+        solver.aim(targets, shifts=shifts)
         return iterated(solver, started, iterations, progress)
     if iterations is not None:
         raise InputError(tr("Plain iterations know of no path; give the last targets alone."))
-    legs, leg = len(targets), _walk(solver, targets, progress)
+    legs, leg = len(targets), _walk(solver, targets, shifts, progress)
     return iterated(
         solver, started, progress=progress, last=lambda: whole_way(solver.frame(), leg, legs, solver.contact)
     )
 
 
-def _walk(solver: Deformation, targets: np.ndarray, progress: Callable[[Frame], None] | None) -> int:
+def _walk(
+    solver: Deformation,
+    targets: np.ndarray,
+    shifts: np.ndarray | None,
+    progress: Callable[[Frame], None] | None,
+) -> int:
     """Walk along ``targets`` (s, k, 3) as far as contact lets; the last aimed at."""
     for leg, point in enumerate(targets):
-        solver.aim(point)
+        solver.aim(point, shifts=None if shifts is None else (leg + 1) / len(targets) * np.asarray(shifts))
         if leg == len(targets) - 1:
             break
         count = 0
@@ -257,4 +275,6 @@ def result_of(solver: Deformation, frame: Frame, seconds: float, seconds_per_ite
         share_reached=frame.share_reached,
         least_gap=None if frame.contact is None else frame.contact.least_gap,
         pairs_in_contact=0 if frame.contact is None else frame.contact.pairs,
+        loads=frame.loads,
+        shifts=frame.shifts,
     )

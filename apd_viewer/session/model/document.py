@@ -9,6 +9,7 @@ import numpy as np
 from apd_viewer.files.mesh_location import MissingMesh
 from apd_viewer.files.selections.selection import numbered
 from apd_viewer.geometry.analysis.target_shape import TargetShape
+from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.measuring.measurement import Measurement
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.mesh.components import LoosePart, loose_parts
@@ -124,8 +125,28 @@ class Document:
 
     @property
     def problem(self) -> str | None:
-        """Sentence about paint missing for moving a handle; None if none is."""
-        return memo.problem(self.labels)
+        """Sentence about paint missing for moving anything; None if none is."""
+        return memo.problem(self.labels, self.has_obstacles)
+
+    @property
+    def has_obstacles(self) -> bool:
+        """True if there are obstacles, and contact for them to push by."""
+        return bool(self.obstacles) and self.contact and self.traits.may_touch
+
+    @property
+    def solids(self) -> tuple[Obstacle, ...]:
+        """The obstacles that push, where they were put."""
+        if not self.has_obstacles:
+            return ()
+        middle = 0.5 * (self.mesh.V.min(axis=0) + self.mesh.V.max(axis=0))
+        size = diagonal(self.mesh.V)
+        # A plate far away has to reach as far.
+        return tuple(each.solid(size + float(np.linalg.norm(each.place - middle))) for each in self.obstacles)
+
+    @property
+    def shifts(self) -> np.ndarray:
+        """How far each of ``solids`` is moved, (o, 3)."""
+        return np.array([each.shift for each in self.obstacles if self.has_obstacles]).reshape(-1, 3)
 
     @property
     def counts(self) -> np.ndarray:
@@ -143,7 +164,8 @@ class Document:
 
     def constraints(self) -> Constraints:
         """Held vertices and their targets; raises InputError with ``problem``."""
-        return constraints(self.labels, self.grip, [handle.pose for handle in self.handles], self.soft)
+        poses = [handle.pose for handle in self.handles]
+        return constraints(self.labels, self.grip, poses, self.soft, self.has_obstacles)
 
     @property
     def soft(self) -> Soft:
@@ -161,8 +183,9 @@ class Document:
 
     @property
     def posed(self) -> bool:
-        """True if any handle has been moved from its grip."""
-        return any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
+        """True if any handle has been moved from its grip, or an obstacle that pushes."""
+        handles = any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
+        return handles or bool(self.shifts.any())
 
     @property
     def winds(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,6 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.winding import HandlePath, rounded, way_of
 
 if TYPE_CHECKING:
-    from apd_viewer.geometry.pose.constraints import Constraints
     from apd_viewer.session.model.document import Document
 
 # Radians: with steps this large a shape follows the turn, and a full turn takes a second on the samples.
@@ -29,15 +29,12 @@ def paths_of(document: Document) -> tuple[HandlePath, ...]:
 
 
 def document_at(document: Document, paths: Sequence[HandlePath], part: float) -> Document:
-    """The document with its handles at a part of their paths."""
+    """The document with its handles and obstacles at a part of their ways."""
+    there = tuple(each.shifted(part * each.shift) for each in document.obstacles)
+    document = replace(document, obstacles=there)
     for k, path in enumerate(paths):
         document = document.with_pose(k, path.at(part))
     return document
-
-
-def stops_of(document: Document) -> Iterator[Constraints]:
-    """Constraints on the way from the grip to winding poses, without the end."""
-    return (step.constraints() for step in on_the_way(document))
 
 
 def on_the_way(document: Document) -> Iterator[Document]:

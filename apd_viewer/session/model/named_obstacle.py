@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
 import numpy as np
 
 from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, direction, plate, sphere
-from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 
 MOST_OBSTACLES = 20
 _UP = frozen(np.array([0.0, 1.0, 0.0]))
@@ -79,3 +80,28 @@ class NamedObstacle:
     def centre(self) -> np.ndarray:
         """Its place now, (3,)."""
         return self.place + self.shift
+
+
+def shifts_after(
+    before: Sequence[NamedObstacle], come: np.ndarray, after: Sequence[NamedObstacle]
+) -> np.ndarray:
+    """How far obstacles have come, (o, 3), where there are others now.
+
+    Parameters
+    ----------
+    before, after : sequences of NamedObstacle
+        Those put at the same place array are the same; new ones have come as far as they are moved.
+    come : (p, 3) float array
+        Of those before; it is empty where that is not known, and stays so.
+    """
+    if len(come) != len(before):
+        return frozen(np.zeros((0, 3)))
+    known = {id(each.place): shift for each, shift in zip(before, come, strict=True)}
+    return frozen(np.array([known.get(id(each.place), each.shift) for each in after]).reshape(-1, 3))
+
+
+def solids_of(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
+    """The obstacles in the way of a mesh with vertices ``V`` (n, 3)."""
+    middle, size = 0.5 * (V.min(axis=0) + V.max(axis=0)), diagonal(V)
+    # A plate far away has to reach as far.
+    return tuple(each.solid(size + float(np.linalg.norm(each.place - middle))) for each in obstacles)

@@ -17,6 +17,7 @@ from apd_viewer.geometry.pose.frame import MET, Frame
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_obstacle import shifts_after
 from apd_viewer.session.model.named_parts import Handle
 from apd_viewer.session.model.targets import kept_percentages
 
@@ -94,6 +95,8 @@ class State:
         document, frame = document or before, frame or shown
         # Handles move more often than the rest shape is measured anew.
         same = frame is shown and document.member is before.member and document.regions is before.regions
+        if frame is shown and document.obstacles is not before.obstacles:
+            frame = replace(frame, shifts=shifts_after(before.obstacles, frame.shifts, document.obstacles))
         if not same:
             frame = replace(frame, regions=document.region_areas(frame.U))
         return State(document, self.inspection, self.skin, frame)

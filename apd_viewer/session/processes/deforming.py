@@ -36,5 +36,6 @@ def deformation_of(
         calm=document.calm,
         contact=document.contact and document.traits.may_touch,
         thickness=document.thickness,
+        obstacles=document.solids,
         convergence=document.convergence,
     )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from apd_viewer.geometry.pose.frame import Frame
+from apd_viewer.geometry.pose.frame import NO_SHIFTS, Frame
 from apd_viewer.session.model.document import Document
 from apd_viewer.session.model.factor_key import factored_fields
 from apd_viewer.session.model.named_parts import Handle
@@ -28,6 +28,8 @@ class Request:
         Otherwise only make ready: factor, so that the first drag need not wait.
     with_cost : bool
         Whether the last reply should say what it took.
+    shifts : (o, 3) float array
+        How far the obstacles have come at ``U``; empty where that is not known.
     """
 
     document: Document
@@ -35,6 +37,7 @@ class Request:
     U: np.ndarray
     iterate: bool
     with_cost: bool = False
+    shifts: np.ndarray = field(default_factory=lambda: NO_SHIFTS)
 
 
 @dataclass(frozen=True)
@@ -96,3 +99,11 @@ def alike(a: tuple[object, ...], b: tuple[object, ...]) -> bool:
     return len(a) == len(b) and all(
         x is y or (not isinstance(x, np.ndarray) and x == y) for x, y in zip(a, b, strict=True)
     )
+
+
+def placed(document: Document) -> tuple[object, ...]:
+    """Key of the obstacles where they were put; another key needs another contact."""
+    if not document.has_obstacles:
+        return ()
+    each = ((one.kind, one.place, one.axis, one.radius, one.length) for one in document.obstacles)
+    return tuple(value for values in each for value in values)

@@ -29,7 +29,7 @@ from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.messages import Message, Order, OrderStage
 from apd_viewer.session.processes.remote_factor import FarFactor
-from apd_viewer.session.processes.requests import Cost, Reply, alike, factored_for
+from apd_viewer.session.processes.requests import Cost, Reply, Request, alike, factored_for, placed
 from apd_viewer.session.processes.shared_memory import Tray
 from apd_viewer.session.processes.walk import Walk
 
@@ -67,6 +67,7 @@ class Solver:
         self._key: tuple[object, ...] = ()
         self._goals: tuple[object, ...] = ()
         self._poses: tuple[object, ...] = ()
+        self._placed: tuple[object, ...] = ()
         self._walk: Walk | None = None
         self._generation: int | None = None
         self._warm = False
@@ -119,6 +120,8 @@ class Solver:
             self._rest = self._tray = None
         if request.document.problem:
             # During painting; an undeformable mesh is refused at the first request.
+            if request.with_cost:  # who compares methods waits for an answer
+                raise InputError(request.document.problem)
             with contextlib.suppress(InputError):
                 make_ready(self._rest_of(order))
             return
@@ -193,23 +196,29 @@ class Solver:
         key = *factored_for(document), kept_apart
         names = tuple(region.name for region in document.regions)
         goals = (document.percentages, document.hold_area, document.member, names, document.calm)
-        poses = tuple(handle.pose for handle in document.handles)
+        poses = *(handle.pose for handle in document.handles), *(each.shift for each in document.obstacles)
+        around = placed(document)
         fresh = self._solver is None or not alike(key, self._key)
         if self._solver is None or fresh:
             self._drop()  # frees the memory for the next one
             self._solver = self._made(order, held)
-        elif not alike(goals, self._goals):
-            self._solver.keep(*targets_of(document), document.calm)
+        else:
+            if not alike(goals, self._goals):
+                self._solver.keep(*targets_of(document), document.calm)
+            if not alike(around, self._placed):
+                self._solver.surround(document.solids)
         self._solver.tolerance, self._solver.convergence = document.tolerance, document.convergence
         self._solver.loose.choose(document.staying)
         self._warning = self._solver.loose.warning
-        elsewhere = request.generation != self._generation
+        jumps = request.generation != self._generation
+        elsewhere = jumps or not alike(around, self._placed)
         # Aiming again would reset the paper method's handle to its target.
         if fresh or elsewhere or not alike(poses, self._poses):
             U = request.U if fresh or elsewhere else None
-            walks = request.iterate and (elsewhere or (fresh and _begins_at_rest(self._solver, request.U)))
-            self._walk = Walk(self._solver, document, U, walks)
+            walks = request.iterate and (jumps or (fresh and _begins_at_rest(self._solver, request)))
+            self._walk = Walk(self._solver, document, U, walks, request.shifts)
         self._generation, self._key, self._goals, self._poses = request.generation, key, goals, poses
+        self._placed = around
         return self._solver
 
     def _made(self, order: Order, held: Constraints) -> Deformation:
@@ -235,10 +244,14 @@ class Solver:
         return self._rest[1]
 
 
-def _begins_at_rest(solver: Deformation, U: np.ndarray) -> bool:
-    """True if contact cannot go on from ``U`` (n, 3), which crosses itself."""
-    contact = solver.contact
-    return contact is not None and not contact.contact.may_enter(U[solver.rest.weld.first])
+def _begins_at_rest(solver: Deformation, request: Request) -> bool:
+    """True if contact cannot go on from the shape, which crosses itself or an obstacle."""
+    contact, shifts = solver.contact, request.shifts
+    if contact is None:
+        return False
+    if len(shifts) != len(contact.shifts):
+        shifts = request.document.shifts
+    return not contact.contact.may_enter(request.U[solver.rest.weld.first], shifts)
 
 
 def _is_large(rest: RestMesh) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.contact_descent import whole_way
-from apd_viewer.session.model.handle_paths import stops_of
+from apd_viewer.session.model.handle_paths import on_the_way
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.pose.constraints import Constraints
@@ -18,6 +18,17 @@ if TYPE_CHECKING:
 
 # In bounding-box diagonals: held vertices as close as this are in place.
 _IN_PLACE = 1e-9
+
+
+class _Goal(NamedTuple):
+    """Where a document wants what is held, and its obstacles."""
+
+    held: Constraints
+    shifts: np.ndarray
+
+    @classmethod
+    def of(cls, document: Document) -> _Goal:
+        return cls(document.constraints(), document.shifts)
 
 
 class Walk:
@@ -35,6 +46,8 @@ class Walk:
         iteration.
     walks : bool
         Otherwise go to the poses at once.
+    begin : (o, 3) float array or None
+        How far the obstacles have come at ``U``; None, or of another number, is as far as they are moved.
 
     Attributes
     ----------
@@ -45,25 +58,39 @@ class Walk:
     """
 
     def __init__(
-        self, solver: Deformation, document: Document, U: np.ndarray | None = None, walks: bool = True
+        self,
+        solver: Deformation,
+        document: Document,
+        U: np.ndarray | None = None,
+        walks: bool = True,
+        begin: np.ndarray | None = None,
     ) -> None:
-        self._solver, self._end, self._iterations = solver, document.constraints(), 0
-        self._stops = list(stops_of(document)) if walks else []
+        self._solver, self._end, self._iterations = solver, _Goal.of(document), 0
+        self._stops = [_Goal.of(stop) for stop in on_the_way(document)] if walks else []
+        if begin is not None and begin.shape != self._end.shifts.shape:
+            begin = None
         self._legs, self._leg = len(self._stops) + 1, 0
         self.arrived = not self._stops
-        self.hides = not self.arrived and U is not None and self._is_in_place(U)
-        self._aim(self._goal, U if self.arrived else document.grip)
+        self.hides = not self.arrived and U is not None and self._is_in_place(U, begin)
+        if self.arrived:
+            self._aim(self._goal, U, begin)
+        else:
+            self._aim(self._goal, document.grip, np.zeros_like(self._end.shifts))
 
     @property
-    def _goal(self) -> Constraints:
+    def _goal(self) -> _Goal:
         return self._stops[self._leg] if self._leg < len(self._stops) else self._end
 
-    def _is_in_place(self, U: np.ndarray) -> bool:
-        away = float(np.abs(U[self._end.fixed] - self._end.targets).max())
+    def _is_in_place(self, U: np.ndarray, come: np.ndarray | None) -> bool:
+        held, shifts = self._end
+        if come is not None and not np.array_equal(come, shifts):
+            return False
+        away = float(np.abs(U[held.fixed] - held.targets).max(initial=0.0))
         return away <= (_IN_PLACE + self._solver.rest.weld.slack) * self._solver.rest.diagonal
 
-    def _aim(self, held: Constraints, U: np.ndarray | None = None) -> None:
-        self._solver.aim(held.targets, U, held.soft_targets)
+    def _aim(self, goal: _Goal, U: np.ndarray | None = None, begin: np.ndarray | None = None) -> None:
+        held, shifts = goal
+        self._solver.aim(held.targets, U, held.soft_targets, shifts, begin)
 
     def iterate(self) -> None:
         """Iterate once, and go a step further when it is time."""

@@ -28,6 +28,7 @@ import numpy as np
 
 from apd_viewer.geometry.mesh.decimation import Thinning
 from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
 from apd_viewer.session.model.document import Document
@@ -68,7 +69,7 @@ class Worker:
         self._replies: Mailbox[tuple[Reply, Callable[[], object]]] = Mailbox()
         self._turned_to: Request | None = None
         self._finished: tuple[Document, int] | None = None
-        self._shape: tuple[int, np.ndarray] | None = None
+        self._shape: tuple[int, Frame] | None = None
         self._known: tuple[Mesh | None, tuple[Thinning, ...]] = None, ()
         self._news: Mailbox[str] = Mailbox()
         self._deaths = 0
@@ -163,8 +164,10 @@ class Worker:
     def _resumed(self, request: Request) -> Request:
         """Return the request for a new process, starting from the last shape."""
         shape, finished = self._shape, self._finished == (request.document, request.generation)
-        U = shape[1] if shape is not None and shape[0] == request.generation else request.U
-        return replace(request, U=U, iterate=request.iterate and not finished)
+        request = replace(request, iterate=request.iterate and not finished)
+        if shape is None or shape[0] != request.generation:
+            return request
+        return replace(request, U=shape[1].U, shifts=shape[1].shifts)
 
     def _mourn(self, request: Request) -> bool:
         """Count a death; True if the request is given up for it."""
@@ -194,7 +197,7 @@ class Worker:
     def _publish(self, reply: Reply, looked: Callable[[], object]) -> None:
         if reply.frame is not None:
             self._deaths = 0
-            self._shape = reply.generation, reply.frame.U
+            self._shape = reply.generation, reply.frame
         if reply.finished:
             self._finished = reply.document, reply.generation
         self._put(reply, looked)

@@ -23,6 +23,7 @@ from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE, Converge
 from apd_viewer.geometry.solver.methods import METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle
 from apd_viewer.session.model.named_parts import MOST_POSES, NO_FLAGS
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.up_axis import UpAxis
@@ -31,6 +32,7 @@ from apd_viewer.session.quantities.expressions import MOST_CHARACTERS
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import Wall
 from apd_viewer.session.storage.measurements_json import measurements_of, measurements_said
+from apd_viewer.session.storage.obstacle_json import obstacle_of, obstacle_said, vectors_of
 from apd_viewer.session.storage.part_json import (
     LEAST,
     MOST,
@@ -68,6 +70,7 @@ def document_said(document: Document) -> dict[str, Any]:
         # Sessions without it are from a time when walls passed through each other.
         **({"contact": True} if document.contact else {}),
         **({"thickness": number_said(document.thickness)} if document.thickness else {}),
+        **({"obstacles": [obstacle_said(each) for each in document.obstacles]} if document.obstacles else {}),
         **_convergence_said(document.convergence),
         # Sessions without it are from a time when loose parts stayed.
         **({"staying": list(document.staying)} if document.staying or document.loose_parts else {}),
@@ -128,6 +131,7 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         calm=said.says("calm") and said.flag("calm"),
         contact=said.says("contact") and said.flag("contact"),
         thickness=said.number("thickness", LEAST, MOST) if said.says("thickness") else None,
+        obstacles=_obstacles(said),
         base=flags_of(said.part("base")) if said.says("base") else NO_FLAGS,
         convergence=_convergence(said),
         measurements=measurements_of(said, len(mesh.F)),
@@ -135,6 +139,12 @@ def document_of(said: Fields, mesh: Mesh, arrays: dict[str, np.ndarray]) -> Docu
         mirror=_axis(said.text("mirror")) if said.says("mirror") else None,
     )
     return replace(document, staying=_staying(said, document, arrays["shape"]))
+
+
+def _obstacles(said: Fields) -> tuple[NamedObstacle, ...]:
+    if not said.says("obstacles"):
+        return ()
+    return tuple(obstacle_of(each) for each in said.parts("obstacles", MOST_OBSTACLES))
 
 
 def _axis(name: str) -> int:
@@ -165,6 +175,7 @@ def frame_said(frame: Frame) -> dict[str, Any]:
         "energy": None if frame.energy is None else float(frame.energy),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
         **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
+        **({"loads": frame.loads.tolist(), "shifts": frame.shifts.tolist()} if len(frame.shifts) else {}),
     }
 
 
@@ -177,7 +188,7 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
         with cores_for(len(mesh.weld.first)):
             found = rest.measure(U[mesh.weld.first])
         frame = replace(frame, U=U, area_error=found.area / rest.area - 1.0, **found._asdict())
-    settled = said.flag("settled")
+    settled, count = said.flag("settled"), len(state.document.obstacles)
     return replace(
         frame,
         iteration=said.count("iteration"),
@@ -189,6 +200,8 @@ def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
         energy=said.number("energy", 0.0) if said.says("energy") else None,
         share_reached=said.number("share_reached", 0.0, 1.0) if said.says("share_reached") else 1.0,
         contact=_touch(said.part("contact")) if said.says("contact") else None,
+        loads=vectors_of(said, "loads", count),
+        shifts=vectors_of(said, "shifts", count),
     )
 
 

@@ -51,10 +51,10 @@ def replay(
     held = document.constraints()
     solver = deformation_of(document, held)
     if not from_rest and _has_settled(state, held, solver):
-        solver.aim(held.targets, state.frame.U, held.soft_targets)
+        solver.aim(held.targets, state.frame.U, held.soft_targets, document.shifts, _come(state))
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
         return document, result_of(solver, frame, time.perf_counter() - started, 0.0)
-    walk = Walk(solver, document, None if from_rest else state.frame.U)
+    walk = Walk(solver, document, None if from_rest else state.frame.U, begin=_come(state))
     while not walk.arrived:
         walk.iterate()
         if progress:
@@ -72,7 +72,13 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
         kept = np.setdiff1d(kept, np.concatenate(held.handles))
     away = frame.U[kept] - held.targets[np.searchsorted(held.fixed, kept)]
     within = (_IN_PLACE + solver.rest.weld.slack) * solver.rest.diagonal
-    return bool(np.abs(away).max() <= within)
+    return bool(np.abs(away).max(initial=0.0) <= within)
+
+
+def _come(state: State) -> np.ndarray | None:
+    """How far the obstacles have come; None where that is not known."""
+    come = state.frame.shifts
+    return come if len(come) == len(state.document.shifts) else None
 
 
 def _drift(held: Constraints, U: np.ndarray) -> float:

@@ -21,9 +21,12 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.geometry.solver.deformation import Deformation
     from apd_viewer.session.model.document import Document
+    from apd_viewer.session.model.named_obstacle import NamedObstacle
 
 # For each step: "local" creeps on for thousands of iterations without visible effect on the curve.
 DEFAULT_ITERATIONS = 500
+# With obstacles, whose loads mean nothing before the shape has settled.
+SETTLING_ITERATIONS = 10_000
 # Of the rest shape's diagonal: a shorter path is none.
 _NO_WAY = 1e-9
 
@@ -46,6 +49,8 @@ class SweepStep(NamedTuple):
     volume_rest : float or None
     energy : float
         ARAP energy (Eq. 1, each undirected edge counted twice) with optimal rotations, whatever the method.
+    loads : tuple of float
+        Length of the force on each obstacle, energy per length: that of a material of stiffness 1.
     """
 
     method: str
@@ -56,6 +61,7 @@ class SweepStep(NamedTuple):
     frame: Frame
     volume_rest: float | None
     energy: float
+    loads: tuple[float, ...] = ()
 
     @property
     def volume_error(self) -> float | None:
@@ -90,13 +96,20 @@ class Sweep:
 
     @property
     def leading(self) -> int:
-        """The first moving handle."""
-        return next(k for k, path in enumerate(self.paths) if path.moves)
+        """The first moving handle; the first of all where obstacles alone move."""
+        return next((k for k, path in enumerate(self.paths) if path.moves), 0)
+
+    @property
+    def obstacles(self) -> tuple[NamedObstacle, ...]:
+        """Obstacles whose loads are measured."""
+        return self.document.obstacles if self.document.contact else ()
 
     @property
     def abscissa(self) -> str:
         """Kind of abscissa: "degrees" of a turn, the "way" of a shift, or the "part"."""
         path = self.paths[self.leading]
+        if not path.moves or any(each.shift.any() for each in self.obstacles):
+            return "part"
         several = sum(path.moves for path in self.paths) > 1
         if several or path.stretched or isinstance(path, WaypointPath):
             return "part"
@@ -132,8 +145,9 @@ class Sweep:
             rest = solver.rest
             U: np.ndarray | None = document.grip
             for number, part in enumerate(self.parts):
-                held = self.document_at(part).constraints()
-                solver.aim(held.targets, U, held.soft_targets)
+                there = replace(self.document_at(part), method=method)
+                held = there.constraints()
+                solver.aim(held.targets, U, held.soft_targets, there.shifts)
                 U = None  # from here on each step continues from the previous one
                 before = m / len(self.methods) + number * each
                 for k in range(self.iterations):
@@ -147,15 +161,15 @@ class Sweep:
     def _step(self, solver: Deformation, method: str, number: int, part: float) -> SweepStep:
         k, frame = self.leading, solver.frame()
         path, pivot = self.paths[k], self.document.pivot(k)
-        assert pivot is not None
-        away = transform(path.at(part), pivot[None])[0] - pivot
+        way = 0.0 if pivot is None else np.linalg.norm(transform(path.at(part), pivot[None])[0] - pivot)
         return SweepStep(
             method,
             number,
             part,
             float(np.degrees(part * path.angle)),
-            float(np.linalg.norm(away)),
+            float(way),
             frame,
             solver.rest.volume,
             solver.rest.energy(frame.U),
+            tuple(np.linalg.norm(frame.loads, axis=1).tolist()),
         )

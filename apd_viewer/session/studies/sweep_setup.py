@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
-from apd_viewer.geometry.pose.constraints import BASE
+from apd_viewer.geometry.pose.constraints import BASE, what_is_missing
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.solver.methods import COMPARED, method_named
 from apd_viewer.language import tr
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.pose.winding import HandlePath
     from apd_viewer.session.model.document import Document
 
-from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, Sweep
+from apd_viewer.session.studies.sweep import DEFAULT_ITERATIONS, SETTLING_ITERATIONS, Sweep
 
 MOST_STEPS = 1000
 
@@ -31,9 +31,9 @@ def sweep_of(
     to: float = 1.0,
     methods: Sequence[str] = COMPARED,
     twists: Sequence[float] = (),
-    iterations: int = DEFAULT_ITERATIONS,
+    iterations: int | None = None,
 ) -> Sweep:
-    """Sweep of the poses of a document's handles, or of ``twists`` instead.
+    """Sweep of the ways of a document's handles and obstacles, or of ``twists`` instead of poses.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def sweep_of(
     twists : sequence of float
         An angle for each handle, radians: it turns about the line from the centre of the base to its own.
     iterations : int
-        At most so many for each step.
+        At most so many for each step; without, as many as are usual, and more where there are obstacles.
 
     Raises
     ------
@@ -59,16 +59,23 @@ def sweep_of(
         raise InputError(
             tr("The end of a sweep must be a fraction of the motion greater than 0, such as 1 or 1.5.")
         )
+    if iterations is None:
+        iterations = SETTLING_ITERATIONS if document.has_obstacles else DEFAULT_ITERATIONS
     if iterations < 1:
         raise InputError(tr("Each step needs at least one iteration; enter a larger number."))
     for method in methods:
-        method_named(method)
+        if not method_named(method).may_touch and document.has_obstacles and what_is_missing(document.labels):
+            raise InputError(
+                tr("Without contact obstacles move nothing, and {method!r} has none; omit it.").format(
+                    method=method
+                )
+            )
     if not methods or len(set(methods)) < len(methods):
         raise InputError(tr("Give at least one method, and each method only once."))
     if document.problem:
         raise InputError(document.problem)
     paths = _twisting(document, twists) if twists else paths_of(document)
-    if not any(path.moves for path in paths):
+    if not any(path.moves for path in paths) and not document.shifts.any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )
@@ -88,6 +95,8 @@ def _twisting(document: Document, twists: Sequence[float]) -> tuple[HandlePath, 
                 handles=len(document.handles), twists=len(twists)
             )
         )
+    if not document.counts[BASE]:
+        raise InputError(tr("There is no base to twist against: paint the part that stays in place as base."))
     base = memo.centre(document.labels, document.grip, BASE)
     return tuple(Turn(base, _line(document, k, base), amount) for k, amount in enumerate(twists))
 

@@ -1,0 +1,87 @@
+"""Obstacles to and from JSON, in sessions and in files of their own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from apd_viewer.errors import InputError
+from apd_viewer.files.selections.selection import numbered
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.language import tr
+from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.storage.part_json import LEAST
+
+_KINDS = {kind.value: kind for kind in ObstacleKind}
+
+
+def obstacle_said(obstacle: NamedObstacle) -> dict[str, Any]:
+    """An obstacle as JSON."""
+    return {
+        "name": obstacle.name,
+        "kind": obstacle.kind.value,
+        "place": obstacle.place.tolist(),
+        "axis": obstacle.axis.tolist(),
+        "radius": float(obstacle.radius),
+        "length": float(obstacle.length),
+        "shift": obstacle.shift.tolist(),
+    }
+
+
+def obstacle_of(said: Fields, name: str = "") -> NamedObstacle:
+    """The obstacle again; ``name`` is for one without.
+
+    Fields that its kind does not have may be missing, and so may ``shift``.
+    """
+    kind = said.text("kind")
+    if kind not in _KINDS:
+        raise ValueError(tr("the “kind” of an obstacle is unknown"))
+    of_kind = _KINDS[kind]
+    plate, cylinder = of_kind is ObstacleKind.PLATE, of_kind is ObstacleKind.CYLINDER
+    if (plate or cylinder) and not said.says("axis"):
+        raise ValueError(tr("the “axis” of an obstacle is missing"))
+    found = NamedObstacle(
+        said.text("name") if said.says("name") or not name else name,
+        of_kind,
+        frozen(said.numbers("place", 3)),
+        radius=0.0 if plate else said.number("radius", LEAST),
+        length=said.number("length", LEAST) if cylinder else 0.0,
+        **{key: frozen(said.numbers(key, 3)) for key in ("axis", "shift") if said.says(key)},
+    )
+    try:
+        found.solid(1.0)
+    except InputError:
+        raise ValueError(tr("the “axis” of an obstacle has no direction")) from None
+    return found
+
+
+def vectors_of(said: Fields, key: str, count: int) -> np.ndarray:
+    """A vector (3,) of each of ``count`` obstacles, (o, 3); (0, 3) where there are none."""
+    if not said.says(key):
+        return frozen(np.zeros((0, 3)))
+    return frozen(said.numbers(key, count, 3))
+
+
+def read_obstacles(path: Path) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a JSON file: a list in the form of a session.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read; the message says why.
+    """
+    try:
+        said = Fields({"obstacles": json.loads(path.read_text("utf-8"))}, "obstacles")
+        each = said.parts("obstacles", MOST_OBSTACLES)
+        return tuple(obstacle_of(one, numbered(tr("Obstacle"), k)) for k, one in enumerate(each, start=1))
+    except OSError as error:
+        why = error.strerror or str(error)
+    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError):
+        why = tr("it is not JSON")
+    except ValueError as error:
+        why = str(error)
+    raise InputError(tr("{name} cannot be read as obstacles: {why}.").format(name=path.name, why=why))

@@ -1,0 +1,104 @@
+"""Obstacles in sessions: they come back bit for bit, and damaged ones are refused."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from driven_session import check_equal
+from meshes import tube
+
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.files.storage.json_fields import Fields
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.geometry.solver.deform import iterated
+from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import State, opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.processes.deforming import deformation_of
+from apd_viewer.session.processes.walk import Walk
+from apd_viewer.session.storage.obstacle_json import obstacle_of, obstacle_said
+from apd_viewer.session.storage.session_file import open_session, save_session
+from apd_viewer.session.storage.session_json import document_said, frame_said
+from apd_viewer.session.studies.replay import replay
+
+X, Y, Z = map(frozen, np.eye(3))
+ROD = NamedObstacle("Stab «é»", ObstacleKind.CYLINDER, frozen(np.array([1.31, 0.0, 2.7])), Y, 0.3, 1 / 3)
+WALL = NamedObstacle("Wall", ObstacleKind.PLATE, frozen(-1.01 * X), X)
+BALL = NamedObstacle("Ball", ObstacleKind.SPHERE, frozen(3.0 * Y), radius=0.1)
+
+
+def pressed(path) -> State:
+    """A tube that nothing holds, pressed by a rod against a wall."""
+    mesh = Mesh(*tube(12, 12))
+    save_mesh(mesh, mesh.V, path)
+    state = opened(open_mesh(path))
+    obstacles = (ROD.shifted(-0.2 * X), WALL, BALL)
+    document = replace(state.document, contact=True, obstacles=obstacles, stiffness=0.001)
+    solver = deformation_of(document, document.constraints())
+    walk = Walk(solver, document, document.mesh.V, begin=np.zeros((3, 3)))
+    iterated(solver, 0.0)
+    return state.at(document, walk.frame())
+
+
+def test_obstacles_come_back_bit_for_bit_and_are_replayed(tmp_path):
+    state = pressed(tmp_path / "tube.obj")
+    assert state.frame.settled
+    assert state.frame.loads[0, 0] > 0.1
+    save_session(tmp_path / "a.apd", state, View())
+    found, _ = open_session(tmp_path / "a.apd")
+    check_equal(found, state)
+    _, result = replay(tmp_path / "a.apd")
+    assert result.iterations == 0
+    assert np.array_equal(result.U, state.frame.U)
+    _, again = replay(tmp_path / "a.apd", from_rest=True)
+    assert again.converged
+    assert np.array_equal(again.shifts, state.frame.shifts)
+    assert np.allclose(again.loads, state.frame.loads, rtol=0.02, atol=1e-2)
+
+
+def test_a_session_without_obstacles_says_nothing_of_them():
+    state = opened(Mesh(*tube(8, 4)))
+    assert "obstacles" not in document_said(state.document)
+    assert not {"loads", "shifts"} & set(frame_said(state.frame))
+
+
+@pytest.mark.parametrize("obstacle", [ROD, WALL, BALL], ids=lambda each: each.name)
+def test_json_of_its_own_needs_only_what_the_kind_has(obstacle):
+    said = json.loads(json.dumps(obstacle_said(obstacle)))
+    unused = {"plate": ("radius", "length"), "sphere": ("axis", "length"), "cylinder": ()}
+    for key in (*unused[said["kind"]], "shift", "name"):
+        del said[key]
+    found = obstacle_of(Fields(said, "obstacle"), "Obstacle 1")
+    assert found.name == "Obstacle 1"
+    assert np.array_equal(found.solid(1.0).points, obstacle.solid(1.0).points)
+    assert found.solid(1.0).radius == obstacle.radius
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("kind", "cone"),
+        ("kind", None),
+        ("place", [0.0, 1.0]),
+        ("place", ["a", 0.0, 0.0]),
+        ("axis", [0.0, 0.0, 0.0]),
+        ("axis", None),
+        ("radius", -1.0),
+        ("radius", 0.0),
+        ("length", 0.0),
+        ("shift", [1e90, 0.0, 0.0]),
+        ("name", ""),
+    ],
+)
+def test_a_damaged_obstacle_is_refused(key, value):
+    with pytest.raises(ValueError, match="“"):
+        obstacle_of(Fields({**obstacle_said(ROD), key: value}, "obstacle"))
+
+
+def test_there_is_a_limit_of_obstacles():
+    said = Fields({"obstacles": [obstacle_said(BALL)] * (MOST_OBSTACLES + 1)}, "document")
+    with pytest.raises(ValueError, match="obstacles"):
+        said.parts("obstacles", MOST_OBSTACLES)
