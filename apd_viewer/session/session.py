@@ -16,6 +16,7 @@ from apd_viewer.session.jobs.background_job import Jobs
 from apd_viewer.session.listener import Listener, with_followers
 from apd_viewer.session.measurement_readings import MeasurementReadings
 from apd_viewer.session.measurements import Measurements
+from apd_viewer.session.obstacles import Obstacles
 from apd_viewer.session.painting import Painting
 from apd_viewer.session.parts import Parts
 from apd_viewer.session.poses import Poses
@@ -46,6 +47,7 @@ class Session:
     painting : Painting
     handles : Handles
     symmetric : SymmetricPosing
+    obstacles : Obstacles
     poses : Poses
     parts : Parts
     settings : Settings
@@ -70,6 +72,7 @@ class Session:
         self.painting = Painting(store, gestures, listener)
         self.handles = Handles(store, gestures, listener)
         self.symmetric = SymmetricPosing(store, gestures, self.handles, listener)
+        self.obstacles = Obstacles(store, gestures, listener)
         self.poses = Poses(store, gestures, self.handles, listener)
         self.parts = Parts(store, gestures, listener)
         self.settings = Settings(store, gestures, listener)

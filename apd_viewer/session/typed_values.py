@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from apd_viewer.session.posing.typed_motion import names_of
 from apd_viewer.session.quantities.expressions import length
-from apd_viewer.session.selecting.vertex_expression import chosen, place
+from apd_viewer.session.selecting.vertex_expression import chosen, place, vector
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,3 +36,7 @@ class TypedValues:
     def point(self, text: str) -> np.ndarray:
         """A point (3,) by its coordinates."""
         return place(text, self._store.required(), self._store.unit)
+
+    def vector(self, text: str) -> np.ndarray:
+        """A direction (3,) by three numbers, of any length."""
+        return vector(text, self._store.required())

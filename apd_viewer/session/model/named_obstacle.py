@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.geometry.contact.obstacles import Obstacle, capsule, direction, plate, sphere
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.language import tr
 
 MOST_OBSTACLES = 20
 _UP = frozen(np.array([0.0, 1.0, 0.0]))
@@ -22,6 +23,18 @@ class ObstacleKind(Enum):
     PLATE = "plate"
     SPHERE = "sphere"
     CYLINDER = "cylinder"
+
+    @property
+    def title(self) -> str:
+        """Word for it, as in the names of new ones."""
+        return _TITLES[self]
+
+
+_TITLES = {
+    ObstacleKind.PLATE: tr("Plate"),
+    ObstacleKind.SPHERE: tr("Sphere"),
+    ObstacleKind.CYLINDER: tr("Cylinder"),
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from apd_viewer.errors import InputError
 from apd_viewer.language import tr
 from apd_viewer.session.posing.typed_motion import names_of
-from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.quantities.expressions import length, number
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.state import State
@@ -92,9 +92,20 @@ def _side(text: str, state: State, unit: Unit) -> np.ndarray | float:
 
 def place(text: str, state: State, unit: Unit) -> np.ndarray:
     """Point (3,) from three expressions separated by semicolons or commas."""
+    problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
+    names = names_of(state)
+    return np.array([length(part, unit, names) for part in _three(text, problem)])
+
+
+def vector(text: str, state: State) -> np.ndarray:
+    """Vector (3,) from three numbers separated by semicolons or commas."""
+    problem = tr("“{text}” is not a direction; enter three numbers such as 0, 1, 0.")
+    names = names_of(state)
+    return np.array([number(part, names) for part in _three(text, problem)])
+
+
+def _three(text: str, problem: str) -> list[str]:
     parts = [part for part in text.split(";" if ";" in text else ",") if part.strip()]
     if len(parts) != 3:
-        problem = tr("“{text}” is not a point; enter three coordinates such as 0, 0.5Y, 12mm.")
         raise InputError(problem.format(text=text.strip()))
-    names = names_of(state)
-    return np.array([length(part, unit, names) for part in parts])
+    return parts
