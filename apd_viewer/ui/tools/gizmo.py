@@ -11,7 +11,7 @@ from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drag import Drag, begin
 from apd_viewer.ui.tools.gizmo_drawing import Appearance, draw, draw_hint
-from apd_viewer.ui.tools.gizmo_layout import Along, GizmoFrame
+from apd_viewer.ui.tools.gizmo_layout import ALL, Along, GizmoFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,6 +43,8 @@ class Gizmo(MouseTool, QObject):
         What its axes are.
     grabs : callable or None
         Whether a press at a position beside the gizmo takes the handle too.
+    offered : frozenset of str
+        Handles of its own that it has.
     hint : Signal(str)
         What the drag does, such as "+32.5°"; empty when it is over.
     """
@@ -61,6 +63,7 @@ class Gizmo(MouseTool, QObject):
         self._visible = False
         self._along = Along.WORLD
         self.grabs: Callable[[QPointF], bool] | None = None
+        self.offered = ALL
         self._hot: str | None = None
         self._drag: Drag | None = None
         self._moving = False  # the drag has left the dead zone
@@ -115,7 +118,7 @@ class Gizmo(MouseTool, QObject):
             axes = (A / np.linalg.norm(A, axis=0)).T.copy()
         elif self._along is Along.VIEW:
             axes = eye.axes * [[1.0], [1.0], [-1.0]]
-        return GizmoFrame(eye, centre, axes)
+        return GizmoFrame(eye, centre, axes, self.offered)
 
     def press(self, event: QMouseEvent) -> bool:
         """Take the handle under the cursor."""

@@ -102,6 +102,8 @@ class Drag:
         values = offset if self.handle == "centre" else amounts
         digits = max(0, int(np.ceil(-np.log10(frame.pixel))))
         text = "  ".join(f"Δ{n} {signed(v, digits)}" for n, v in zip(names, values, strict=True))
+        if len(frame.offered) == 1:  # along the one arrow there is
+            text = signed(values[0], digits)
         return replace(self, last=(x, y), pose=translated(self.pose0, offset), text=text)
 
     def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:

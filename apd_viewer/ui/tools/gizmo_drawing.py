@@ -91,21 +91,28 @@ def draw(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
 
 def draw_hint(painter: QPainter, drag: Drag, size: tuple[float, float]) -> None:
     """Write the amount of the drag beside the cursor."""
+    draw_tag(painter, drag.text, drag.last, size)
+
+
+def draw_tag(painter: QPainter, text: str, at: tuple[float, float], size: tuple[float, float]) -> None:
+    """Write a line of text beside a pixel position, in a picture of a ``size``."""
     font = QFont(painter.font())
     font.setPixelSize(13)
     font.setWeight(QFont.Weight.DemiBold)
     painter.setFont(font)
-    width = painter.fontMetrics().horizontalAdvance(drag.text) + 20.0
-    x = min(drag.last[0] + 18, size[0] - width - 8)
-    y = min(drag.last[1] + 18, size[1] - 34)
+    width = painter.fontMetrics().horizontalAdvance(text) + 20.0
+    x = min(at[0] + 18, size[0] - width - 8)
+    y = min(at[1] + 18, size[1] - 34)
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(24, 26, 30, 225))
     painter.drawRoundedRect(QRectF(x, y, width, 26), 7, 7)
     painter.setPen(QColor("#ffffff"))
-    painter.drawText(QRectF(x, y, width, 26), Qt.AlignmentFlag.AlignCenter, drag.text)
+    painter.drawText(QRectF(x, y, width, 26), Qt.AlignmentFlag.AlignCenter, text)
 
 
 def _draw_ring(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, name: str) -> None:
+    if not frame.usable(name):
+        return
     points, near = frame.ring(i)
     painter.setOpacity(look.opacity(name) * BACK)
     for part in runs(points, ~near):
@@ -139,7 +146,8 @@ def _draw_arrow(painter: QPainter, frame: GizmoFrame, look: Appearance, i: int, 
     painter.setPen(QPen(QColor(INK[look.dark]), 1.2))
     painter.setBrush(colour)
     painter.drawPolygon(polygon(hull(frame.tip(i))))
-    _draw_letter(painter, name.upper(), letter, colour, INK[look.dark])
+    if len(frame.offered) > 1:  # a single arrow needs no name
+        _draw_letter(painter, name.upper(), letter, colour, INK[look.dark])
 
 
 def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor, halo: str) -> None:
@@ -154,6 +162,8 @@ def _draw_letter(painter: QPainter, letter: str, at: np.ndarray, colour: QColor,
 
 
 def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
+    if not frame.usable("scale"):
+        return
     hot = "scale" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("scale"))
     corner = frame.corner if look.drag is None or not hot else np.array(look.drag.last)
@@ -167,6 +177,8 @@ def _draw_scale(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
 
 
 def _draw_centre(painter: QPainter, frame: GizmoFrame, look: Appearance) -> None:
+    if not frame.usable("centre"):
+        return
     hot = "centre" in (look.hot, look.drag and look.drag.handle)
     painter.setOpacity(look.opacity("centre"))
     painter.setPen(QPen(QColor(INK[look.dark]), 1.5))

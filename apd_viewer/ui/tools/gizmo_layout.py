@@ -27,6 +27,7 @@ SCALE = (86.0, -86.0)  # from the centre, across and down the picture
 REACH = 8.0
 
 ARROWS, SQUARES, RINGS = ("x", "y", "z"), ("yz", "zx", "xy"), ("rx", "ry", "rz")
+ALL = frozenset({*ARROWS, *SQUARES, *RINGS, "centre", "scale"})
 ALONG_VIEW = 0.96  # |cosine| beyond which an arrow, 16 degrees from the line of sight, cannot be dragged
 EDGE_ON = 0.16  # |cosine| below which a square or a ring is a line
 _TURN = np.linspace(0.0, 2 * np.pi, 73)
@@ -55,11 +56,14 @@ class GizmoFrame:
     centre : (3,) float array
     axes : (3, 3) float array
         Unit axes, as rows.
+    offered : frozenset of str
+        Handles that there are.
     """
 
     camera: Camera
     centre: np.ndarray
     axes: np.ndarray
+    offered: frozenset[str] = ALL
 
     @cached_property
     def pixel(self) -> float:
@@ -88,7 +92,9 @@ class GizmoFrame:
         return float(self.camera.depth(self.centre)) > 1e-6 * self.camera.distance
 
     def usable(self, handle: str) -> bool:
-        """True if the handle can be dragged from this side."""
+        """True if there is the handle, and it can be dragged from this side."""
+        if handle not in self.offered:
+            return False
         if handle in ARROWS:
             return bool(abs(self.facing[axis_index(handle)]) < ALONG_VIEW)
         if handle in SQUARES:
@@ -127,9 +133,9 @@ class GizmoFrame:
         if not self.visible:
             return None
         cursor = np.array([x, y])
-        if np.linalg.norm(self.middle - cursor) <= DOT + 4:
+        if self.usable("centre") and np.linalg.norm(self.middle - cursor) <= DOT + 4:
             return "centre"
-        if np.abs(self.corner - cursor).max() <= REACH:
+        if self.usable("scale") and np.abs(self.corner - cursor).max() <= REACH:
             return "scale"
         for i, name in enumerate(SQUARES):
             if self.usable(name) and inside(self.square(i), cursor):
@@ -138,8 +144,8 @@ class GizmoFrame:
         reach = [
             (self._arrow_distance(i, cursor) - 2.0, ARROWS[i]) for i in range(3) if self.usable(ARROWS[i])
         ]
-        reach += [(self._ring_distance(i, cursor), RINGS[i]) for i in range(3)]
-        distance, name = min(reach)
+        reach += [(self._ring_distance(i, cursor), RINGS[i]) for i in range(3) if self.usable(RINGS[i])]
+        distance, name = min(reach, default=(np.inf, ""))
         return name if distance <= REACH else None
 
     def _arrow_distance(self, i: int, cursor: np.ndarray) -> float:
