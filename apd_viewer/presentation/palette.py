@@ -34,6 +34,8 @@ REGION_COLORS = (
 )
 # Marks of findings; different from all other colours.
 MARK_COLOR = (226, 0, 142)
+# Of obstacles, on a light and on a dark background; grey, as they are no part of the mesh.
+OBSTACLE_COLOR, OBSTACLE_ON_DARK = (92, 102, 120), (172, 182, 200)
 # A region covers free vertices, but must not hide base and handles.
 _OVER_FREE, _OVER_PAINT = 0.82, 0.42
 # Vertices in a falloff are still free.

@@ -24,9 +24,10 @@ from apd_viewer.ui.filing.file_commands import Filing
 from apd_viewer.ui.filing.recovery_bar import RecoveryBar
 from apd_viewer.ui.help.help import Help
 from apd_viewer.ui.measuring.measure_controller import MeasureController
+from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
 from apd_viewer.ui.overlays.display_options import Looks
 from apd_viewer.ui.overlays.findings_controller import Health
-from apd_viewer.ui.overlays.next_step import NextStep
+from apd_viewer.ui.overlays.next_step import NextStep, leads_on
 from apd_viewer.ui.overlays.notice import Empty, Invitation, Notice
 from apd_viewer.ui.overlays.selection_mode_bar import WayBar
 from apd_viewer.ui.panel.measurements_controller import Measuring
@@ -114,6 +115,16 @@ class Workbench(QObject):
         self.docks["plots"].setWidget(self.plots)
         self.filing = Filing(shell, memory, session, self._view, recovery)
         self.editing = Editing(canvas, self.panel, session, self.parts, self.tools.take)
+        self.obstacles = ObstacleController(
+            canvas,
+            self.panel.obstacles,
+            session,
+            self.parts,
+            self.tools.take,
+            self.editing.give_up,
+            self.measuring.wall_thickness,
+        )
+        self.editing.nudges_obstacle = self.obstacles.nudge
         self.preview = MotionPreview(canvas, self.panel.handles.motion, session, self.parts)
         self.symmetry = SymmetryController(
             self.panel.handles.symmetry, session, self.parts, self.editing.give_up
@@ -158,6 +169,7 @@ class Workbench(QObject):
             poses=self.poses,
             looks=self.looks,
             measure=self.measure,
+            obstacles=self.obstacles,
             findings=self.health,
             studies=self.studies,
             comparing=self.comparing,
@@ -192,6 +204,7 @@ class Workbench(QObject):
         signals.measured.connect(self.measuring.show)
         for change in (signals.changed, signals.measured):
             change.connect(self.measure.follow)
+        signals.changed.connect(self.obstacles.follow)
         self.looks.cut.measure_asked.connect(self.measure.add_section)
         self.parts.changed.connect(self._show_parts)
         connect_settings(self.panel, self.session)
@@ -207,6 +220,8 @@ class Workbench(QObject):
         canvas.strokes.began.connect(lambda: self.invitation.say(""))
         canvas.strokes.ended.connect(self._show_next_step)
         canvas.drag_began.connect(self.next_step.moved)
+        self.obstacles.moved.connect(self.next_step.moved)
+        self.obstacles.placer.asks.connect(self.status.showMessage)
         canvas.painter.size.changed.connect(
             lambda: self.status.say_brush(canvas.painter.size, self.session.store.unit)
         )
@@ -237,6 +252,7 @@ class Workbench(QObject):
             self.looks.measure_in(unit)
             self.comparing.measure_in(unit)
             self.measure.follow()
+            self.obstacles.follow()
             self.panel.measure_in(unit, state, self.parts.handle, self.parts.region)
             self.measuring.keep_distance()
             self.status.show_session(self.session)
@@ -284,7 +300,7 @@ class Workbench(QObject):
         self.plots.follow()
         self.health.follow()
         before = None if old is None else old.document
-        if before is None or before.labels is not document.labels or before.posed != document.posed:
+        if before is None or leads_on(before, document):
             self._show_next_step()
 
     def _show_opened(self, state: State) -> None:
@@ -332,6 +348,7 @@ class Workbench(QObject):
         self.status.hint(self.measure.hint if measures else tool.hint(self.canvas.way))
         self.way_bar.show_for(tool.words.is_brush)
         self.kind_bar.show_for(measures)
+        self.obstacles.take(tool)
         self._show_next_step()
 
     def _show_next_step(self) -> None:
@@ -339,7 +356,7 @@ class Workbench(QObject):
         if self.help.tour.active:
             self.invitation.say("")  # the card says it
         elif state is not None:
-            self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle)
+            self.next_step.say_next(state.document, self.canvas.tool, self.parts.handle, self.parts.obstacle)
 
     def _set_theme(self, theme: Theme) -> None:
         over = (

@@ -14,6 +14,7 @@ from apd_viewer.ui.actions.action_factory import ActionMaker, plain
 from apd_viewer.ui.actions.display_actions import LookActions
 from apd_viewer.ui.actions.file_actions import FileActions
 from apd_viewer.ui.actions.measure_actions import MeasureActions
+from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 from apd_viewer.ui.actions.pose_actions import PoseActions
 from apd_viewer.ui.actions.select_actions import SelectActions
 from apd_viewer.ui.actions.tool_bar import add_tool_bar
@@ -46,6 +47,7 @@ class Actions:
     measure : MeasureActions
     select : SelectActions
     pose : PoseActions
+    obstacles : ObstacleActions
     view : ViewActions
     looks : LookActions
     help : list of QAction
@@ -61,6 +63,7 @@ class Actions:
         self.measure = MeasureActions(self._maker, commands.measure)
         self.select = SelectActions(self._maker, commands)
         self.pose = PoseActions(self._maker, commands)
+        self.obstacles = ObstacleActions(self._maker, commands.obstacles)
         self.view = ViewActions(self._maker, commands)
         self.looks = LookActions(self._maker, commands.looks)
         self.help = self._make_help(commands)
@@ -141,14 +144,14 @@ class Actions:
         tools.addActions(list(self.tools.values()))
         self.measure.fill(tools)
         self.select.fill(bar.addMenu(tr("&Select")))
-        self.pose.fill(bar.addMenu(tr("H&andle")))
+        self.pose.fill(bar.addMenu(tr("H&andle")), self.obstacles)
         self.view.fill(bar.addMenu(tr("&View")), self.looks)
         bar.addMenu(tr("&Help")).addActions(self.help)
 
     def offer(self, is_open: bool, is_at_rest: bool) -> None:
         """Enable the actions allowed by an open mesh, at rest or not."""
         studies = [self.pose.compare, self.pose.sweep, self.pose.press]
-        own = [*self.file.of_a_mesh, *studies, self.pose.symmetric]
+        own = [*self.file.of_a_mesh, *studies, self.pose.symmetric, *self.obstacles.of_a_mesh]
         for action in (*own, *self.select.files, *self.select.changes):
             action.setEnabled(is_open)
         for action in (self.reset, self.bake):

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from apd_viewer.ui.filing.file_commands import Filing
     from apd_viewer.ui.filing.file_requests import FileRequests
     from apd_viewer.ui.measuring.measure_controller import MeasureController
+    from apd_viewer.ui.obstacles.obstacle_controller import ObstacleController
     from apd_viewer.ui.overlays.display_options import Looks
     from apd_viewer.ui.overlays.findings_controller import Health
     from apd_viewer.ui.panel.target_controller import Targeting
@@ -40,6 +41,7 @@ class Commands:
     poses: PoseController
     looks: Looks
     measure: MeasureController
+    obstacles: ObstacleController
     findings: Health
     studies: Studies
     comparing: Comparing

@@ -38,6 +38,8 @@ class Editing:
     Attributes
     ----------
     typed : Typed
+    nudges_obstacle : callable
+        Moves the obstacle in the hand by a small step; False if there is none.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class Editing:
     ) -> None:
         self._canvas, self._panel = canvas, panel
         self._session, self._parts, self._take = session, parts, take
+        self.nudges_obstacle: Callable[[tuple[int, int, int]], bool] = lambda _: False
         self.typed = Typed(canvas, session, parts, self.give_up)
         handles = panel.handles
         handles.added.connect(self.add_handle)
@@ -144,8 +147,10 @@ class Editing:
             self._session.handles.reset(self._parts.handle)
 
     def nudge(self, step: tuple[int, int, int]) -> None:
-        """Move the active handle by a small step in the picture: right, up, to the viewer."""
-        if self._may_begin() and (pose := self._canvas.nudged(step)) is not None:
+        """Move what is in the hand by a small step in the picture: right, up, to the viewer."""
+        if not self._may_begin() or self.nudges_obstacle(step):
+            return
+        if (pose := self._canvas.nudged(step)) is not None:
             self._session.handles.pose(pose, self._parts.handle, tr("Nudge handle"), repeats=True)
 
     def move_by(self, motion: TypedMotion, text: str, to: bool) -> None:

@@ -14,6 +14,7 @@ from apd_viewer.ui.tools.gizmo_layout import Along
 if TYPE_CHECKING:
     from apd_viewer.ui.actions.action_factory import ActionMaker
     from apd_viewer.ui.actions.commands import Commands
+    from apd_viewer.ui.actions.obstacle_actions import ObstacleActions
 
 # Right, up and towards the viewer, in the picture.
 _NUDGES = (
@@ -208,8 +209,8 @@ class PoseActions:
         self.symmetric.setChecked(on)
         self.symmetric.blockSignals(False)
 
-    def fill(self, menu: QMenu) -> None:
-        """Put all of them into a menu."""
+    def fill(self, menu: QMenu, obstacles: ObstacleActions) -> None:
+        """Put all of them into a menu, and those of the obstacles."""
         menu.addActions(self.parts)
         menu.addSeparator()
         menu.addActions([self.typed, self.put_back, self.symmetric, *self.pivots])
@@ -217,6 +218,7 @@ class PoseActions:
         self.nudge.addActions(self.nudges)
         self.poses = menu.addMenu(tr("Name&d poses"))
         self.poses.addActions(self.named)
+        obstacles.fill(menu)
         menu.addSeparator()
         menu.addActions(list(self.along.values()))
         menu.addSeparator()

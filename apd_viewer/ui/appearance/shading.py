@@ -91,6 +91,21 @@ TINTED_GLASS = """
 # The same in amber, to tell a target shape from the rest shape.
 AMBER = GLASS.replace("0.16, 0.22, 0.33", "0.52, 0.30, 0.02").replace("0.80, 0.87, 1.0", "1.0, 0.80, 0.48")
 
+# Of obstacles, in their colour: plates are as clear all over, round ones denser at their outline.
+PANE = """
+  gl_FragData[0] = vec4(diffuseColor, opacity);
+"""
+BUBBLE = """
+  vec3 n = normalize(normalVCVSOutput);
+  vec3 v = normalize(-vertexVC.xyz);
+  vec3 key = normalize(vec3(-0.50, 0.62, 0.80));
+  float rim = 1.0 - abs(dot(n, v));
+  float gloss = clamp(dot(n, normalize(key + v)), 0.0, 1.0);
+  gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss; gloss *= gloss;
+  vec3 shaded = diffuseColor * (0.70 + 0.45 * clamp(dot(n, key), 0.0, 1.0)) + 0.25 * gloss;
+  gl_FragData[0] = vec4(shaded, clamp(opacity * (0.85 + 0.9 * rim * rim) + 0.25 * gloss, 0.0, 1.0));
+"""
+
 # What is seen of the inside where the surface is cut.
 _INSIDE = """
   if (!gl_FrontFacing) { diffuseColor *= 0.62; }

@@ -1,4 +1,4 @@
-"""Hint on the next step, until a first drag of a handle."""
+"""Hint on the next step, until a first drag of a handle or an obstacle."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
 
 _TWIST = tr("Drag a ring to rotate, an arrow to move")
+_PUSH = tr("Drag an arrow of the obstacle, or enter a distance, to push the surface")
+_SELECT = tr("Click an obstacle to move it")
 
 
 class NextStep:
@@ -34,26 +36,30 @@ class NextStep:
         self._invitation = invitation
         self._tools = tools
         self._moved = False
-        self._asked: tuple[Document, Tool, int] | None = None
+        self._asked: tuple[Document, Tool, int, int | None] | None = None
         for action in tools.values():
             action.changed.connect(self._say_again)
 
     def moved(self) -> None:
-        """Note a drag of a handle: no more hints are needed."""
+        """Note a drag: no more hints are needed."""
         self._moved = True
         self._invitation.say("")
 
-    def say_next(self, document: Document, tool: Tool, handle: int) -> None:
-        """Show the next step for ``tool`` and the active ``handle``'s number."""
-        self._asked = document, tool, handle
-        self._invitation.say(self._sentence(document, tool, handle))
+    def say_next(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> None:
+        """Show the next step for ``tool``, the active handle and the obstacle in the hand."""
+        self._asked = document, tool, handle, obstacle
+        self._invitation.say(self._sentence(*self._asked))
 
     def _say_again(self) -> None:
         """Update the keys named."""
         if self._asked is not None and not self._invitation.isHidden():
             self._invitation.say(self._sentence(*self._asked))
 
-    def _sentence(self, document: Document, tool: Tool, handle: int) -> str:
+    def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
+        if document.obstacles and not tool.words.is_brush:
+            nothing_held = not document.counts[BASE] and not document.counts[HANDLE:].any()
+            if obstacle is not None or nothing_held:  # obstacles alone suffice
+                return self._of_obstacles(document, tool, obstacle)
         if not document.counts[BASE]:
             return with_keys(tr("Paint the part that stays in place: the base"), self._tools[Tool.BASE])
         if not document.counts[HANDLE:].any():
@@ -70,3 +76,16 @@ class NextStep:
         if self._moved or document.posed:
             return ""
         return _TWIST if tool is Tool.MOVE else with_keys(tr("Now move the handle"), self._tools[Tool.MOVE])
+
+    def _of_obstacles(self, document: Document, tool: Tool, obstacle: int | None) -> str:
+        if self._moved or any(each.shift.any() for each in document.obstacles):
+            return ""
+        if tool is not Tool.MOVE:
+            return with_keys(tr("Now move an obstacle"), self._tools[Tool.MOVE])
+        return _SELECT if obstacle is None else _PUSH
+
+
+def leads_on(before: Document, after: Document) -> bool:
+    """True if a change may lead to another next step."""
+    same = before.labels is after.labels and before.obstacles is after.obstacles
+    return not same or before.posed != after.posed

@@ -122,6 +122,10 @@ class Measuring(QObject):
         if state is not None and state.document.contact and state.document.thickness != thickness:
             self._keep_apart(True)
 
+    def wall_thickness(self) -> float | None:
+        """Thickness of the walls as typed, mesh units; None without."""
+        return thickness_of(self._panel.measures.wall, self._session.store.unit)
+
     def _keep_apart(self, on: bool) -> None:
         """Keep walls apart by their thickness, or let them pass."""
         wall, unit = self._panel.measures.wall, self._session.store.unit

@@ -11,6 +11,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr
 from apd_viewer.presentation.palette import BASE_COLOR, FREE_COLOR, HANDLE_COLORS
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.obstacles.obstacle_section import ObstacleSection
 from apd_viewer.ui.panel.area_section import AreaSection
 from apd_viewer.ui.panel.measure_section import MeasureSection
 from apd_viewer.ui.panel.method_section import MethodSection
@@ -92,7 +93,7 @@ class Panel(QScrollArea):
 
     Attributes
     ----------
-    area, volume, measures, handles, poses, method, regions, measure, target, paint
+    area, volume, measures, handles, obstacles, poses, method, regions, measure, target, paint
         The sections.
     """
 
@@ -105,6 +106,7 @@ class Panel(QScrollArea):
         self.volume = VolumeSection()
         self.measures = SizeSection()
         self.handles = HandleSection()
+        self.obstacles = ObstacleSection()
         self.poses = PoseSection()
         self.method = MethodSection()
         self.regions = RegionSection()
@@ -116,6 +118,7 @@ class Panel(QScrollArea):
             self.volume,
             self.measures,
             self.handles,
+            self.obstacles,
             self.poses,
             self.method,
             self.regions,

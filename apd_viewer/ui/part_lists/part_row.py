@@ -34,6 +34,7 @@ class Swatch(QWidget):
 _SAID = {
     "handle": (tr("Measurement of the handle"), tr("Remove this handle")),
     "region": (tr("Measurement of the region"), tr("Remove this region")),
+    "obstacle": (tr("Load on the obstacle"), tr("Remove this obstacle")),
     "measurement": (tr("Measured value"), tr("Remove this measurement")),
 }
 

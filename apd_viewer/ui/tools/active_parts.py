@@ -1,4 +1,4 @@
-"""Active handle and active region, neither part of the document."""
+"""Active handle, region and obstacle, none of them part of the document."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class ActiveParts(QObject):
-    """The active handle and the active region.
+    """The active handle, the active region and, if it is in the hand, an obstacle.
 
     Parameters
     ----------
@@ -23,6 +23,8 @@ class ActiveParts(QObject):
     ----------
     handle, region : int
         Their numbers, from 0. There may be no region yet.
+    obstacle : int or None
+        Number of the obstacle in the hand; None while the handle is.
     changed : Signal()
         Another one is active.
     """
@@ -33,21 +35,29 @@ class ActiveParts(QObject):
         super().__init__(parent)
         self._session = session
         self.handle = self.region = 0
+        self.obstacle: int | None = None
 
     def follow(self, old: Document | None, new: Document) -> None:
         """Keep the active parts while they exist."""
         if old is None or old.mesh is not new.mesh:
             self.handle = self.region = 0
+            self.obstacle = None
         self.handle = min(self.handle, len(new.handles) - 1)
         self.region = max(0, min(self.region, len(new.regions) - 1))
+        if self.obstacle is not None and self.obstacle >= len(new.obstacles):
+            self.obstacle = len(new.obstacles) - 1 if new.obstacles else None
 
     def choose_handle(self, k: int) -> None:
-        """Make handle ``k`` the active one."""
+        """Make handle ``k`` the active one, and take it into the hand."""
         self._choose(k, self.region)
 
     def choose_region(self, k: int) -> None:
         """Make region ``k`` the active one."""
-        self._choose(self.handle, k)
+        self._choose(self.handle, k, self.obstacle)
+
+    def choose_obstacle(self, k: int | None) -> None:
+        """Take obstacle ``k`` into the hand, or the handle again."""
+        self._choose(self.handle, self.region, k)
 
     def next_handle(self) -> None:
         """Make the next handle active, after the last one the first."""
@@ -75,7 +85,13 @@ class ActiveParts(QObject):
             self.region -= 1
         self._session.parts.remove_region(k)
 
-    def _choose(self, handle: int, region: int) -> None:
-        if (handle, region) != (self.handle, self.region):
-            self.handle, self.region = handle, region
+    def remove_obstacle(self, k: int) -> None:
+        """Remove obstacle ``k`` and keep the one in the hand, if it is another."""
+        if self.obstacle is not None and k < self.obstacle:
+            self.obstacle -= 1
+        self._session.obstacles.remove(k)
+
+    def _choose(self, handle: int, region: int, obstacle: int | None = None) -> None:
+        if (handle, region, obstacle) != (self.handle, self.region, self.obstacle):
+            self.handle, self.region, self.obstacle = handle, region, obstacle
             self.changed.emit()

@@ -32,6 +32,8 @@ from apd_viewer.ui.tools.toolbox import Tool, Way
 from apd_viewer.ui.widgets.theme import Theme
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from apd_viewer.geometry.mesh.mesh import Mesh
     from apd_viewer.session.model.document import Document
     from apd_viewer.session.model.state import State
@@ -65,6 +67,8 @@ class Canvas(QObject):
     coloring : Coloring
     line : (2, 3) float array or None
         Two points on the line to bend about.
+    covered : callable
+        Whether something else is in front of the surface at a position in the viewport.
     """
 
     drag_began = Signal()
@@ -95,6 +99,8 @@ class Canvas(QObject):
         self._document: Document | None = None
         self._sketched: np.ndarray | None = None
         self.line: np.ndarray | None = None
+        self.covered: Callable[[QPointF], bool] = lambda _: False
+        self._rests = False
         self._connect()
 
     def _make_ways(self) -> dict[Way, Selector]:
@@ -154,6 +160,17 @@ class Canvas(QObject):
         self._handle, self._region = handle, region
         self._prepare_strokes()
         self._show_tool()
+
+    @property
+    def handle_rests(self) -> bool:
+        """True while something else is in the hand: all handles are dots."""
+        return self._rests
+
+    @handle_rests.setter
+    def handle_rests(self, on: bool) -> None:
+        if on != self._rests:
+            self._rests = on
+            self._show_tool()
 
     def set_theme(self, theme: Theme) -> None:
         """Recolour the background."""
@@ -238,7 +255,7 @@ class Canvas(QObject):
     def _show_tool(self) -> None:
         # While it paints nobody sees where the handles are, and every event moves their centres.
         pivots = self._pivots if self.tool is Tool.MOVE else ()
-        active = _active(pivots, self._handle)
+        active = None if self._rests else _active(pivots, self._handle)
         if active is not None:
             self.gizmo.place(active.pose, active.gripped)
         if (active is not None) != self.gizmo.visible:
@@ -260,7 +277,7 @@ class Canvas(QObject):
     def _handle_at(self, position: QPointF) -> int | None:
         """Number of the handle painted at a position in the viewport."""
         hit = self.surface.hit(position)
-        if hit is None or self._document is None or self.surface.skin is None:
+        if hit is None or self._document is None or self.surface.skin is None or self.covered(position):
             return None
         label = int(self._document.labels[self.surface.skin.F[hit.face]].max())
         return label - HANDLE if label >= HANDLE else None

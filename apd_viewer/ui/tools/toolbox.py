@@ -48,7 +48,10 @@ class Tool(Enum):
         "M",
         "move",
         tr("Move and rotate a handle with arrows, squares and rings"),
-        tr("drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, a click selects another handle"),
+        tr(
+            "drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, "
+            "a click selects another handle or obstacle"
+        ),
     )
     MEASURE = _ToolWords(
         tr("Measure"),

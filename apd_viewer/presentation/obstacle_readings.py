@@ -1,0 +1,81 @@
+"""Obstacles in words: their loads, and how far they have come."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import length, short
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from apd_viewer.session.model.named_obstacle import NamedObstacle
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.quantities.units import Unit
+
+# In longest sides of the mesh: an obstacle that is so little short of its place has reached it.
+_THERE = 1e-4
+_DIGITS = 8  # of numbers for repeating the deformation
+
+
+def reached(state: State, k: int) -> np.ndarray:
+    """How far obstacle ``k`` has come, (3,): as far as contact lets it."""
+    obstacles, shifts = state.document.obstacles, state.frame.shifts
+    if state.keeps_apart and shifts is not None and len(shifts) == len(obstacles):
+        far: np.ndarray = shifts[k]
+        return far
+    return obstacles[k].shift
+
+
+def load(state: State, k: int) -> str:
+    """Force on obstacle ``k``; empty while nothing presses on it."""
+    loads = state.frame.loads
+    if not state.keeps_apart or loads is None or len(loads) != len(state.document.obstacles):
+        return ""
+    force = float(np.linalg.norm(loads[k]))
+    return tr("load {force}").format(force=short(force)) if force > 0.0 else ""
+
+
+def motion(state: State, k: int, unit: Unit) -> str:
+    """How far obstacle ``k`` was moved, and what of that contact has not let it."""
+    obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
+    way = length(float(np.linalg.norm(obstacle.shift)), size)
+    if way == "0":
+        return tr("where it was put")
+    said = tr("moved {length}").format(length=unit.length(way))
+    short_of = float(np.linalg.norm(obstacle.shift - reached(state, k)))
+    if state.keeps_apart and state.frame.settled and short_of > _THERE * size:
+        missing = unit.length(length(short_of, size))
+        return tr("{moved}, stopped {length} before").format(moved=said, length=missing)
+    return said
+
+
+def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:
+    """Three numbers as they are typed; rounding errors of a ``size`` become zero."""
+    return ", ".join(f"{c:.{digits}g}" if abs(c) > 10.0**-digits * size else "0" for c in x)
+
+
+def report_rows(state: State, unit: Unit) -> Iterator[tuple[str, str, str]]:
+    """Rows of the obstacles with their motions, places and loads."""
+    size = float(max(state.inspection.size))
+    for k, obstacle in enumerate(state.document.obstacles):
+        more = [obstacle.kind.title, *_shape(obstacle, unit, size)]
+        if said := load(state, k):
+            more.append(said)
+        yield obstacle.name, motion(state, k, unit), "; ".join(more)
+
+
+def _shape(obstacle: NamedObstacle, unit: Unit, size: float) -> Iterator[str]:
+    yield tr("place {point}").format(point=unit.length(f"({coordinates(obstacle.place, size)})"))
+    if obstacle.shift.any():
+        yield tr("displacement {vector}").format(vector=unit.length(f"({coordinates(obstacle.shift, size)})"))
+    if not obstacle.radius:
+        yield tr("normal {vector}").format(vector=f"({coordinates(obstacle.axis)})")
+        return
+    yield tr("radius {length}").format(length=unit.length(f"{obstacle.radius:.{_DIGITS}g}"))
+    if obstacle.length:
+        yield tr("length {length}").format(length=unit.length(f"{obstacle.length:.{_DIGITS}g}"))
+        yield tr("axis {vector}").format(vector=f"({coordinates(obstacle.axis)})")

@@ -1,0 +1,1 @@
+"""Obstacles in the window: drawn, placed, pressed, moved and listed."""

@@ -1,0 +1,234 @@
+"""Fields of the obstacle in the hand: its place and size, and a distance to move it by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.obstacles import direction
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.language import tr, trc
+from apd_viewer.presentation.obstacle_readings import coordinates, reached
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.widgets.error_bubble import ErrorBubble
+from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys, small_button
+from apd_viewer.ui.widgets.icons import icon
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QFocusEvent, QHideEvent
+
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.typed_values import TypedValues
+    from apd_viewer.ui.widgets.theme import Theme
+
+_AXIS = {
+    ObstacleKind.PLATE: (tr("Normal"), tr("Direction to the side that stays free: three numbers")),
+    ObstacleKind.SPHERE: (tr("Direction"), tr("Direction to move it in: three numbers")),
+    ObstacleKind.CYLINDER: (tr("Axis"), tr("Direction of the axis: three numbers")),
+}
+_DIGITS = 5  # shown; what is not typed keeps all it has
+_PLACE = tr("Where it is: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
+_BY = tr("Length to move it by, such as 12, 0.1L or 5mm; Enter moves it")
+
+
+class TypedField(Entry):
+    """Entry that shows a value, and tells of another one on Enter and when it is left.
+
+    Attributes
+    ----------
+    typed : Signal()
+    """
+
+    typed = Signal()
+
+    def __init__(self, name: str, tip: str) -> None:
+        super().__init__(accessibleName=name, toolTip=tip)
+        self._shown = ""
+        self._error = ErrorBubble(self)
+        self.textEdited.connect(self._error.hide)
+        self.returnPressed.connect(self._enter)
+
+    @property
+    def changed(self) -> bool:
+        """True if its text is not what was shown."""
+        return self.text() != self._shown
+
+    def show_text(self, text: str) -> None:
+        """Show a value, unless another one is being typed."""
+        if not (self.hasFocus() and self.changed and text == self._shown):
+            self._shown = text
+            if self.text() != text:
+                self.setText(text)
+                self.setCursorPosition(0)
+
+    def refuse(self, sentence: str) -> None:
+        """Say what is wrong beneath it; the text stays while the field is used."""
+        self._error.say(sentence)
+        if self.hasFocus():
+            self.selectAll()
+        else:
+            self.setText(self._shown)
+            self._error.leave()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Tell of another value."""
+        super().focusOutEvent(event)
+        if self.changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
+            self.typed.emit()
+        self._error.leave()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Hide the error too."""
+        self._error.hide()
+        super().hideEvent(event)
+
+    def _enter(self) -> None:
+        if self.changed:
+            self.typed.emit()
+        if not self._error.isVisible():
+            return_keys(self)
+
+
+class ObstacleFields(QWidget):
+    """Place, direction and size of an obstacle, and its motion.
+
+    Attributes
+    ----------
+    place, axis, radius, length : TypedField
+    distance : Entry
+    along : Choice
+        What the distance is along: its axis, or one of the mesh.
+    typed : Signal(NamedObstacle)
+        The obstacle as typed, to be placed anew.
+    distance_typed : Signal(object, str)
+        The axis of the mesh to move along, or None for its own, and the distance.
+    reset_asked : Signal()
+    """
+
+    typed = Signal(object)
+    distance_typed = Signal(object, str)
+    reset_asked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown: NamedObstacle | None = None
+        self._values: TypedValues | None = None
+        self.place = TypedField(tr("Place of the obstacle"), _PLACE)
+        self.axis = TypedField(tr("Direction of the obstacle"), "")
+        self.radius = TypedField(tr("Radius of the obstacle"), tr("A length such as 12, 0.1L or 5mm"))
+        self.length = TypedField(
+            tr("Length of the cylinder"), tr("Between the centres of its round ends, such as 12, 0.1L or 5mm")
+        )
+        self._fields = self.place, self.axis, self.radius, self.length
+        for field in self._fields:
+            field.typed.connect(self._type)
+        self._labels = [
+            QLabel(text, objectName="quiet") for text in (tr("Place"), "", tr("Radius"), tr("Length"))
+        ]
+        self._make_distance()
+        self.reset = small_button(tr("Reset obstacle"), tr("Move the obstacle back to where it was put"))
+        self.reset.clicked.connect(self.reset_asked)
+        grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
+        for row, (label, field) in enumerate(zip(self._labels, self._fields, strict=True)):
+            grid.addWidget(label, row, 0)
+            grid.addWidget(field, row, 1)
+        line = QHBoxLayout(spacing=8)
+        line.addWidget(self.distance, 1)
+        line.addWidget(self.along)
+        line.addWidget(self.reset)
+        grid.addWidget(QLabel(trc("amount", "Move by"), objectName="quiet"), len(self._fields), 0)
+        grid.addLayout(line, len(self._fields), 1)
+        grid.setColumnStretch(1, 1)
+        grid.setContentsMargins(0, 4, 0, 4)
+        self.setLayout(grid)
+
+    def _make_distance(self) -> None:
+        self.distance = Entry(accessibleName=tr("Distance"), placeholderText="0.1L", toolTip=_BY)
+        self._problem = ErrorBubble(self.distance)
+        self.distance.textEdited.connect(self._problem.hide)
+        self.distance.left.connect(self._problem.leave)
+        self.distance.returnPressed.connect(self._move)
+        self.along = Choice(accessibleName=tr("Direction of the distance"), toolTip=_BY)
+        self.along.addItem("", None)
+        for axis, letter in enumerate("XYZ"):
+            self.along.addItem(tr("along {axis}").format(axis=letter), axis)
+
+    def show_obstacle(self, state: State, k: int, values: TypedValues) -> None:
+        """Show obstacle ``k`` of a state; ``values`` read what is typed."""
+        obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
+        self._values = values
+        self._shown = replace(obstacle, place=frozen(obstacle.place + reached(state, k)))
+        kind = obstacle.kind
+        title, tip = _AXIS[kind]
+        self._labels[1].setText(title)
+        self.axis.setToolTip(tip)
+        self.along.setItemText(0, tr("along normal") if kind is ObstacleKind.PLATE else tr("along axis"))
+        if kind is ObstacleKind.SPHERE:
+            self.along.setItemText(0, tr("in direction"))
+        self.place.show_text(coordinates(self._shown.place, size, _DIGITS))
+        self.axis.show_text(coordinates(obstacle.axis, digits=_DIGITS - 1))
+        self.radius.show_text(f"{obstacle.radius:.{_DIGITS}g}")
+        self.length.show_text(f"{obstacle.length:.{_DIGITS}g}")
+        for part in (self._labels[2], self.radius):
+            part.setVisible(kind is not ObstacleKind.PLATE)
+        for part in (self._labels[3], self.length):
+            part.setVisible(kind is ObstacleKind.CYLINDER)
+        self.reset.setEnabled(bool(obstacle.shift.any()))
+
+    def refuse(self, sentence: str) -> None:
+        """Say what is wrong with the numbers typed."""
+        field = next((field for field in self._fields if field.changed), self.place)
+        field.refuse(sentence)
+
+    def refuse_distance(self, sentence: str) -> None:
+        """Say what is wrong with the distance typed."""
+        self._problem.say(sentence)
+        self.distance.selectAll()
+
+    def done(self) -> None:
+        """The motion was made, and the keys are the document's: Ctrl+Z takes it back."""
+        self._problem.hide()
+        return_keys(self.distance)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Redraw the icon."""
+        self.reset.setIcon(icon("reset", theme))
+
+    def _type(self) -> None:
+        field = self.sender()
+        assert isinstance(field, TypedField)
+        try:
+            obstacle = self._as_typed()
+        except InputError as error:
+            field.refuse(str(error))
+        else:
+            self.typed.emit(obstacle)
+
+    def _as_typed(self) -> NamedObstacle:
+        """The obstacle with what was typed; what was not is as it is, to the last digit."""
+        assert self._shown is not None
+        assert self._values is not None
+        obstacle, values = self._shown, self._values
+        if self.place.changed:
+            obstacle = replace(obstacle, place=frozen(values.point(self.place.text())))
+        if self.axis.changed:
+            obstacle = replace(obstacle, axis=frozen(direction(values.vector(self.axis.text()))))
+        if self.radius.changed:
+            obstacle = replace(obstacle, radius=_positive(values.length(self.radius.text())))
+        if self.length.changed:
+            obstacle = replace(obstacle, length=_positive(values.length(self.length.text())))
+        return obstacle
+
+    def _move(self) -> None:
+        self.distance_typed.emit(self.along.currentData(), self.distance.text())
+
+
+def _positive(length: float) -> float:
+    if not 0.0 < length < np.inf:
+        raise InputError(tr("Enter a length greater than 0."))
+    return length

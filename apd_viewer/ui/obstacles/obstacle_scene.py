@@ -1,0 +1,189 @@
+"""Obstacles in the scene: translucent, with an outline, and where they were asked to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyvista as pv
+from PySide6.QtGui import QColor
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+from apd_viewer.presentation.palette import OBSTACLE_COLOR, OBSTACLE_ON_DARK
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.appearance.shading import BUBBLE, PANE
+from apd_viewer.ui.obstacles.obstacle_shapes import Drawn, Extent, anchor, drawn
+from apd_viewer.ui.widgets.theme import DARK, LIGHT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from apd_viewer.ui.scene.viewport import Viewport
+
+# Opacity of others, of the one in the hand, and of idle ones.
+_PANES, _BUBBLES = (0.13, 0.18, 0.05), (0.42, 0.52, 0.15)
+_THIN, _THICK, _DASHED = 1.6, 2.4, 1.6  # logical pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """An obstacle as it is to be drawn.
+
+    Attributes
+    ----------
+    obstacle : NamedObstacle
+    shift : (3,) float array
+        How far it has come.
+    asked : (3,) float array or None
+        How far it should have come, if that is to be seen.
+    chosen, hot, idle : bool
+        Whether it is in the hand, under the cursor, and whether it pushes nothing.
+    """
+
+    obstacle: NamedObstacle
+    shift: np.ndarray
+    asked: np.ndarray | None = None
+    chosen: bool = False
+    hot: bool = False
+    idle: bool = False
+
+
+class ObstacleScene:
+    """Actors of the obstacles in a viewport.
+
+    Parameters
+    ----------
+    viewport : Viewport
+
+    Attributes
+    ----------
+    shown : tuple of Shown
+    """
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._viewport = viewport
+        self._figures: list[_Figure] = []
+        self.shown: tuple[Shown, ...] = ()
+        viewport.pre_draw.append(self._dress)
+
+    def show(self, shown: Sequence[Shown], extent: Extent) -> None:
+        """Draw these obstacles beside a mesh of this extent, and no others."""
+        if not shown and not self.shown:
+            return
+        while len(self._figures) < len(shown):
+            self._figures.append(_Figure(self._viewport))
+        self.shown = tuple(shown)
+        for figure, each in zip(self._figures, self.shown, strict=False):
+            figure.show(each, extent)
+        for figure in self._figures[len(shown) :]:
+            figure.hide()
+        self._viewport.update()
+
+    def _dress(self) -> None:
+        """Stand out from a dark or a light background, before each draw."""
+        dark, pixel = self._viewport.dark, self._viewport.devicePixelRatioF()
+        for figure, each in zip(self._figures, self.shown, strict=False):
+            figure.dress(each, dark, pixel)
+
+
+class _Figure:
+    """Actors of one obstacle: its surface, its outline, and the outline where it should be."""
+
+    def __init__(self, viewport: Viewport) -> None:
+        self._fill, self._line, self._ghost = (_actor(viewport) for _ in range(3))
+        self._fill.ForceTranslucentOn()
+        for actor in (self._line, self._ghost):
+            actor.GetProperty().LightingOff()
+        self._made: tuple[object, ...] = ()
+        self._box: tuple[float, ...] = ()
+        self._ends = np.zeros((2, 3))
+        viewport.more_boxes.append(lambda: self._box)
+
+    def show(self, shown: Shown, extent: Extent) -> None:
+        """Draw an obstacle where it is, and where it should be."""
+        obstacle = shown.obstacle
+        made = (obstacle.kind, *obstacle.axis, obstacle.radius, obstacle.length, extent)
+        if made != self._made:
+            self._made = made
+            self._make(obstacle, drawn(obstacle, extent))
+        places = [anchor(obstacle, shown.shift, extent)]
+        for actor in (self._fill, self._line):
+            actor.SetPosition(*places[0])
+            actor.SetVisibility(actor is self._fill or obstacle.kind is ObstacleKind.PLATE)
+        if shown.asked is not None:
+            places.append(anchor(obstacle, shown.asked, extent))
+            self._ghost.SetPosition(*places[1])
+        self._ghost.SetVisibility(shown.asked is not None)
+        corners = (np.array(places)[:, None] + self._ends).reshape(-1, 3)
+        self._box = tuple(np.column_stack([corners.min(axis=0), corners.max(axis=0)]).ravel())
+
+    def _make(self, obstacle: NamedObstacle, shape: Drawn) -> None:
+        fill = pv.PolyData.from_regular_faces(shape.V.astype(np.float32), shape.F)
+        fill.point_data["Normals"] = shape.normals.astype(np.float32)
+        fill.GetPointData().SetActiveNormals("Normals")
+        self._set(self._fill, fill)
+        self._set(self._line, _with_marks(shape))
+        self._set(self._ghost, _lines(shape.dashes))
+        flat = obstacle.kind is ObstacleKind.PLATE
+        self._fill.GetProperty().SetBackfaceCulling(not flat)
+        shader = self._fill.GetShaderProperty()
+        shader.ClearAllFragmentShaderReplacements()
+        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, PANE if flat else BUBBLE, False)
+        ends = np.vstack([shape.V, shape.outline.reshape(-1, 3), shape.marks.reshape(-1, 3)])
+        self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
+
+    def dress(self, shown: Shown, dark: bool, pixel: float) -> None:
+        """Give it its colour and strength."""
+        accent = QColor((DARK if dark else LIGHT).accent)
+        plain = QColor(*(OBSTACLE_ON_DARK if dark else OBSTACLE_COLOR))
+        color = accent if shown.chosen or shown.hot else plain
+        for actor in (self._fill, self._line, self._ghost):
+            actor.GetProperty().SetColor(color.redF(), color.greenF(), color.blueF())
+        clear, lit, dim = _PANES if shown.obstacle.kind is ObstacleKind.PLATE else _BUBBLES
+        self._fill.GetProperty().SetOpacity(dim if shown.idle else lit if shown.chosen else clear)
+        self._line.GetProperty().SetOpacity(0.4 if shown.idle else 1.0)
+        self._line.GetProperty().SetLineWidth(pixel * (_THICK if shown.chosen else _THIN))
+        self._ghost.GetProperty().SetLineWidth(pixel * _DASHED)
+
+    def hide(self) -> None:
+        """Draw nothing."""
+        self._box = ()
+        for actor in (self._fill, self._line, self._ghost):
+            actor.SetVisibility(False)
+
+    @staticmethod
+    def _set(actor: vtkActor, data: pv.PolyData) -> None:
+        mapper = actor.GetMapper()
+        assert mapper is not None
+        mapper.SetInputDataObject(data)
+
+
+def _actor(viewport: Viewport) -> vtkActor:
+    mapper = vtkPolyDataMapper()
+    mapper.ScalarVisibilityOff()
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.SetVisibility(False)
+    viewport.renderer.AddActor(actor)
+    return actor
+
+
+def _lines(segments: np.ndarray) -> pv.PolyData:
+    """Lines (k, 2, 3) to draw."""
+    data = pv.PolyData(segments.reshape(-1, 3).astype(np.float32))
+    data.verts = np.empty(0, dtype=np.int64)
+    pairs = np.arange(2 * len(segments)).reshape(-1, 2)
+    data.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+    return data
+
+
+def _with_marks(shape: Drawn) -> pv.PolyData:
+    """Outline and marks to draw."""
+    data = _lines(shape.outline)
+    if len(shape.marks):
+        first = len(data.points)
+        data.points = np.vstack([data.points, shape.marks.reshape(-1, 3).astype(np.float32)])
+        corners = first + np.arange(3 * len(shape.marks)).reshape(-1, 3)
+        data.faces = np.column_stack([np.full(len(corners), 3), corners]).ravel()
+    return data

@@ -1,0 +1,361 @@
+"""Obstacles in a window, with a real mouse: placed, taken, dragged, typed, undone and removed."""
+
+import numpy as np
+import pytest
+from driving import Mouse, document, idle, settle
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.ui.tools.toolbox import Tool
+
+PLATE, SPHERE, CYLINDER = ObstacleKind
+
+
+def there(window):
+    return document(window).obstacles
+
+
+def steps(window):
+    return window.session.gestures.history.done
+
+
+def names(window):
+    return [row.name.text() for row in window.panel.obstacles.list.rows]
+
+
+def on_screen(window, point):
+    return window.canvas.viewport.look.eye.project(np.asarray(point, float)[None])[0]
+
+
+def middle(window):
+    """A pixel at which the belly of the bottle is seen."""
+    U = window.session.store.state.frame.U
+    return on_screen(window, 0.5 * (U.min(axis=0) + U.max(axis=0)))
+
+
+def click(window, at, modifiers=Qt.KeyboardModifier.NoModifier):
+    mouse = Mouse(window.canvas.viewport)
+    mouse.move(at, modifiers)
+    mouse.press(at, modifiers=modifiers)
+    mouse.release(at, modifiers=modifiers)
+
+
+def drag(window, start, way):
+    mouse = Mouse(window.canvas.viewport)
+    mouse.move(start)
+    mouse.drag(start, *(start + t * np.asarray(way, float) for t in np.linspace(0.2, 1.0, 5)))
+
+
+def arrow(window):
+    """Where the arrow of the gizmo along its third axis is taken, and the way there from its foot, pixels."""
+    foot, tip = window.obstacles.gizmo.frame.arrow(2)[:2]
+    return tip, (tip - foot) / np.linalg.norm(tip - foot)
+
+
+def type_into(qtbot, field, text):
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClicks(field, text)
+    qtbot.keyClick(field, Qt.Key.Key_Return)
+
+
+@pytest.fixture
+def held(qtbot, bottle):
+    """The bottle in an active window, seen askew."""
+    bottle.shell.activateWindow()
+    qtbot.waitUntil(bottle.shell.isActiveWindow)
+    yield bottle
+    idle(qtbot, bottle)
+
+
+@pytest.fixture
+def floored(held):
+    """With a floor, in the hand."""
+    held.actions_.obstacles.floor.trigger()
+    return held
+
+
+def test_a_click_places_what_was_asked_for(qtbot, held):
+    window, section, view = held, held.panel.obstacles, held.canvas.viewport
+    assert not section.empty.isHidden()
+    assert section.fields.isHidden()
+    section.kinds[SPHERE].click()
+    assert "Click the surface" in window.status.currentMessage()
+    at = middle(window)
+    Mouse(view).move(at)
+    (preview,) = window.obstacles.scene.shown
+    assert preview.obstacle.kind is SPHERE
+    assert there(window) == ()
+    Mouse(view).move((3, 3))  # beside the surface there is none
+    assert window.obstacles.scene.shown == ()
+    drag(window, np.array([5.0, 5.0]), (30, 0))  # and a drag turns the camera
+    assert window.obstacles.placer.kind is SPHERE
+    at = middle(window)
+    click(window, at)
+    (sphere,) = there(window)
+    hit = window.canvas.surface.hit(QPointF(*at))
+    away = sphere.place - hit.point
+    assert np.linalg.norm(away) == pytest.approx(sphere.radius, rel=0.1)
+    np.testing.assert_allclose(sphere.axis, -away / np.linalg.norm(away), atol=1e-6)
+    assert document(window).contact
+    assert names(window) == ["Sphere 1"]
+    assert window.parts.obstacle == 0
+    assert window.obstacles.placer.kind is None
+    assert window.status.currentMessage() == "" or "Click" not in window.status.currentMessage()
+    click(window, at + [0, 60])  # one click places one
+    assert len(there(window)) == 1
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert there(window) == ()
+    assert names(window) == []
+    assert not section.empty.isHidden()
+    assert window.obstacles.scene.shown == ()
+    assert not window.obstacles.gizmo.visible
+    qtbot.keyClick(
+        window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+    )
+    assert there(window) == (sphere,)
+
+
+def test_esc_and_another_tool_give_up_placing(qtbot, held):
+    window, view = held, held.canvas.viewport
+    window.actions_.obstacles.kinds[CYLINDER].trigger()
+    Mouse(view).move(middle(window))
+    assert len(window.obstacles.scene.shown) == 1
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert window.obstacles.placer.kind is None
+    assert window.obstacles.scene.shown == ()
+    assert window.canvas.tool is Tool.MOVE
+    window.actions_.obstacles.kinds[PLATE].trigger()
+    qtbot.keyClick(window.shell, Qt.Key.Key_B)
+    assert window.obstacles.placer.kind is None
+    click(window, middle(window))
+    assert there(window) == ()
+
+
+def test_ctrl_snaps_a_plate_to_an_axis(held):
+    window = held
+    window.actions_.obstacles.kinds[PLATE].trigger()
+    click(window, middle(window) + [20, 0], Qt.KeyboardModifier.ControlModifier)
+    (plate,) = there(window)
+    np.testing.assert_array_equal(np.sort(np.abs(plate.axis)), [0, 0, 1])
+    U = window.session.store.state.frame.U
+    assert ((U - plate.place) @ plate.axis).min() > 0.0
+
+
+def test_floor_and_plates_by_the_menu(held):
+    window, actions = held, held.actions_.obstacles
+    assert not actions.remove.isEnabled()
+    actions.floor.trigger()
+    actions.sides[0].trigger()
+    assert names(window) == ["Floor", "Plate 1", "Plate 2"]
+    assert window.parts.obstacle == 1
+    assert steps(window)[-2:] == ["Add floor", "Put plates on both sides"]
+    actions.remove.trigger()
+    assert names(window) == ["Floor", "Plate 2"]
+    assert window.parts.obstacle == 1
+    window.panel.obstacles.list.rows[0].remove.click()
+    assert names(window) == ["Plate 2"]
+    assert window.parts.obstacle == 0  # the same one
+
+
+def test_the_gizmo_drags_a_plate_along_its_normal(qtbot, floored):
+    window = floored
+    assert window.canvas.handle_rests
+    assert not window.canvas.gizmo.visible
+    tip, way = arrow(window)
+    before = document(window)
+    drag(window, tip, -40 * way)
+    (floor,) = there(window)
+    pixel = window.canvas.viewport.look.eye.world_per_pixel(floor.place)
+    assert floor.shift @ floor.axis < -20 * pixel
+    assert np.linalg.norm(np.cross(floor.shift, floor.axis)) < 1e-12
+    distance = f"{-floor.shift @ floor.axis:.4g}"
+    assert steps(window)[-1] == f"Move Floor by −{distance}"
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert document(window) is before
+    tip, way = arrow(window)
+    mouse = Mouse(window.canvas.viewport)
+    mouse.move(tip)
+    mouse.press(tip)
+    mouse.move(tip - 20 * way)
+    assert there(window)[0].shift.any()
+    qtbot.keyClick(window.canvas.viewport, Qt.Key.Key_Escape)
+    assert document(window) is before
+    mouse.release(tip - 20 * way)
+    assert document(window) is before
+
+
+def test_a_click_takes_a_plate_and_a_drag_on_it_turns_the_camera(qtbot, floored):
+    window, view = floored, floored.canvas.viewport
+    window.parts.choose_obstacle(None)
+    assert window.canvas.gizmo.visible
+    assert not window.obstacles.gizmo.visible
+    shape = window.obstacles.scene.shown[0]
+    U = window.session.store.state.frame.U
+    corner = shape.obstacle.place + 0.95 * (np.ptp(U, axis=0) * [0.5, 0.0, 0.5]) * [1, 0, 1]
+    at = on_screen(window, corner)
+    assert window.canvas.surface.hit(QPointF(*at)) is None
+    Mouse(view).move(at)
+    assert window.obstacles.scene.shown[0].hot
+    eye = view.look.eye.key
+    drag(window, at, (25, 10))
+    assert view.look.eye.key != eye
+    assert window.parts.obstacle is None
+    click(window, on_screen(window, corner))
+    assert window.parts.obstacle == 0
+    assert window.obstacles.gizmo.visible
+    assert not window.canvas.gizmo.visible
+    # A press on the patch of the handle takes the handle again, and begins to drag it.
+    patch = U[document(window).labels == 2].mean(axis=0)
+    click(window, on_screen(window, patch))
+    assert window.parts.obstacle is None
+    assert window.canvas.gizmo.visible
+    settle(qtbot, view)
+
+
+def test_a_sphere_is_taken_and_moved_by_one_drag(held):
+    window = held
+    window.actions_.obstacles.kinds[SPHERE].trigger()
+    at = middle(window)
+    click(window, at)
+    window.parts.choose_obstacle(None)
+    place = there(window)[0].place
+    seen = on_screen(window, place)
+    drag(window, seen + [14, 0], (60, 0))
+    assert window.parts.obstacle == 0
+    (sphere,) = there(window)
+    assert np.linalg.norm(on_screen(window, sphere.centre) - seen - [60, 0]) < 2.0
+    np.testing.assert_array_equal(sphere.place, place)
+    assert steps(window)[-1].startswith("Move Sphere 1 by ")
+
+
+def test_typed_numbers_place_it_anew(qtbot, floored):
+    window, fields = floored, floored.panel.obstacles.fields
+    window._choose_unit(Unit.CENTIMETRE)
+    low = there(window)[0].place[1]
+    assert fields.radius.isHidden()
+    type_into(qtbot, fields.place, "0, -10mm, 0")
+    np.testing.assert_allclose(there(window)[0].place, [0, -1, 0])
+    assert steps(window)[-1] == "Place Floor"
+    assert window.shell.focusWidget() is not fields.place  # the keys are the document's
+    type_into(qtbot, fields.axis, "0, 1, 1/4")
+    np.testing.assert_allclose(there(window)[0].axis, np.array([0, 4, 1]) / np.sqrt(17))
+    type_into(qtbot, fields.axis, "0, 1, 0")
+    type_into(qtbot, fields.place, "0, 0.5Y, 0")  # it would cut the shape
+    assert there(window)[0].place[1] == pytest.approx(low, abs=1e-9)
+    assert "moved back" in window.notice.text
+    done = len(steps(window))
+    for wrong, field in (("0, 1", fields.place), ("0, x, 0", fields.place), ("0, 0, 0", fields.axis)):
+        before = document(window)
+        type_into(qtbot, field, wrong)
+        assert field._error.isVisible()
+        assert field.text() == wrong
+        assert document(window) is before
+        qtbot.keyClick(field, Qt.Key.Key_Escape)
+        assert field.text() != wrong
+    assert len(steps(window)) == done
+
+
+def test_a_field_that_is_left_tells_too_and_a_wrong_text_is_taken_back(qtbot, held):
+    window, fields = held, held.panel.obstacles.fields
+    window.actions_.obstacles.kinds[CYLINDER].trigger()
+    click(window, middle(window))
+    before = there(window)[0]
+    fields.radius.setFocus()
+    fields.radius.selectAll()
+    QTest.keyClicks(fields.radius, "0.5")
+    fields.length.setFocus()
+    assert there(window)[0].radius == 0.5
+    assert there(window)[0].length == before.length  # to the last digit
+    np.testing.assert_array_equal(there(window)[0].axis, before.axis)
+    fields.length.selectAll()
+    QTest.keyClicks(fields.length, "-3")
+    window.canvas.viewport.setFocus()
+    assert there(window)[0].length == before.length
+    assert fields.length.text() == f"{before.length:.5g}"
+
+
+def test_a_typed_distance_moves_it(qtbot, floored):
+    window, fields = floored, floored.panel.obstacles.fields
+    assert not fields.reset.isEnabled()
+    type_into(qtbot, fields.distance, "-0.25")
+    np.testing.assert_allclose(there(window)[0].shift, [0, -0.25, 0])
+    assert steps(window)[-1] == "Move Floor by −0.25"
+    fields.along.setCurrentIndex(1)
+    type_into(qtbot, fields.distance, "0.5")
+    np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
+    type_into(qtbot, fields.distance, "half")
+    assert fields._problem.isVisible()
+    np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
+    fields.reset.click()
+    assert not there(window)[0].shift.any()
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    np.testing.assert_allclose(there(window)[0].shift, [0.5, -0.25, 0])
+
+
+def test_arrow_keys_nudge_what_is_in_the_hand(qtbot, floored):
+    window, view = floored, floored.canvas.viewport
+    view.setFocus()
+    qtbot.keyClick(view, Qt.Key.Key_Down)
+    qtbot.keyClick(view, Qt.Key.Key_Down)
+    (floor,) = there(window)
+    assert floor.shift[1] < 0.0
+    assert floor.shift[0] == floor.shift[2] == 0.0
+    assert steps(window)[-1] == "Nudge Floor"
+    assert steps(window)[-2] == "Add floor"
+    assert not document(window).posed
+    qtbot.keyClick(view, Qt.Key.Key_Left)  # aside a plate changes nothing
+    assert there(window)[0].shift[0] == 0.0
+
+
+def test_without_contact_they_push_nothing_and_that_is_said(qtbot, floored):
+    window, section = floored, floored.panel.obstacles
+    assert section.note.isHidden()
+    window.panel.method.contact.click()
+    assert not document(window).contact
+    assert "Contact is off" in section.note.text()
+    assert not section.note.isHidden()
+    assert window.obstacles.scene.shown[0].idle
+    section.contact.click()
+    assert document(window).contact
+    assert section.note.isHidden()
+    assert not window.obstacles.scene.shown[0].idle
+    window.session.settings.set_method("paper")
+    assert "Paper" in section.note.text()
+    assert section.contact.isHidden()
+    assert window.obstacles.scene.shown[0].idle
+    window.actions_.obstacles.floor.trigger()
+    assert len(there(window)) == 1
+    assert "contact" in window.notice.text
+    qtbot.keyClick(window.shell, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert section.note.isHidden()
+
+
+def test_another_mesh_has_none(qtbot, floored):
+    window = floored
+    window.obstacles.ask(SPHERE)
+    window.session.files.open_sample("duck")
+    qtbot.waitUntil(lambda: document(window).mesh.name.startswith("duck"), timeout=30_000)
+    assert window.obstacles.scene.shown == ()
+    assert window.parts.obstacle is None
+    assert window.obstacles.placer.kind is None
+    assert names(window) == []
+    assert not window.obstacles.gizmo.visible
+
+
+def test_a_row_takes_renames_and_the_brush_rests(qtbot, floored):
+    window, section = floored, floored.panel.obstacles
+    window.actions_.obstacles.sides[2].trigger()
+    qtbot.keyClick(window.shell, Qt.Key.Key_H)
+    assert window.canvas.tool is Tool.HANDLE
+    assert not window.obstacles.gizmo.visible
+    QTest.mouseClick(section.list.rows[0], Qt.MouseButton.LeftButton)
+    assert window.canvas.tool is Tool.MOVE
+    assert window.parts.obstacle == 0
+    assert window.obstacles.gizmo.visible
+    section.list.rows[0].renamed.emit("Table")
+    assert there(window)[0].name == "Table"
+    qtbot.keyClick(window.shell, Qt.Key.Key_N)  # the next handle
+    assert window.parts.obstacle is None
