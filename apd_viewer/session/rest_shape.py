@@ -10,6 +10,7 @@ from apd_viewer.session.model.baking import baked
 from apd_viewer.session.model.state import State, rest_frame
 from apd_viewer.session.model.status_text import about_baking
 from apd_viewer.session.posing.named_poses import rebased
+from apd_viewer.session.posing.obstacle_places import back_in_place
 
 if TYPE_CHECKING:
     from apd_viewer.session.gestures import Gestures
@@ -36,12 +37,13 @@ class RestShape:
         self._listener = listener
 
     def restore(self) -> None:
-        """Reset handles, shape and percentages to those at rest; the paint stays."""
+        """Reset handles, obstacles, shape and percentages to those at rest; the paint stays."""
         state = self._gestures.alone()
         if not state.is_at_rest:
             self._gestures.record(tr("Reset all handles"), state)
             rest = rest_frame(state.document.mesh, state.inspection)
-            self._store.jump(state.at(state.document.at_rest(), rest))
+            state = state.at(state.document.at_rest(), rest)
+            self._store.jump(state.at(replace(state.document, obstacles=back_in_place(state))))
 
     def bake(self) -> None:
         """Make the shape on screen the rest shape, in the background."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driven_session import bar
+from driven_session import bar, pose
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
@@ -220,3 +220,40 @@ def test_a_method_without_contact_and_too_many_are_refused(opened):
     assert opened.obstacles.add(ball) is None
     assert str(MOST_OBSTACLES) in opened.failed[-1]
     assert len(now(opened).obstacles) == MOST_OBSTACLES
+
+
+def test_reset_all_brings_them_back_clear_of_the_rest_shape(session):
+    session.obstacles.put_floor(UP)
+    session.obstacles.put_plates(np.eye(3)[0])
+    floor = now(session).obstacles[0]
+    assert session.store.state.is_at_rest
+    session.obstacles.move(0, -2.0 * UP)
+    assert not session.store.state.is_at_rest
+    session.settings.keep_apart(False)
+    session.drag(pose(0.6, (0.5, 0.0, -4.0)))  # the upper end goes down below the floor
+    session.settle()
+    session.obstacles.put_floor(np.array([0.0, 0.0, -1.0]))
+    lid = now(session).obstacles[3]
+    session.rest_shape.restore()
+    assert not any(each.shift.any() for each in now(session).obstacles)
+    np.testing.assert_allclose(now(session).obstacles[0].place, floor.place, atol=1e-12)
+    moved = now(session).obstacles[3]
+    assert moved.place[2] > lid.place[2]
+    assert ((session.U - moved.place) @ moved.axis).min() == pytest.approx(apart(session))
+    session.gestures.undo()
+    assert now(session).obstacles[3] is lid
+
+
+def test_a_new_rest_shape_keeps_them_where_they_are(session):
+    session.settings.keep_apart(False)
+    session.drag(pose(0.6, (0.5, 0.0, 0.2)))
+    session.settle()
+    session.obstacles.put_floor(UP)
+    session.obstacles.move(0, -0.5 * UP)
+    session.settle()
+    where = now(session).obstacles[0].centre
+    session.rest_shape.bake()
+    session.settle()
+    (floor,) = now(session).obstacles
+    np.testing.assert_allclose(floor.place, where, atol=1e-12)
+    assert not floor.shift.any()

@@ -17,5 +17,7 @@ def baked(state: State) -> State:
     if inspection.area <= 0.0:
         raise InputError(tr("The shape has no area and cannot be a rest shape; undo a step first."))
     document = replace(state.document.regripped(mesh.V), mesh=mesh).at_rest()
+    there = zip(document.obstacles, state.shifts, strict=True)
+    document = replace(document, obstacles=tuple(each.settled(shift) for each, shift in there))
     at_rest = State(document, inspection, state.skin, rest_frame(mesh, inspection))
     return at_rest.at(document, replace(at_rest.frame, regions=document.region_areas(mesh.V)))

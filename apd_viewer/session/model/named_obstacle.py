@@ -89,6 +89,10 @@ class NamedObstacle:
         """The obstacle ``shift`` (3,) from where it was put."""
         return replace(self, shift=frozen(np.array(shift, dtype=np.float64)))
 
+    def settled(self, shift: np.ndarray) -> NamedObstacle:
+        """The obstacle put where it is after ``shift`` (3,), with no motion since."""
+        return replace(self, place=frozen(self.place + shift), shift=_NO_SHIFT)
+
     @property
     def centre(self) -> np.ndarray:
         """Its place now, (3,)."""

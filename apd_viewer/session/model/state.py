@@ -58,10 +58,11 @@ class State:
 
     @property
     def is_at_rest(self) -> bool:
-        """True if the shape is at rest, no handle posed and every percentage 100 or none."""
+        """True if the shape is at rest, nothing was moved and every percentage 100 or none."""
         document = self.document
         asks = any(percent not in (None, 100.0) for percent in document.percentages)
-        return self.frame.U is document.mesh.V and not document.posed and not asks
+        moved = document.posed or any(each.shift.any() for each in document.obstacles)
+        return self.frame.U is document.mesh.V and not moved and not asks
 
     @property
     def keeps_apart(self) -> bool:
@@ -73,6 +74,14 @@ class State:
         """True if contact keeps all of the shape apart, on its way too."""
         touch = self.frame.contact
         return self.keeps_apart and touch is not None and not touch.exempt
+
+    @property
+    def shifts(self) -> np.ndarray:
+        """How far the obstacles have come, as far as contact lets them, (o, 3)."""
+        obstacles, come = self.document.obstacles, self.frame.shifts
+        if self.keeps_apart and come is not None and len(come) == len(obstacles):
+            return come
+        return np.array([each.shift for each in obstacles]).reshape(-1, 3)
 
     @property
     def lacks(self) -> bool:

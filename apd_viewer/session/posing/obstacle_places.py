@@ -90,6 +90,16 @@ def proposed(
     return NamedObstacle("", kind, frozen(place), frozen(axis), radius, length)
 
 
+def back_in_place(state: State) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a state where they were put, moved back from its shape if they stand in it."""
+    apart, found = apart_of(state, state.document.thickness), []
+    for obstacle in state.document.obstacles:
+        obstacle = obstacle.settled(np.zeros(3))
+        clear = stands_clear(obstacle, state, apart)
+        found.append(obstacle if clear else pushed_back(obstacle, state, apart))
+    return tuple(found)
+
+
 def touching_plate(name: str, axis: np.ndarray, state: State, apart: float) -> NamedObstacle:
     """Plate that touches the shape from behind, with its normal along ``axis`` (3,)."""
     axis = direction(axis)
