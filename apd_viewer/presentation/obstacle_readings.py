@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.presentation.number_format import length, short
+from apd_viewer.presentation.number_format import length, significant
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,13 +21,13 @@ _THERE = 1e-4
 _DIGITS = 8  # of numbers for repeating the deformation
 
 
-def reached(state: State, k: int) -> np.ndarray:
-    """How far obstacle ``k`` has come, (3,): as far as contact lets it."""
-    obstacles, shifts = state.document.obstacles, state.frame.shifts
-    if state.keeps_apart and shifts is not None and len(shifts) == len(obstacles):
-        far: np.ndarray = shifts[k]
-        return far
-    return obstacles[k].shift
+def why_idle(state: State) -> str:
+    """Sentence about obstacles that push nothing; empty where they do."""
+    method = state.document.traits
+    if not method.may_touch:
+        said = tr("The method {method} knows no contact: obstacles push nothing.")
+        return said.format(method=method.title)
+    return "" if state.document.contact else tr("Contact is off: obstacles push nothing.")
 
 
 def load(state: State, k: int) -> str:
@@ -36,7 +36,7 @@ def load(state: State, k: int) -> str:
     if not state.keeps_apart or loads is None or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
-    return tr("load {force}").format(force=short(force)) if force > 0.0 else ""
+    return tr("load {force}").format(force=significant(force, 3)) if force > 0.0 else ""
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
@@ -45,12 +45,12 @@ def motion(state: State, k: int, unit: Unit) -> str:
     way = length(float(np.linalg.norm(obstacle.shift)), size)
     if way == "0":
         return tr("where it was put")
-    said = tr("moved {length}").format(length=unit.length(way))
-    short_of = float(np.linalg.norm(obstacle.shift - reached(state, k)))
+    short_of = float(np.linalg.norm(obstacle.shift - state.shifts[k]))
     if state.keeps_apart and state.frame.settled and short_of > _THERE * size:
         missing = unit.length(length(short_of, size))
-        return tr("{moved}, stopped {length} before").format(moved=said, length=missing)
-    return said
+        said = tr("asked for {length}, stopped {missing} short")
+        return said.format(length=unit.length(way), missing=missing)
+    return tr("moved {length}").format(length=unit.length(way))
 
 
 def coordinates(x: np.ndarray, size: float = 1.0, digits: int = _DIGITS) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import Block, Note, Page, PageSection, PictureRow, Table
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import measurement_words, readings
+from apd_viewer.presentation import measurement_words, obstacle_readings, readings
 from apd_viewer.presentation.number_format import length, short
 from apd_viewer.presentation.report_origin import (
     Evidence,
@@ -72,6 +72,7 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         *_measurements(subject),
         PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
         PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
+        *_obstacles(state, unit),
         PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
         PageSection(tr("Volume reduction"), (reduction_block(state, unit, subject.wall, checks),), wide=True),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
@@ -88,6 +89,15 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         parts=tuple(parts),
         foot=tr("Created with APD Viewer {version}.").format(version=version_of("apd-viewer")),
     )
+
+
+def _obstacles(state: State, unit: Unit) -> Iterator[PageSection]:
+    if not state.document.obstacles:
+        return
+    blocks: list[Block] = [Table(tuple(obstacle_readings.report_rows(state, unit)))]
+    if why := obstacle_readings.why_idle(state):
+        blocks.append(Note(why))
+    yield PageSection(tr("Obstacles"), tuple(blocks))
 
 
 def _warnings(state: State) -> Iterator[Block]:

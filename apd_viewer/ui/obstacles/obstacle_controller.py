@@ -10,7 +10,6 @@ from PySide6.QtCore import QObject, Signal
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.obstacles import direction
-from apd_viewer.presentation.obstacle_readings import reached
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_placer import ObstaclePlacer
 from apd_viewer.ui.obstacles.obstacle_scene import ObstacleScene, Shown
@@ -255,7 +254,7 @@ class ObstacleController(QObject):
         self._section.show_state(state, self._session.store.unit, active, self._session.typed)
 
     def _shown(self, state: State, k: int, in_hand: bool) -> Shown:
-        obstacle, shift = state.document.obstacles[k], reached(state, k)
+        obstacle, shift = state.document.obstacles[k], state.shifts[k]
         behind = float(np.linalg.norm(obstacle.shift - shift))
         pixel = self._canvas.viewport.look.eye.world_per_pixel(obstacle.centre)
         asked = obstacle.shift if behind > _LATE * pixel and state.keeps_apart else None

@@ -13,7 +13,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.obstacles import direction
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation.obstacle_readings import coordinates, reached
+from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys, small_button
@@ -162,7 +162,7 @@ class ObstacleFields(QWidget):
         """Show obstacle ``k`` of a state; ``values`` read what is typed."""
         obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
         self._values = values
-        self._shown = replace(obstacle, place=frozen(obstacle.place + reached(state, k)))
+        self._shown = obstacle.settled(state.shifts[k])
         kind = obstacle.kind
         title, tip = _AXIS[kind]
         self._labels[1].setText(title)

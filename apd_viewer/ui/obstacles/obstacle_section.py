@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton
 
 from apd_viewer.language import tr, trc
-from apd_viewer.presentation.obstacle_readings import load, motion
+from apd_viewer.presentation.obstacle_readings import load, motion, why_idle
 from apd_viewer.presentation.palette import OBSTACLE_COLOR
 from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_fields import ObstacleFields
@@ -125,14 +125,10 @@ class ObstacleSection(Section):
 
     def _explain(self, state: State) -> None:
         """Say why obstacles push nothing."""
-        there, method = bool(state.document.obstacles), state.document.traits
-        if not method.may_touch:
-            said = tr("The method {method} knows no contact: obstacles push nothing.")
-            self.note.setText(said.format(method=method.title))
-        else:
-            self.note.setText(tr("Contact is off: obstacles push nothing."))
-        self.note.setVisible(there and not state.keeps_apart)
-        self.contact.setVisible(there and method.may_touch and not state.keeps_apart)
+        why, there = why_idle(state), bool(state.document.obstacles)
+        self.note.setText(why)
+        self.note.setVisible(there and bool(why))
+        self.contact.setVisible(there and bool(why) and state.document.traits.may_touch)
 
     def set_theme(self, theme: Theme) -> None:
         """Redraw the icons."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QWidget
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.pose.constraints import HANDLE
 from apd_viewer.geometry.solver.methods import COMPARED, METHODS
 from apd_viewer.language import tr
 from apd_viewer.session.storage.session_file import save_session
@@ -62,15 +63,23 @@ class SweepDialog(StudyDialog):
         name = document.handles[self._handle].name
         self.motion = Choice()
         self.motion.setAccessibleName(tr("Motion to sweep"))
-        if document.posed:
-            self.motion.addItem(tr("current motion of the handles"), _POSED)
+        pushed = self._pushed
+        if document.posed or pushed:
+            words = tr("current motion of the handles and obstacles")
+            self.motion.addItem(words if pushed else tr("current motion of the handles"), _POSED)
         self.motion.setMinimumWidth(260)
-        self.motion.addItem(tr("twist of “{name}” by").format(name=name), _TWIST)
+        if not pushed or document.counts[HANDLE + self._handle]:
+            self.motion.addItem(tr("twist of “{name}” by").format(name=name), _TWIST)
         self.twist = QLineEdit("180deg", objectName="typed", maximumWidth=100)
         self.twist.setAccessibleName(tr("Angle of the twist"))
         self.motion.currentIndexChanged.connect(self._show_motion)
         self._show_motion()
         return row_of(self.motion, self.twist, spacing=8)
+
+    @property
+    def _pushed(self) -> bool:
+        """True if obstacles were moved that push."""
+        return self._state.keeps_apart and any(each.shift.any() for each in self._state.document.obstacles)
 
     def _show_motion(self) -> None:
         self.twist.setVisible(self.motion.currentData() == _TWIST)
@@ -88,7 +97,9 @@ class SweepDialog(StudyDialog):
         self.methods = {name: Check(METHODS[name].short_title) for name in COMPARED}
         for name, check in self.methods.items():
             slow = METHODS[name].slow
-            check.setChecked(not slow or own == name)
+            may = METHODS[name].may_touch or not self._pushed
+            check.setEnabled(may)
+            check.setChecked(may and (not slow or own == name))
             check.setToolTip(tr("Takes several times as long as the others") if slow else "")
         return row_of(*self.methods.values())
 

@@ -47,11 +47,8 @@ class Tool(Enum):
         tr("Move handle"),
         "M",
         "move",
-        tr("Move and rotate a handle with arrows, squares and rings"),
-        tr(
-            "drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, "
-            "a click selects another handle or obstacle"
-        ),
+        tr("Move and rotate a handle, or move an obstacle, with arrows, squares and rings"),
+        tr("drag an arrow, a square or a ring; Ctrl snaps, Esc cancels, a click selects another"),
     )
     MEASURE = _ToolWords(
         tr("Measure"),

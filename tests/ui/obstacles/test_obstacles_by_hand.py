@@ -1,5 +1,7 @@
 """Obstacles in a window, with a real mouse: placed, taken, dragged, typed, undone and removed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driving import Mouse, document, idle, settle
@@ -359,3 +361,43 @@ def test_a_row_takes_renames_and_the_brush_rests(qtbot, floored):
     assert there(window)[0].name == "Table"
     qtbot.keyClick(window.shell, Qt.Key.Key_N)  # the next handle
     assert window.parts.obstacle is None
+
+
+def test_where_contact_stops_it_an_outline_shows_where_it_should_be(floored):
+    window, section = floored, floored.panel.obstacles
+    shown = window.obstacles.scene.shown
+    assert shown[0].asked is None
+    window.session.obstacles.move(0, np.array([0.0, 2.0, 0.0]))
+    store = window.session.store
+    far, load = np.array([[0.0, 0.5, 0.0]]), np.array([[0.0, -1.2345, 0.0]])
+    frame = replace(store.state.frame, shifts=far, loads=load, settled=True)
+    store.show(replace(store.state, frame=frame))
+    (shown,) = window.obstacles.scene.shown
+    np.testing.assert_array_equal(shown.shift, far[0])
+    np.testing.assert_array_equal(shown.asked, [0, 2, 0])
+    row = section.list.rows[0]
+    assert row.reading.text() == "load 1.23"
+    assert row.details.text() == "asked for 2.000, stopped 1.500 short"
+    place = there(window)[0].place + far[0]
+    assert section.fields.place.text() == ", ".join(f"{x:.5g}" for x in place)
+    # The gizmo stays where it was put, and what is typed is measured from where the obstacle is.
+    assert window.obstacles.gizmo.frame.centre[1] == pytest.approx(there(window)[0].centre[1])
+    frame = replace(frame, shifts=np.array([[0.0, 2.0, 0.0]]), loads=np.zeros((1, 3)))
+    store.show(replace(store.state, frame=frame))
+    assert window.obstacles.scene.shown[0].asked is None
+    assert row.reading.text() == ""
+    assert row.details.text() == "moved 2.000"
+
+
+def test_the_hint_knows_that_obstacles_suffice(qtbot, window):
+    window.session.files.open_sample("duck")
+    idle(qtbot, window)
+    window.session.painting.clear_all()
+    window.tools.take(Tool.BASE)
+    assert "base" in window.invitation.text()
+    window.actions_.obstacles.floor.trigger()
+    assert "obstacle" in window.invitation.text()
+    window.parts.choose_obstacle(None)
+    assert window.invitation.text() == "Click an obstacle to move it"
+    window.tools.take(Tool.BASE)
+    assert "base" in window.invitation.text()
