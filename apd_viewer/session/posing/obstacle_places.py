@@ -11,6 +11,7 @@ from apd_viewer.geometry.contact.clearance import clearance
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.contact.obstacles import direction
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
+from apd_viewer.session.model import memo
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.session.model.names import next_name
 
@@ -30,14 +31,8 @@ _ROUNDING = 1e-6
 
 def apart_of(state: State, thickness: float | None) -> float:
     """Distance that walls and obstacles keep, mesh units."""
-    V, F = state.document.mesh.V, state.document.mesh.F
-    return thickness_of(diagonal(V[F.ravel()]), thickness)
-
-
-def extent(state: State) -> float:
-    """Extent of all that a plate is to stop, mesh units."""
     mesh = state.document.mesh
-    return diagonal(np.vstack([mesh.V[mesh.F.ravel()], state.frame.U[mesh.F.ravel()]]))
+    return thickness_of(diagonal(mesh.V[_corners(mesh.F)]), thickness)
 
 
 def room(obstacle: NamedObstacle, state: State) -> float:
@@ -45,8 +40,16 @@ def room(obstacle: NamedObstacle, state: State) -> float:
 
     Raises InputError if it has no extent or direction.
     """
-    solid = obstacle.solid(extent(state))
-    return clearance(solid, np.zeros(3), state.frame.U, state.document.mesh.F)
+    U, F = state.frame.U, state.document.mesh.F
+    if obstacle.kind is ObstacleKind.PLATE:
+        return float(((U[_corners(F)] - obstacle.place) @ direction(obstacle.axis)).min())
+    return clearance(obstacle.solid(1.0), np.zeros(3), U, F)
+
+
+@memo.once
+def _corners(F: np.ndarray) -> np.ndarray:
+    """Vertices of the triangles, ascending."""
+    return frozen(np.unique(F))
 
 
 def stands_clear(obstacle: NamedObstacle, state: State, apart: float) -> bool:
@@ -103,7 +106,7 @@ def back_in_place(state: State) -> tuple[NamedObstacle, ...]:
 def touching_plate(name: str, axis: np.ndarray, state: State, apart: float) -> NamedObstacle:
     """Plate that touches the shape from behind, with its normal along ``axis`` (3,)."""
     axis = direction(axis)
-    X = state.frame.U[np.unique(state.document.mesh.F)]
+    X = state.frame.U[_corners(state.document.mesh.F)]
     middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
     place = middle + (float((X @ axis).min()) - apart - float(middle @ axis)) * axis
     return NamedObstacle(name, ObstacleKind.PLATE, frozen(place), frozen(axis + 0.0))

@@ -241,6 +241,8 @@ class ObstacleController(QObject):
         if state is None:
             return
         active, obstacles = self._parts.obstacle, state.document.obstacles
+        if not (obstacles or self.scene.shown or self._preview):
+            return
         in_hand = active is not None and self._canvas.tool is Tool.MOVE
         self._canvas.handle_rests = in_hand
         self.picker.enabled = self._canvas.tool is Tool.MOVE and self.placer.kind is None

@@ -75,6 +75,7 @@ class ObstacleSection(Section):
         self.column.addLayout(self._make_buttons())
         for part in (self.list, self.fields, self.note, self.contact):
             part.hide()
+        self.heading.say(trc("obstacles", "none"), only_folded=True)
 
     def _make_buttons(self) -> QGridLayout:
         grid = QGridLayout(horizontalSpacing=8, verticalSpacing=4)
