@@ -33,7 +33,7 @@ def why_idle(state: State) -> str:
 def load(state: State, k: int) -> str:
     """Force on obstacle ``k``; empty while nothing presses on it."""
     loads = state.frame.loads
-    if not state.keeps_apart or loads is None or len(loads) != len(state.document.obstacles):
+    if not state.keeps_apart or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
     return tr("load {force}").format(force=significant(force, 3)) if force > 0.0 else ""

@@ -79,7 +79,7 @@ class State:
     def shifts(self) -> np.ndarray:
         """How far the obstacles have come, as far as contact lets them, (o, 3)."""
         obstacles, come = self.document.obstacles, self.frame.shifts
-        if self.keeps_apart and come is not None and len(come) == len(obstacles):
+        if self.keeps_apart and len(come) == len(obstacles):
             return come
         return np.array([each.shift for each in obstacles]).reshape(-1, 3)
 
