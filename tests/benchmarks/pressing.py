@@ -2,19 +2,23 @@
 
     python tests/benchmarks/pressing.py [--edge 1.0] [--tube AROUND] [--axis 0] [--to 0.2] [--steps 16]
                                         [--iterations 3000] [--stiffness 0.001] [--yield-radius R]
-                                        [--jitter 0] [--check]
+                                        [--jitter 0] [--check] [--slope]
 
 Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. With a yield
 radius the plates open again in the end. ``--check`` counts, by another library, the frames in which anything
-crosses. Times are those of the processor, on one core.
+crosses. ``--slope`` comes to rest a little before each step as well, and prints the load over the slope of
+the energy between the two, and at how many edges the two triangles lie on each other. Times are those of the
+processor, on one core.
 """
 
 import argparse
 import os
 import sys
 import time
+from collections.abc import Callable
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -29,6 +33,9 @@ from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press import pressed
 from apd_viewer.geometry.pressing.press_options import PressOptions
+
+# Share of a step between the two shapes whose energies are compared.
+_NEAR = 0.02
 
 
 def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
@@ -48,6 +55,69 @@ def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
     return V, np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
 
 
+def steps_with_slopes(plates: PlatePress, count: int, most: int, look: Callable[[float], None]) -> None:
+    """Press in ``count`` steps, with a row for each."""
+    pressing, F, began = plates.pressing, plates.pressing.rest.F, time.process_time()
+    columns = (
+        "share",
+        "load below",
+        "above",
+        "slope",
+        "load / slope",
+        "energy",
+        "flipped",
+        "iterations",
+        "s",
+        "rest",
+    )
+    print(f"| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
+    for k in range(1, count + 1):
+        near, end = (come_to_rest(plates, (k - back) / count, most, look) for back in (_NEAR, 0.0))
+        way = (end.share - near.share) * plates.way.length
+        slope = (end.energy - near.energy) / way
+        mean = 0.25 * (near.low - near.high + end.low - end.high)
+        loads = f"{end.low:.4f} | {-end.high:.4f} | {slope:.4f} | {mean / slope:.4f} | {end.energy:.5g}"
+        distance = (plates.way.first - end.share * plates.way.length) / plates.way.first
+        spent = f"{near.iterations} + {end.iterations} | {time.process_time() - began:.0f}"
+        rest = f"{near.rests} {end.rests}"
+        print(f"| {distance:.3f} | {loads} | {flipped(pressing.U, F)} | {spent} | {rest} |", flush=True)
+        assert abs(pressing.rest.measure(pressing.U).area / pressing.rest.area - 1.0) <= 1e-9
+
+
+class Rest(NamedTuple):
+    """Readings of a shape between plates."""
+
+    share: float
+    low: float
+    high: float
+    energy: float
+    iterations: int
+    rests: bool
+
+
+def come_to_rest(plates: PlatePress, share: float, most: int, look: Callable[[float], None]) -> Rest:
+    """Readings at a share of the way, after ``most`` iterations at most."""
+    pressing = plates.pressing
+    pressing.aim(share)
+    while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
+        pressing.iterate()
+        look(0.0)
+    low, high = pressing.loads @ plates.way.axis
+    return Rest(pressing.share, -low, -high, pressing.energy, pressing.iterations, pressing.settled)
+
+
+def flipped(U: np.ndarray, F: np.ndarray) -> int:
+    """Number of edges whose two triangles are turned against each other by more than 150°."""
+    normals = np.cross(U[F[:, 1]] - U[F[:, 0]], U[F[:, 2]] - U[F[:, 0]])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    edges = np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    order = np.lexsort(edges.T)
+    edges, faces = edges[order], np.repeat(np.arange(len(F)), 3)[order]
+    twins = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    cosine = np.einsum("ij,ij->i", normals[faces[twins]], normals[faces[twins + 1]])
+    return int((cosine < np.cos(np.radians(150.0))).sum())
+
+
 def main() -> None:
     """Print a row for each step, and the readings of the curve."""
     parser = argparse.ArgumentParser()
@@ -56,7 +126,8 @@ def main() -> None:
     for option, default in (("--tube", 0), ("--axis", 0), ("--steps", 16), ("--iterations", 3000)):
         parser.add_argument(option, type=int, default=default)
     parser.add_argument("--yield-radius", type=float)
-    parser.add_argument("--check", action="store_true")
+    for option in ("--check", "--slope"):
+        parser.add_argument(option, action="store_true")
     asked = parser.parse_args()
     V, F = tube(asked.tube) if asked.tube else sample_bottle(asked.edge)[:2]
     V = V + asked.jitter * np.linalg.norm(np.ptp(V, axis=0)) * np.random.default_rng(0).normal(size=V.shape)
@@ -73,6 +144,11 @@ def main() -> None:
             crossed[0] += 1
             crossed[1] += check.crosses(plates.pressing.U)
 
+    if asked.slope:
+        print(f"{len(V):,} vertices\n")
+        steps_with_slopes(plates, asked.steps, asked.iterations, look)
+        print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
+        return
     columns = "distance", "load below", "above", "energy", "volume", "iterations", "s", "settled"
     print(f"{len(V):,} vertices\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
     opening = plates.release(look) if asked.yield_radius else ()
