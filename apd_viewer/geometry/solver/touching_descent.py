@@ -164,6 +164,8 @@ class TouchingDescent:
             return
         self._steps += 1
         if self._surface.renew_springs():
+            # The directions of the goals yield to what touches, too: otherwise each step pushes against it.
+            self._projection.refresh(self.U)
             self._quasi_newton.resume()
         self._at_minimum = not self._quasi_newton.step(self.held)
         self._surface.contact.go(self.U)
