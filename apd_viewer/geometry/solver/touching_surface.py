@@ -39,6 +39,7 @@ class TouchingSurface:
         self.metric: Factor = elastic.factor
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
+        self._first = parallel_ops.taken(elastic.U, elastic.free)
 
     @property
     def U(self) -> np.ndarray:
@@ -59,11 +60,13 @@ class TouchingSurface:
     def solve(self, b_f: np.ndarray) -> np.ndarray:
         """Response to forces ``b_f``, both (f, 3), with the springs of what touches.
 
-        Where nothing is held it has no turn of the whole: between plates without friction all would topple.
+        Where nothing is held it has no turn of the whole against the shape at first: between plates without
+        friction all would topple.
         """
         if len(self.elastic.fixed):
             return self.metric.solve(b_f)
-        turns = WholeTurns(parallel_ops.taken(self.U, self.free), self.rest.vertex_areas[self.free])
+        masses = self.rest.vertex_areas[self.free]
+        turns = WholeTurns(parallel_ops.taken(self.U, self.free), masses, self._first)
         return turns.without(self.metric.solve(turns.balanced(b_f)))
 
     def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:

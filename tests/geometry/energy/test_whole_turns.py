@@ -7,10 +7,11 @@ from apd_viewer.geometry.energy.whole_turns import WholeTurns
 
 RNG = np.random.default_rng(0)
 X, MASSES = RNG.normal(size=(50, 3)) * [1.0, 2.0, 0.3], RNG.uniform(0.1, 2.0, size=50)
+FIRST = X + 0.2 * RNG.normal(size=(50, 3))
 
 
 def test_a_turn_is_taken_out_and_a_shift_is_not():
-    turns = WholeTurns(X, MASSES)
+    turns = WholeTurns(X, MASSES, FIRST)
     h = 1e-7
     turn = (X @ rotation((1.0, 2.0, 3.0), h).T - X) / h
     assert np.abs(turns.without(turn) - turns.without(turn).mean(axis=0)).max() < 1e-6
@@ -19,23 +20,36 @@ def test_a_turn_is_taken_out_and_a_shift_is_not():
 
 
 def test_what_is_left_has_no_mean_turn_and_stays():
-    turns, step = WholeTurns(X, MASSES), RNG.normal(size=(50, 3))
+    turns, step = WholeTurns(X, MASSES, FIRST), RNG.normal(size=(50, 3))
     left = turns.without(step)
     assert (
-        np.abs(np.cross(X, MASSES[:, None] * (left - MASSES @ left / MASSES.sum())).sum(axis=0)).max() < 1e-12
+        np.abs(np.cross(FIRST, MASSES[:, None] * (left - MASSES @ left / MASSES.sum())).sum(axis=0)).max()
+        < 1e-12
     )
     assert np.allclose(turns.without(left), left)
 
 
 def test_forces_are_balanced_by_the_transpose():
-    turns = WholeTurns(X, MASSES)
+    turns = WholeTurns(X, MASSES, FIRST)
     step, force = RNG.normal(size=(2, 50, 3))
     assert np.isclose((force * turns.without(step)).sum(), (turns.balanced(force) * step).sum())
     torque = np.cross(X - MASSES @ X / MASSES.sum(), turns.balanced(force)).sum(axis=0)
     assert np.abs(torque).max() < 1e-12
 
 
+def test_many_steps_do_not_add_up_to_a_turn():
+    """A shape that changes in a cycle; told against the shape of each step, it turns as a falling cat."""
+    U, first = X, X - MASSES @ X / MASSES.sum()
+    modes = RNG.normal(size=(2, 50, 3))
+    angles = np.linspace(0.0, 2.0 * np.pi, 200)
+    cycle = np.einsum("ka,kij->aij", 0.3 * np.array([np.cos(angles), np.sin(angles)]), modes)
+    for step in np.diff(cycle, axis=0):
+        U = U + WholeTurns(U, MASSES, X).without(step)
+    moment = np.cross(first, MASSES[:, None] * U).sum(axis=0)
+    assert np.abs(moment).max() < 1e-10
+
+
 def test_points_on_a_line_turn_about_what_they_can():
     line = np.outer(np.linspace(-1, 1, 20), [1.0, 0.0, 0.0])
-    turns = WholeTurns(line, np.ones(20))
+    turns = WholeTurns(line, np.ones(20), line)
     assert np.abs(turns.without(np.cross([0.0, 1.0, 2.0], line))).max() < 1e-12
