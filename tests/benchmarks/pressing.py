@@ -2,13 +2,13 @@
 
     python tests/benchmarks/pressing.py [--edge 1.0] [--tube AROUND] [--axis 0] [--to 0.2] [--steps 16]
                                         [--iterations 3000] [--stiffness 0.001] [--yield-radius R]
-                                        [--jitter 0] [--check] [--slope]
+                                        [--jitter 0] [--check] [--slope] [--fist]
 
 Edges of 1.0 and 0.565 make bottles of 13,000 and 41,000 vertices. The tube is three radii long. With a yield
 radius the plates open again in the end. ``--check`` counts, by another library, the frames in which anything
 crosses. ``--slope`` comes to rest a little before each step as well, and prints the load over the slope of
-the energy between the two, and at how many edges the two triangles lie on each other. Times are those of the
-processor, on one core.
+the energy between the two, and at how many edges the two triangles lie on each other. ``--fist`` closes four
+fingers and a thumb on the bottle instead of plates. Times are those of the processor, on one core.
 """
 
 import argparse
@@ -29,13 +29,17 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from crossing_check import CrossingCheck
 from meshes import sample_bottle
 
+from apd_viewer.geometry.contact.obstacles import capsule
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press import pressed
 from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.pressing.pressing import Pressing
 
 # Share of a step between the two shapes whose energies are compared.
 _NEAR = 0.02
+# Radius of a finger in widths of the bottle, and steps of a fist.
+_FINGER, _CLOSINGS = 0.15, 10
 
 
 def tube(around: int, length: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
@@ -118,6 +122,39 @@ def flipped(U: np.ndarray, F: np.ndarray) -> int:
     return int((cosine < np.cos(np.radians(150.0))).sum())
 
 
+def fist(V: np.ndarray, F: np.ndarray, options: PressOptions, most: int) -> None:
+    """Close four fingers and a thumb on the bottle, each by a fifth of its width; a row for each step."""
+    rest, check, crossed, began = RestMesh(V, F), CrossingCheck(V, F), [0, 0], time.process_time()
+    width, middle = float(np.ptp(V[:, 2])), float(np.median(V[:, 1]))
+    away = _FINGER * width + 2e-3 * rest.diagonal
+    places = [(middle + k * 0.36 * width, -1.0) for k in (-1.5, -0.5, 0.5, 1.5)] + [(middle, 1.0)]
+    fingers, shifts = [], []
+    for height, side in places:
+        off = V[:, 1] - height
+        near = np.abs(off) < away
+        # As near as it can be without touching.
+        z = side * float((side * V[near, 2] + np.sqrt(away**2 - off[near] ** 2)).max())
+        fingers.append(capsule([-width, height, z], [width, height, z], _FINGER * width))
+        shifts.append([0.0, 0.0, -side * width / 5.0])
+    pressing = Pressing(rest, fingers, np.array(shifts), options)
+    columns = "gone in", "loads", "together", "energy", "volume", "area error", "iterations", "s", "rest"
+    print(f"{len(V):,} vertices\n\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|")
+    for share in np.linspace(0.0, 1.0, _CLOSINGS + 1)[1:]:
+        pressing.aim(share)
+        while not pressing.settled and pressing.iterations < most and not pressing.is_stopped:
+            pressing.iterate()
+            crossed[0] += 1
+            crossed[1] += check.crosses(pressing.U)
+        loads, now = pressing.loads, rest.measure(pressing.U)
+        error = now.area / rest.area - 1.0
+        said = ", ".join(f"{np.linalg.norm(load):.3f}" for load in loads)
+        spent = f"{pressing.iterations} | {time.process_time() - began:.0f} | {pressing.settled}"
+        together = f"{pressing.imbalance:.0e} | {pressing.energy:.5g} | {now.volume:.1f} | {error:.0e}"
+        print(f"| {pressing.share * 0.2:.3f} | {said} | {together} | {spent} |", flush=True)
+        assert abs(error) <= 1e-9
+    print(f"frames: {crossed[0]}, crossed: {crossed[1]}")
+
+
 def main() -> None:
     """Print a row for each step, and the readings of the curve."""
     parser = argparse.ArgumentParser()
@@ -126,7 +163,7 @@ def main() -> None:
     for option, default in (("--tube", 0), ("--axis", 0), ("--steps", 16), ("--iterations", 3000)):
         parser.add_argument(option, type=int, default=default)
     parser.add_argument("--yield-radius", type=float)
-    for option in ("--check", "--slope"):
+    for option in ("--check", "--slope", "--fist"):
         parser.add_argument(option, action="store_true")
     asked = parser.parse_args()
     V, F = tube(asked.tube) if asked.tube else sample_bottle(asked.edge)[:2]
@@ -136,6 +173,9 @@ def main() -> None:
         np.eye(3)[asked.axis],
         PressOptions(stiffness=asked.stiffness, yield_radius=asked.yield_radius),
     )
+    if asked.fist:
+        fist(V, F, options, asked.iterations)
+        return
     plates = PlatePress(rest, axis, asked.to * extent, asked.steps, asked.iterations, options)
     check, crossed, steps, begun = CrossingCheck(V, F), [0, 0], [], time.process_time()
 
