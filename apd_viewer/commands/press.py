@@ -10,6 +10,7 @@ import numpy as np
 
 from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press_output import report_of, rows_of, summary
+from apd_viewer.commands.press_wall import add_wall_options, wall_of
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
@@ -29,6 +30,7 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.session.model.view import SUFFIX
 from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.storage.session_file import open_session
 
 if TYPE_CHECKING:
@@ -98,18 +100,7 @@ def press_parser() -> Parser:
     parser.add_argument(
         "--volume", metavar="PERCENT", type=float, help=tr("target of the volume; default: free")
     )
-    parser.add_argument(
-        "--thickness",
-        metavar="LENGTH",
-        type=float,
-        help=tr("distance that walls keep, in mesh units; default: 1/1000 of the diagonal"),
-    )
-    parser.add_argument(
-        "--yield-radius",
-        metavar="LENGTH",
-        type=float,
-        help=tr("walls bent to less than this radius keep a crease, in mesh units; default: none do"),
-    )
+    add_wall_options(parser)
     parser.add_argument(
         "--release", action="store_true", help=tr("open the plates again in the end, and write what remains")
     )
@@ -154,35 +145,37 @@ def _press(options: argparse.Namespace) -> None:
     for beside in filter(None, (options.curve, options.figure, options.report)):
         check_folder(beside)
     axis = axis_of(options.axis)
-    mesh, start = _opened(options.mesh)
+    mesh, start, unit = _opened(options.mesh)
+    wall = wall_of(options, Unit(options.unit or unit))
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
     height = mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
-    goals = options.area, options.volume, options.thickness
-    asked = PressOptions((), options.method, *moduli, *goals, options.yield_radius, start)
+    goals = options.area, options.volume, wall.apart
+    asked = PressOptions((), options.method, *moduli, *goals, wall.radius, start)
     to = distance_of(options.to, float(np.ptp(height)))
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
     found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
     progress.end()
+    newtons = wall.newtons(options.stiffness, rest.area)
     save_mesh(mesh, found.U, output)
     if options.curve:
-        rows = rows_of(found)
+        rows = rows_of(found, newtons)
         write_table(options.curve, list(rows[0]), [list(row.values()) for row in rows])
     if options.figure:
         # Here: matplotlib is slow to import, and must not delay the parsing of a command line.
         from apd_viewer.figures.press_curves import draw_press
 
-        draw_press(found, options.figure)
+        draw_press(found, options.figure, newtons.per_load if newtons else None)
     if options.report:
-        said = json.dumps(report_of(mesh, rest, found, asked), indent=2)
+        said = json.dumps(report_of(mesh, rest, found, asked, wall), indent=2)
         with replacing(options.report) as scratch:
             scratch.write_text(said + "\n", encoding="utf-8")
-    print(summary(found, rest, output))
+    print(summary(found, rest, output, options.stiffness, wall))
 
 
-def _opened(path: str) -> tuple[Mesh, np.ndarray | None]:
-    """Mesh at rest, and the shape (n, 3) to begin from where a session has another."""
+def _opened(path: str) -> tuple[Mesh, np.ndarray | None, str]:
+    """Mesh at rest, the shape (n, 3) to begin from where a session has another, and its unit."""
     if Path(path).suffix.lower() != SUFFIX:
-        return open_mesh(path), None
-    state, _ = open_session(path)
-    return state.document.mesh, None if state.is_at_rest else state.frame.U
+        return open_mesh(path), None, ""
+    state, view = open_session(path)
+    return state.document.mesh, None if state.is_at_rest else state.frame.U, view.unit

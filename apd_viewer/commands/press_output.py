@@ -12,6 +12,7 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from apd_viewer.commands.press_wall import Newtons, PressWall
     from apd_viewer.files.tables import Cell
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
     from apd_viewer.geometry.mesh.mesh import Mesh
@@ -20,9 +21,9 @@ if TYPE_CHECKING:
     from apd_viewer.geometry.pressing.press_options import PressOptions
 
 
-def row_of(step: PressStep, opening: bool) -> dict[str, Cell]:
-    """Row of the table by column name, of plates that close or open."""
-    return {
+def row_of(step: PressStep, opening: bool, newtons: Newtons | None = None) -> dict[str, Cell]:
+    """Row of the table by column name, of plates that close or open; newtons only if they are known."""
+    row: dict[str, Cell] = {
         "distance": step.distance,
         "load_low": step.load_low,
         "load_high": step.load_high,
@@ -35,17 +36,23 @@ def row_of(step: PressStep, opening: bool) -> dict[str, Cell]:
         "settled": step.settled,
         "opening": opening,
     }
+    if newtons is not None:
+        row["load_low_newton"] = newtons.per_load * step.load_low
+        row["load_high_newton"] = newtons.per_load * step.load_high
+    return row
 
 
-def rows_of(found: Pressed) -> list[dict[str, Cell]]:
+def rows_of(found: Pressed, newtons: Newtons | None = None) -> list[dict[str, Cell]]:
     """Rows of the table: as the plates close, then as they open."""
-    closing = [row_of(step, False) for step in found.steps]
-    return closing + [row_of(step, True) for step in found.released]
+    closing = [row_of(step, False, newtons) for step in found.steps]
+    return closing + [row_of(step, True, newtons) for step in found.released]
 
 
-def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions) -> dict[str, object]:
+def report_of(
+    mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions, wall: PressWall
+) -> dict[str, object]:
     """Fields of the report."""
-    last = found.last
+    last, newtons = found.last, wall.newtons(options.stiffness, rest.area)
     room: dict[str, object] = {}
     for U, suffix in ((mesh.V, "_rest"), (found.U, "")):
         readings = room_of(check_shape(U, mesh.joined_F))
@@ -60,41 +67,59 @@ def report_of(mesh: Mesh, rest: RestMesh, found: Pressed, options: PressOptions)
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,
-        **row_of(last, bool(found.released)),
+        **row_of(last, bool(found.released), newtons),
         "stopped": found.stopped,
         **found.curve._asdict(),
+        **_wall_fields(wall, rest.area),
+        **(_newton_fields(found, newtons) if newtons else {}),
         **room,
     }
 
 
-def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
+def _wall_fields(wall: PressWall, area: float) -> dict[str, object]:
+    """Fields of what is known of the wall."""
+    elastic, material = wall.elastic, wall.material
+    fields = {
+        "unit": wall.unit.value or None,
+        "material": material and material.name,
+        "material_source": material and material.source,
+        "wall_thickness": wall.thickness,
+        "density": wall.density,
+        "young": elastic and elastic.young,
+        "poisson": elastic and elastic.poisson,
+        "mass_grams": wall.grams(area),
+    }
+    return {name: value for name, value in fields.items() if value is not None}
+
+
+def _newton_fields(found: Pressed, newtons: Newtons) -> dict[str, object]:
+    """Readings of the curve in newtons, joules and N/mm."""
+    curve = found.curve
+    factors = {
+        "yield_load_newton": (curve.yield_load, newtons.per_load),
+        "apparent_stiffness_newton_per_mm": (curve.apparent_stiffness, newtons.per_millimetre),
+        "work_joule": (curve.work, newtons.joules),
+    }
+    scaled = {name: None if value is None else value * unit for name, (value, unit) in factors.items()}
+    return {"newtons_per_load": newtons.per_load, "stiffness_of_wall": newtons.stiffness, **scaled}
+
+
+def summary(found: Pressed, rest: RestMesh, output: Path, stiffness: float, wall: PressWall) -> str:
     """Lines on a press, for the terminal."""
     last, first = found.steps[-1], found.steps[0]
+    newtons = wall.newtons(stiffness, rest.area)
     lines = [
         tr("{output}: plates {distance:.4g} apart, {share:.1f} % of the first distance").format(
             output=output, distance=last.distance, share=100 * last.distance / first.distance
         ),
-        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1)").format(
-            low=last.load_low, high=last.load_high
-        ),
+        *_load_lines(last, newtons),
+        *_volume_line(first.volume is None, last, rest, tr("volume"), ""),
     ]
-    lines += _volume_line(tr("volume  {volume:.6g} of {rest:.6g} ({change} %)"), last, rest)
     if found.released:
-        lines += _volume_line(tr("opened  {volume:.6g} of {rest:.6g} ({change} %) remain"), found.last, rest)
+        lines += _volume_line(first.volume is None, found.last, rest, tr("opened"), tr(" remain"))
     lines.append(tr("area    {change} %").format(change=signed(100 * last.area_error, 3)))
-    curve = found.curve
-    if curve.yield_load is not None:
-        lines.append(
-            tr("yields at a load of {load:.5g}, pressed by {deflection:.4g}").format(
-                load=curve.yield_load, deflection=curve.yield_deflection
-            )
-        )
-    if curve.apparent_stiffness is not None:
-        lines.append(
-            tr("apparent stiffness {stiffness:.5g}, work {work:.5g}").format(
-                stiffness=curve.apparent_stiffness, work=curve.work
-            )
-        )
+    lines += _curve_lines(found, newtons)
+    lines += _wall_lines(wall, rest.area, stiffness, newtons)
     if last.crossings:
         lines.append(tr("{count:,} triangles cross others").format(count=last.crossings))
     if found.stopped:
@@ -108,11 +133,73 @@ def summary(found: Pressed, rest: RestMesh, output: Path) -> str:
     return "\n".join(lines)
 
 
-def _volume_line(words: str, step: PressStep, rest: RestMesh) -> list[str]:
+def _load_lines(step: PressStep, newtons: Newtons | None) -> list[str]:
+    low, high = step.load_low, step.load_high
+    lines = [
+        tr("load    {low:.5g} below, {high:.5g} above (of a material of stiffness 1)").format(
+            low=low, high=high
+        )
+    ]
+    if newtons is not None:
+        lines.append(
+            tr("        {low:.3g} N below, {high:.3g} N above, if walls bend and hardly stretch").format(
+                low=newtons.per_load * low, high=newtons.per_load * high
+            )
+        )
+    return lines
+
+
+def _curve_lines(found: Pressed, newtons: Newtons | None) -> list[str]:
+    curve, lines = found.curve, []
+    if curve.yield_load is not None:
+        force = "" if newtons is None else f" ({newtons.per_load * curve.yield_load:.3g} N)"
+        lines.append(
+            tr("yields at a load of {load:.5g}{newtons}, pressed by {deflection:.4g}").format(
+                load=curve.yield_load, newtons=force, deflection=curve.yield_deflection
+            )
+        )
+    if curve.apparent_stiffness is not None:
+        slope = "" if newtons is None else f" ({newtons.per_millimetre * curve.apparent_stiffness:.3g} N/mm)"
+        work = "" if newtons is None else f" ({newtons.joules * curve.work:.3g} J)"
+        lines.append(
+            tr("apparent stiffness {stiffness:.5g}{slope}, work {work:.5g}{joules}").format(
+                stiffness=curve.apparent_stiffness, slope=slope, work=curve.work, joules=work
+            )
+        )
+    return lines
+
+
+def _wall_lines(wall: PressWall, area: float, stiffness: float, newtons: Newtons | None) -> list[str]:
+    lines, grams = [], wall.grams(area)
+    if wall.material or newtons is not None or grams is not None:
+        lines.append(tr("wall    {wall}").format(wall=wall.written))
+    if wall.material:
+        lines.append(tr("        after {source}").format(source=wall.material.source))
+    if grams is not None:
+        unit, share = wall.unit.mass(grams)
+        lines.append(tr("mass    {mass:.4g} {unit}").format(mass=grams * share, unit=unit))
+    if newtons is not None:
+        lines.append(
+            tr(
+                "Pressed at a stiffness of {stiffness:.3g}; this wall has {own:.1g}, which meshes of this "
+                "size do not resolve. Where it also has to stretch, it carries more."
+            ).format(stiffness=stiffness, own=newtons.stiffness)
+        )
+    return lines
+
+
+def _volume_line(capped: bool, step: PressStep, rest: RestMesh, title: str, remains: str) -> list[str]:
     """Line on the volume of a step; none where nothing is enclosed."""
-    now, at_rest = step.volume, rest.volume
-    if now is None:
-        now, at_rest = step.volume_capped, rest.volume_capped
+    now, at_rest = (step.volume_capped, rest.volume_capped) if capped else (step.volume, rest.volume)
     if now is None or not at_rest:
         return []
-    return [words.format(volume=now, rest=at_rest, change=signed(100 * (now / at_rest - 1), 3))]
+    return [
+        tr("{title}  {volume:.6g} of {rest:.6g} ({change} %){remains}{capped}").format(
+            title=title,
+            volume=now,
+            rest=at_rest,
+            change=signed(100 * (now / at_rest - 1), 3),
+            remains=remains,
+            capped=tr(", openings capped flat") if capped else "",
+        )
+    ]

@@ -17,21 +17,25 @@ if TYPE_CHECKING:
 _SIZE = (9.0, 3.9)
 
 
-def draw_press(found: Pressed, path: Path) -> None:
-    """Draw load and volume of a press; without volume where the surface is open.
+def draw_press(found: Pressed, path: Path, newtons: float | None = None) -> None:
+    """Draw load and volume of a press; without volume where nothing is enclosed.
 
     Parameters
     ----------
     found : Pressed
     path : Path
         Of the picture; its ending is replaced.
+    newtons : float, optional
+        Of a load of 1, if it is known.
     """
+    scale = 1.0 if newtons is None else newtons
     ways = [way for way in (found.steps, found.steps[-1:] + found.released) if len(way) > 1]
-    said = [(tr("Load, at stiffness 1"), _load)]
-    if _volume(found.steps[0]):
-        said.append(
-            (tr("Volume change, %"), lambda step: 100 * (_volume(step) / _volume(found.steps[0]) - 1))
-        )
+    title = tr("Load, at stiffness 1") if newtons is None else tr("Load, N, if walls bend and hardly stretch")
+    said = [(title, lambda step: scale * _load(step))]
+    first = found.steps[0]
+    if _volume(first):
+        title = tr("Change of the volume within caps, %") if first.volume is None else tr("Volume change, %")
+        said.append((title, lambda step: 100 * (_volume(step) / _volume(first) - 1)))
 
     def fill(figure: Figure) -> None:
         panels = figure.subplots(1, len(said), squeeze=False)[0]
@@ -45,7 +49,7 @@ def draw_press(found: Pressed, path: Path) -> None:
         if len(ways) > 1:
             panels[0].legend()
         if found.curve.yield_load is not None:
-            place = found.curve.yield_deflection, found.curve.yield_load
+            place = found.curve.yield_deflection, scale * found.curve.yield_load
             panels[0].annotate(
                 tr("yield"), place, xytext=(0, 8), textcoords="offset points", ha="center", va="bottom"
             )

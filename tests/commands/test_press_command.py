@@ -107,8 +107,8 @@ def test_an_open_surface_has_the_volume_within_its_caps(press, tmp_path):
     first, *_, last = rows(curve)
     assert last["volume"] is None
     assert last["volume_capped"] < first["volume_capped"]
+    assert "openings capped flat" in said
     assert first["distance"] == pytest.approx(np.ptp(V[:, 0]) + 0.04)
-    assert "volume" in said
 
 
 def test_the_same_press_writes_the_same_files(ball, press, tmp_path):
@@ -141,7 +141,64 @@ def test_steps_that_do_not_come_to_rest_are_named(ball, press, tmp_path):
     assert report["apparent_stiffness"] is None, "the plates have not moved"
 
 
+def test_a_material_fills_in_the_wall_and_loads_are_in_newtons_too(ball, press, tmp_path):
+    """A ball of 2 cm of a wall of 0.3 mm: mass, yield radius, newtons in table, report and summary."""
+    curve, report = tmp_path / "c.csv", tmp_path / "r.json"
+    words = "--unit", "cm", "--material", "pet-bottle", "--curve", curve, "--report", report
+    status, said, err, _ = press(ball, *QUICK, *words)
+    assert (status, err) == (0, "")
+    lines, found = rows(curve), json.loads(report.read_text(encoding="utf-8"))
+    area = found["area_rest"]
+    assert found["mass_grams"] == pytest.approx(area * 0.03 * 1.36)
+    assert found["yield_radius"] == pytest.approx(0.03 / (2 * 0.0175))
+    rigidity = 3.4e9 * 0.3e-3**3 / (12 * (1 - 0.38**2))
+    per_load = rigidity / (2 * 0.001 * area * 0.01)
+    for line in lines:
+        assert line["load_low_newton"] == pytest.approx(per_load * line["load_low"])
+        assert line["load_high_newton"] == pytest.approx(per_load * line["load_high"])
+    assert found["apparent_stiffness_newton_per_mm"] == pytest.approx(
+        per_load * found["apparent_stiffness"] / 10.0
+    )
+    assert found["work_joule"] == pytest.approx(per_load * found["work"] * 0.01)
+    assert f"{found['load_low_newton']:.3g} N below" in said
+    assert "if walls bend and hardly stretch" in said
+    assert "Callister" in said
+    assert found["stiffness_of_wall"] == pytest.approx(0.03**2 / (6 * (1 - 0.38**2) * area))
+
+
+def test_newtons_are_not_said_where_they_are_not_known(ball, press, tmp_path):
+    curve, report = tmp_path / "c.csv", tmp_path / "r.json"
+    for words in ((), ("--unit", "cm", "--thickness", "0.3mm"), ("--unit", "cm", "--material", "fabric")):
+        status, said, _, _ = press(ball, *QUICK, *words, "--curve", curve, "--report", report)
+        assert status == 0
+        assert "newton" not in curve.read_text(encoding="utf-8") + report.read_text(encoding="utf-8")
+        assert " N below" not in said
+
+
+def test_what_is_typed_goes_before_what_a_material_has(ball, press, tmp_path):
+    report = tmp_path / "r.json"
+    words = "--thickness", "0.5mm", "--young", "2GPa", "--poisson", 0.3, "--density", "900 kg/m3"
+    words += "--yield-radius", "4mm", "--unit", "mm", "--material", "hdpe"
+    assert press(ball, *QUICK, *words, "--thickness", "0.05", "--report", report)[0] == 0
+    found = json.loads(report.read_text(encoding="utf-8"))
+    assert (found["young"], found["poisson"], found["wall_thickness"]) == (2e9, 0.3, 0.05)
+    assert found["density"] == pytest.approx(0.9)
+    assert found["yield_radius"] == pytest.approx(4.0)
+
+
 WRONG = {
+    "a material without a unit": (["--material", "paper"], "add --unit"),
+    "a material that is none": (["--material", "wood", "--unit", "cm"], "choose one of pet-bottle"),
+    "newtons without a wall": (["--young", "2GPa", "--unit", "cm"], "add --thickness"),
+    "newtons without a unit": (["--young", "2GPa", "--thickness", "0.01"], "add --unit"),
+    "newtons of cloth": (
+        ["--young", "2GPa", "--thickness", "0.01", "--unit", "cm", "--stiffness", "0"],
+        "add --stiffness",
+    ),
+    "a modulus": (["--young", "hard", "--thickness", "0.01", "--unit", "cm"], "is not a unit of Young"),
+    "a ratio": (["--poisson", "0.7", "--unit", "cm"], "from 0 to 0.5"),
+    "a density": (["--density", "0"], "out of range"),
+    "a thickness in a unit": (["--thickness", "0.3mm"], "unit"),
     "a letter that is no axis": (["--axis", "w"], "is no direction"),
     "two numbers": (["--axis", "1 0"], "is no direction"),
     "a direction without length": (["--axis", "0 0 0"], "is no direction"),

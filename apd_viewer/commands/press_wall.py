@@ -1,0 +1,205 @@
+"""The wall of a mesh to press: options, and what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.presentation.number_format import short
+from apd_viewer.session.quantities.elastic_wall import (
+    DEFAULT_POISSON,
+    ElasticWall,
+    metres,
+    poisson_ratio,
+    young_modulus,
+)
+from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_mass import density, thickness_from
+from apd_viewer.session.quantities.wall_materials import (
+    WALL_MATERIALS,
+    WallMaterial,
+    wall_material,
+    yield_radius,
+)
+
+if TYPE_CHECKING:
+    import argparse
+
+    from apd_viewer.commands.parser import Parser
+
+_GPA = 1e9
+_GRAMS = 1e6  # in a cubic metre of 1 g/cm³
+
+
+@dataclass(frozen=True)
+class PressWall:
+    """Wall of a mesh to press.
+
+    Attributes
+    ----------
+    unit : Unit
+        Of the mesh.
+    material : WallMaterial or None
+    thickness : float or None
+        Mesh units.
+    apart : float or None
+        Distance that walls keep, mesh units; None for the usual one.
+    radius : float or None
+        Walls that are bent to less keep a crease, mesh units.
+    density : float or None
+        g/cm³.
+    elastic : ElasticWall or None
+        What newtons follow from.
+    """
+
+    unit: Unit
+    material: WallMaterial | None
+    thickness: float | None
+    apart: float | None
+    radius: float | None
+    density: float | None
+    elastic: ElasticWall | None
+
+    def grams(self, area: float) -> float | None:
+        """Mass of an area in square mesh units; None if it is not known."""
+        metre = metres(self.unit)
+        if metre is None or self.thickness is None or self.density is None:
+            return None
+        return _GRAMS * self.density * self.thickness * area * metre**3
+
+    def newtons(self, stiffness: float, area: float) -> Newtons | None:
+        """Conversion of the loads of a model of a stiffness; None if it is not known."""
+        metre = metres(self.unit)
+        if self.elastic is None or metre is None or not stiffness > 0.0:
+            return None
+        own = self.elastic.stiffness(area, metre)
+        return Newtons(self.elastic.newtons(stiffness, area, metre), metre, own)
+
+    @property
+    def written(self) -> str:
+        """Words on all that is known of it; empty if nothing is."""
+        elastic = self.elastic
+        said = [
+            self.material and self.material.title,
+            None if self.thickness is None else self.unit.length(short(self.thickness)),
+            None if self.density is None else f"{short(self.density)}\u00a0g/cm³",
+            None if elastic is None else f"{short(elastic.young / _GPA)}\u00a0GPa",
+            None if elastic is None else tr("Poisson's ratio {ratio}").format(ratio=short(elastic.poisson)),
+            None
+            if self.radius is None
+            else tr("yields below a radius of {radius}").format(radius=self.unit.length(short(self.radius))),
+        ]
+        return ", ".join(filter(None, said))
+
+
+@dataclass(frozen=True)
+class Newtons:
+    """Conversion of the model's loads, for a wall that bends and hardly stretches.
+
+    Attributes
+    ----------
+    per_load : float
+        Newtons of a load of 1.
+    metre : float
+        Metres in a mesh unit.
+    stiffness : float
+        That of the wall, beside the one it was pressed with.
+    """
+
+    per_load: float
+    metre: float
+    stiffness: float
+
+    @property
+    def joules(self) -> float:
+        """Joules of a work of 1."""
+        return self.per_load * self.metre
+
+    @property
+    def per_millimetre(self) -> float:
+        """N/mm of an apparent stiffness of 1."""
+        return 1e-3 * self.per_load / self.metre
+
+
+def add_wall_options(parser: Parser) -> None:
+    """Options of the wall."""
+    units = [unit.value for unit in Unit if unit is not Unit.NONE]
+    parser.add_argument(
+        "--unit", choices=units, default="", help=tr("unit of length of the mesh; of a session, its own")
+    )
+    parser.add_argument(
+        "--material",
+        metavar="NAME",
+        help=tr("material of the wall: {names}").format(
+            names=", ".join(material.name for material in WALL_MATERIALS)
+        ),
+    )
+    for option, metavar, what in (
+        (
+            "--thickness",
+            "LENGTH",
+            tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal"),
+        ),
+        ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the mass")),
+        ("--young", "E", tr("Young's modulus, such as 2.8GPa, for loads in newtons")),
+        ("--poisson", "NU", tr("Poisson's ratio; default: 0.4, or that of the material")),
+        (
+            "--yield-radius",
+            "LENGTH",
+            tr("walls bent to less than this radius keep a crease; default: none do, or as of the material"),
+        ),
+    ):
+        parser.add_argument(option, metavar=metavar, help=what)
+
+
+def wall_of(options: argparse.Namespace, unit: Unit) -> PressWall:
+    """Wall of a command line, for a mesh in a unit; raises InputError."""
+    material = None if options.material is None else wall_material(options.material)
+    if unit is Unit.NONE and (material or options.young is not None):
+        raise InputError(tr("A material needs the unit of the mesh; add --unit mm, cm, m, in or ft."))
+    apart = None if options.thickness is None else thickness_from(options.thickness, unit)
+    thickness = apart
+    if material and apart is None:
+        thickness = length(f"{material.thickness} mm", unit, {})
+    heavy = material.density if material else None
+    if options.density is not None:
+        heavy = density(options.density)
+    elastic = _elastic(options, material, thickness, metres(unit))
+    return PressWall(
+        unit, material, thickness, apart, _radius(options, material, thickness, unit), heavy, elastic
+    )
+
+
+def _radius(
+    options: argparse.Namespace, material: WallMaterial | None, thickness: float | None, unit: Unit
+) -> float | None:
+    """Yield radius as asked for, or of the material where walls are stiff at all."""
+    if options.yield_radius is not None:
+        return length(options.yield_radius, unit, {})
+    if material is None or material.yield_strain is None or thickness is None or not options.stiffness:
+        return None
+    return yield_radius(thickness, material.yield_strain)
+
+
+def _elastic(
+    options: argparse.Namespace,
+    material: WallMaterial | None,
+    thickness: float | None,
+    metre: float | None,
+) -> ElasticWall | None:
+    young = None if material is None or material.young is None else _GPA * material.young
+    poisson = material.poisson if material else None
+    if options.young is not None:
+        young = young_modulus(options.young)
+        if thickness is None:
+            raise InputError(tr("Newtons need the thickness of the wall as well; add --thickness."))
+        if not options.stiffness:
+            raise InputError(tr("Newtons need walls that resist bending; add --stiffness 0.001."))
+    if options.poisson is not None:
+        poisson = poisson_ratio(options.poisson)
+    if young is None or thickness is None or metre is None:
+        return None
+    return ElasticWall(thickness * metre, young, DEFAULT_POISSON if poisson is None else poisson)

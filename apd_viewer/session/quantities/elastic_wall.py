@@ -1,0 +1,106 @@
+"""Elasticity of a wall in newtons and metres, and the model's loads in newtons.
+
+The model's energy of bending is ``stiffness * area * integral(k1² + k2²)``, that of a wall with the bending
+rigidity ``D = 2 stiffness area`` (a squared length) and no Poisson's ratio; the wall's own is
+``D = E t³ / (12 (1 - nu²))``. Where a wall bends and hardly stretches, shapes under given plates do not
+depend on D, and loads are in proportion to it:
+
+    load in newtons = load of the model * D of the wall / (D of the model * metres in a mesh unit).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+
+from apd_viewer.errors import InputError
+from apd_viewer.language import tr
+from apd_viewer.session.quantities.expressions import number
+from apd_viewer.session.quantities.units import Unit
+
+_PASCALS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
+_UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-zA-Z]*)\s*", re.DOTALL)
+_SOFTEST, _HARDEST = 1e3, 2e12  # Pa; gels have more, diamond has 1.2e12
+_SHOWN = 20  # characters quoted from invalid input
+DEFAULT_POISSON = 0.4
+
+
+class ElasticWall(NamedTuple):
+    """A wall that is known in newtons and metres.
+
+    Attributes
+    ----------
+    thickness : float
+        Metres.
+    young : float
+        Young's modulus, Pa.
+    poisson : float
+    """
+
+    thickness: float
+    young: float
+    poisson: float = DEFAULT_POISSON
+
+    @property
+    def rigidity(self) -> float:
+        """Bending rigidity ``E t³ / (12 (1 - nu²))``, N m."""
+        return self.young * self.thickness**3 / (12.0 * (1.0 - self.poisson**2))
+
+    def newtons(self, stiffness: float, area: float, metre: float) -> float:
+        """Newtons of a load of 1 of the model.
+
+        Parameters
+        ----------
+        stiffness : float
+            Of the model, greater than 0.
+        area : float
+            At rest, square mesh units.
+        metre : float
+            Metres in a mesh unit.
+        """
+        return self.rigidity / (2.0 * stiffness * area * metre)
+
+    def stiffness(self, area: float, metre: float) -> float:
+        """The model's stiffness that bends and stretches in the proportion in which this wall does.
+
+        The cells of the model have a Young's modulus of 4 per length: ``D / (E t) = stiffness area / 2``.
+        """
+        return self.thickness**2 / (6.0 * (1.0 - self.poisson**2) * area * metre**2)
+
+
+def metres(unit: Unit) -> float | None:
+    """Metres in a unit of length; None if there is none."""
+    litres = unit.litres(1.0)
+    return None if litres is None else 0.1 * math.cbrt(litres)
+
+
+def young_modulus(text: str) -> float:
+    """Young's modulus in Pa from a text; a bare number is in GPa. Raises InputError."""
+    parted = _UNIT.fullmatch(text.strip())
+    assert parted is not None
+    unit = parted["unit"].lower() or "gpa"
+    if unit not in _PASCALS:
+        raise InputError(
+            tr("“{unit}” is not a unit of Young's modulus; use GPa, MPa or psi.").format(unit=parted["unit"])
+        )
+    try:
+        value = _PASCALS[unit] * number(parted["amount"], {})
+    except InputError:
+        sentence = tr("“{text}” is not a Young's modulus; enter one such as 2.8 GPa.")
+        raise InputError(sentence.format(text=text.strip()[:_SHOWN])) from None
+    if not _SOFTEST <= value <= _HARDEST:
+        raise InputError(
+            tr("A Young's modulus of {value:.4g} GPa is out of range; enter one such as 2.8 GPa.").format(
+                value=1e-9 * value
+            )
+        )
+    return value
+
+
+def poisson_ratio(text: str) -> float:
+    """Poisson's ratio from a text; raises InputError."""
+    value = number(text, {})
+    if not 0.0 <= value <= 0.5:
+        raise InputError(tr("Poisson's ratio must be from 0 to 0.5, such as 0.4."))
+    return value

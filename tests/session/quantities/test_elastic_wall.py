@@ -1,0 +1,109 @@
+"""Walls in newtons and metres: units, a closed form, and the table of materials."""
+
+import numpy as np
+import pytest
+from meshes import tube
+
+from apd_viewer import press
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.mesh.operators import face_areas
+from apd_viewer.session.quantities.elastic_wall import (
+    ElasticWall,
+    metres,
+    poisson_ratio,
+    young_modulus,
+)
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.quantities.wall_materials import WALL_MATERIALS, wall_material, yield_radius
+
+STIFFNESS = 0.001
+
+
+def newtons_per_millimetre(around, unit, radius, wall):
+    """Of a ring as wide as its radius, pressed a hundredth of it from each side."""
+    V, F = tube(around, round(around / (2.0 * np.pi) / 0.75**0.5), height=1.0)
+    V = V * radius
+    across = np.array([1.0, 0.0, 0.0])
+    extent = np.ptp(V @ across)
+    last = press(V, F, across, extent - 0.02 * radius, 1, method="arap", stiffness=STIFFNESS).steps[-1]
+    deflection = (extent - np.ptp(last.U @ across)) * metres(unit)
+    load = 0.5 * (last.load_low + last.load_high)
+    return 1e-3 * load * wall.newtons(STIFFNESS, face_areas(V, F).sum(), metres(unit)) / deflection
+
+
+def test_a_ring_of_plastic_carries_what_the_formula_says():
+    """An inextensional ring: F = deflection E t³ w / (12 (1 - nu²) (pi/4 - 2/pi) R³) [Timoshenko].
+
+    Cells resist bending in proportion to the square of the edges: two resolutions are extrapolated to none.
+    The ring of the model stretches by a fiftieth of its deflection, which the formula does not know.
+    """
+    wall, R = ElasticWall(thickness=0.3e-3, young=2.8e9, poisson=0.4), 0.03
+    coarse, fine = (newtons_per_millimetre(n, Unit.CENTIMETRE, 100.0 * R, wall) for n in (36, 72))
+    rigidity = 2.8e9 * 0.3e-3**3 / (12.0 * (1.0 - 0.4**2))
+    known = 1e-3 * rigidity * R / ((np.pi / 4 - 2 / np.pi) * R**3)
+    assert fine + (fine - coarse) / 3.0 == pytest.approx(known, rel=0.08)
+
+
+def test_newtons_do_not_depend_on_the_unit_of_the_mesh():
+    wall = ElasticWall(0.3e-3, 2.8e9)
+    found = [
+        newtons_per_millimetre(24, unit, 0.03 / metres(unit), wall)
+        for unit in (Unit.MILLIMETRE, Unit.METRE, Unit.INCH)
+    ]
+    assert found == pytest.approx([found[0]] * 3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("unit", "known"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048)]
+)
+def test_a_unit_has_metres(unit, known):
+    assert metres(Unit(unit)) == pytest.approx(known, rel=1e-12)
+    assert metres(Unit.NONE) is None
+
+
+def test_the_stiffness_of_a_wall_is_that_of_its_rigidities():
+    """In the model bending has D = 2 s A and stretching a Young's modulus of 4: D over E t alike."""
+    wall, area = ElasticWall(0.3e-3, 2.8e9, 0.4), 430.0
+    model = 2.0 * wall.stiffness(area, 0.01) * area * 0.01**2 / 4.0
+    assert model == pytest.approx(wall.rigidity / (wall.young * wall.thickness))
+    assert 1e-7 < wall.stiffness(area, 0.01) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("text", "pascals"),
+    [("2.8GPa", 2.8e9), ("2.8", 2.8e9), (" 2800 MPa ", 2.8e9), ("406 ksi", 2.799e9), ("5/2 gpa", 2.5e9)],
+)
+def test_a_modulus_has_a_unit_or_is_in_gigapascals(text, pascals):
+    assert young_modulus(text) == pytest.approx(pascals, rel=1e-3)
+
+
+@pytest.mark.parametrize("text", ["", "GPa", "2 kg", "-1", "0", "1e9 GPa", "half", "nan"])
+def test_what_is_no_modulus_is_refused(text):
+    with pytest.raises(InputError, match="Young's modulus"):
+        young_modulus(text)
+
+
+@pytest.mark.parametrize("text", ["-0.1", "0.51", "nan"])
+def test_what_is_no_ratio_is_refused(text):
+    with pytest.raises(InputError):
+        poisson_ratio(text)
+
+
+def test_every_material_has_a_name_of_its_own_a_source_and_sound_numbers():
+    assert len({material.name for material in WALL_MATERIALS}) == len(WALL_MATERIALS)
+    for material in WALL_MATERIALS:
+        assert wall_material(material.name) is material
+        assert material.source
+        assert 0.0 < material.thickness < 5.0
+        if material.young is not None:
+            assert 0.3 < material.density < 10.0
+            assert 0.1 < material.young < 300.0
+            assert 0.0 < material.poisson < 0.5
+        assert material.yield_strain is None or 0.0 < material.yield_strain < 0.1
+    with pytest.raises(InputError, match="choose one of pet-bottle, "):
+        wall_material("wood")
+
+
+def test_a_sheet_yields_where_its_fibres_do():
+    """0.3 mm bent to 6 mm strain their outside by 0.15 / 6."""
+    assert yield_radius(0.3, 0.025) == pytest.approx(6.0)
