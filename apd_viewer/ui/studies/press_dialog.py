@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,15 +19,19 @@ from apd_viewer.geometry.pressing.press_options import check_yield
 from apd_viewer.geometry.solver.methods import DEFAULT_METHOD, METHODS
 from apd_viewer.language import tr
 from apd_viewer.presentation import number_format
-from apd_viewer.presentation.number_format import short
-from apd_viewer.ui.studies.length_field import LengthField
+from apd_viewer.session.model.targets import kept_percentages
+from apd_viewer.session.model.view import SUFFIX
+from apd_viewer.session.quantities.elastic_wall import metres
+from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.studies.run_bar import RunBar
 from apd_viewer.ui.studies.study_dialog import StudyDialog, count_field, row_of
+from apd_viewer.ui.studies.wall_fields import WallFields
 from apd_viewer.ui.widgets.fields import Check, Choice, Number
 
 if TYPE_CHECKING:
-    from apd_viewer.session.model.document import Document
-    from apd_viewer.session.quantities.units import Unit
+    from apd_viewer.session.model.state import State
+    from apd_viewer.session.model.view import View
     from apd_viewer.ui.preferences.preferences import Preferences
 
 _AXES = "xyz"
@@ -34,38 +39,42 @@ _PROPOSED_STIFFNESS = 0.001
 
 
 class PressDialog(StudyDialog):
-    """Presses the mesh at rest, as it was when the dialog opened.
+    """Presses the mesh as it was when the dialog opened.
 
     Parameters
     ----------
     window : QWidget
-    document : Document
-    unit : Unit
-        Of lengths, as the user reads and types them.
+    state : State
+    view : View
+        With the unit of lengths, as the user reads and types them.
     memory : Preferences
     """
 
-    def __init__(self, window: QWidget, document: Document, unit: Unit, memory: Preferences) -> None:
+    def __init__(self, window: QWidget, state: State, view: View, memory: Preferences) -> None:
+        document, unit = state.document, Unit(view.unit)
         mesh = document.mesh
         run = RunBar(tr("Press"), f"{mesh.stem}-press", memory)
         title = tr("Press between plates – {name}").format(name=mesh.name)
         super().__init__(window, title, run, "press.png", tr("Curves of load and volume"))
-        self._document, self._unit = document, unit
+        self._state, self._view, self._document, self._unit = state, view, document, unit
         self._points = mesh.V[np.unique(mesh.F)]
         self._extents = np.ptp(self._points, axis=0)
         about = tr(
-            "Presses the mesh at rest, with nothing held, between two plates that close on it in steps, "
-            "and plots load and volume."
+            "Presses the mesh, with nothing held, between two plates that close on it in steps, and plots "
+            "load and volume."
         )
+        usual = thickness_of(diagonal(self._points), None)
+        self.wall = WallFields(self, unit, usual, document.thickness)
         rows = (
             (tr("Direction"), self._make_direction()),
             (tr("End at"), self._make_end()),
             (tr("Steps"), self._make_steps()),
             (tr("Method"), self._make_method()),
             (tr("Stiffness"), self._make_stiffness()),
-            (tr("Wall thickness"), self._make_thickness(document.thickness)),
-            (tr("Yield radius"), self._make_creases()),
+            *self.wall.rows,
+            (tr("Begin with"), self._make_start()),
         )
+        self.wall.when_changed(self._show_stiffness)
         self.lay_out(about, rows)
 
     def _make_direction(self) -> QHBoxLayout:
@@ -105,21 +114,33 @@ class PressDialog(StudyDialog):
             brief=True, accessibleName=tr("Stiffness"), minimum=0.0, maximum=1.0, decimals=5, value=value
         )
         self.stiffness.setFixedWidth(72)
-        self.hint = QLabel(tr("without stiffness, walls crumple and loads mean little"), objectName="quiet")
-        self.hint.setHidden(own > 0.0)
+        self._crumples = not own
+        self.hint = QLabel(objectName="quiet")
+        self._show_stiffness()
         return row_of(self.stiffness, self.hint, spacing=8)
 
-    def _make_thickness(self, given: float | None) -> QHBoxLayout:
-        tip = tr("Distance that walls keep: 0.3mm, or a number in the unit of the mesh")
-        usual = self._unit.length(short(thickness_of(diagonal(self._points), None)))
-        self.thickness = LengthField(tr("Wall thickness"), tip, usual, self._unit, given)
-        return row_of(self.thickness)
+    def _show_stiffness(self) -> None:
+        """Say beside the stiffness what the wall would have, or that it needs some."""
+        try:
+            elastic = self.wall.elastic
+        except InputError:
+            elastic = None
+        metre, said = metres(self._unit), ""
+        if elastic is not None and metre is not None:
+            own = elastic.stiffness(self._state.inspection.area, metre)
+            said = tr("this wall: {own:.1g}, finer than meshes of this size resolve").format(own=own)
+        elif self._crumples:
+            said = tr("without stiffness, walls crumple and loads mean little")
+        self.hint.setText(said)
+        self.hint.setHidden(not said)
 
-    def _make_creases(self) -> QHBoxLayout:
-        tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
-        self.radius = LengthField(tr("Yield radius"), tip, tr("no creases"), self._unit)
-        self.release = Check(tr("open the plates again, to see what remains"))
-        return row_of(self.radius, self.release)
+    def _make_start(self) -> QHBoxLayout:
+        self.from_current = Check(
+            tr("the current shape, which springs back first as far as it has no creases")
+        )
+        self.from_current.setToolTip(tr("Without, the mesh at rest is pressed"))
+        self.from_current.setEnabled(not self._state.is_at_rest)
+        return row_of(self.from_current)
 
     @property
     def _distance(self) -> float:
@@ -137,23 +158,23 @@ class PressDialog(StudyDialog):
         """Start the press with the options chosen."""
         axis = np.eye(3)[self.direction.currentIndex()]
         try:
-            thickness, radius = self.thickness.value, self.radius.value
-            check_yield(radius, self.stiffness.value())
-            plate_way(self._points, axis, self._distance, thickness)
+            check_yield(self.wall.radius.value, self.stiffness.value())
+            plate_way(self._points, axis, self._distance, self.wall.thickness.value)
+            options = self._options | self._targets | self.wall.options
         except InputError as error:
             self.run.fail(str(error))
             return
-        options = self._options
-        if thickness is not None:
-            options["--thickness"] = repr(thickness)
-        if radius is not None:
-            options["--yield-radius"] = repr(radius)
-        flags = ["--release"] if self.release.isChecked() else []
+        flags = ["--release"] if self.wall.release.isChecked() else []
+        from_current = self.from_current.isChecked()
         mesh = self._document.mesh
 
         def prepared(scratch: Path, results: Path) -> list[str]:
             rest = scratch / f"{mesh.stem}{suffix_for(mesh)}"
-            save_mesh(mesh, mesh.V, rest)
+            source = scratch / f"{mesh.stem}{SUFFIX}" if from_current else rest
+            if from_current:
+                save_session(source, self._state, self._view, embed=True)
+            else:
+                save_mesh(mesh, mesh.V, rest)
             files = {
                 "-o": f"pressed{rest.suffix}",
                 "--curve": "curve.csv",
@@ -161,9 +182,16 @@ class PressDialog(StudyDialog):
                 "--report": "report.json",
             }
             asked = options | {option: str(results / name) for option, name in files.items()}
-            return ["press", str(rest), *flags, *(word for pair in asked.items() for word in pair)]
+            return ["press", str(source), *flags, *(word for pair in asked.items() for word in pair)]
 
         self.run.begin(prepared)
+
+    @property
+    def _targets(self) -> dict[str, str]:
+        """Options of the command for the targets of the document, as far as the method keeps them."""
+        area, volume, *_ = kept_percentages(replace(self._document, method=self.method.currentData()))
+        said = {"--area": area, "--volume": volume}
+        return {option: repr(value) for option, value in said.items() if value is not None}
 
     @property
     def _options(self) -> dict[str, str]:

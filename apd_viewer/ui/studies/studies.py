@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject
 from PySide6.QtWidgets import QDialog, QWidget
 
-from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.paper_dialog import PaperDialog
 from apd_viewer.ui.studies.press_dialog import PressDialog
 from apd_viewer.ui.studies.sweep_dialog import SweepDialog
@@ -60,8 +59,7 @@ class Studies(QObject):
         found = self._opened()
         if found is not None:
             state, _, view = found
-            document, unit = state.document, Unit(view.unit)
-            self._show("press", lambda: PressDialog(self._window, document, unit, self._memory))
+            self._show("press", lambda: PressDialog(self._window, state, view, self._memory))
 
     def paper(self) -> None:
         """Re-run the paper's tables."""

@@ -17,6 +17,7 @@ from apd_viewer.commands.press import press_parser
 from apd_viewer.files.mesh_writing import save_mesh
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.solver.methods import METHODS
+from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.ui.studies.press_dialog import PressDialog
 
@@ -26,12 +27,13 @@ def asked(window, qtbot, tmp_path, monkeypatch):
     """Open the dialog of a mesh; and the options that it would run the command with."""
     dialogs = []
 
-    def ask(V, F, **changes):
+    def ask(V, F, unit="", **changes):
         state_of = window.session.store
         window.session.files.open_mesh(Mesh(V, F))
         idle(qtbot, window)
         changed = replace(state_of.state.document, **changes)
-        dialog = PressDialog(window.shell, changed, state_of.unit, window.memory)
+        state = state_of.state.at(document=changed)
+        dialog = PressDialog(window.shell, state, View(unit=unit), window.memory)
         dialogs.append(dialog)
         dialog.show()
         return dialog
@@ -88,7 +90,7 @@ def test_the_dialog_knows_the_mesh_and_its_unit(qtbot, window):
     assert "2.000\xa0cm apart" in dialog.distance.text()
     dialog.to.setValue(25)
     assert "1.000\xa0cm apart" in dialog.distance.text()
-    assert dialog.thickness.placeholderText() == "0.00458\xa0cm"
+    assert dialog.wall.thickness.placeholderText() == "0.00458\xa0cm"
 
 
 def test_loose_vertices_take_no_part_in_the_extent(asked):
@@ -102,7 +104,8 @@ def test_as_they_stand_the_fields_say_what_the_command_says_without_options(aske
     said, plain = options(ask(*sphere(2))), press_parser().parse_args(["m.obj", "--to", "50%", "-o", "o.obj"])
     for name in ("axis", "to", "steps", "iterations", "method", "area_stiffness", "shear_stiffness"):
         assert getattr(said, name) == getattr(plain, name), name
-    assert said.thickness is said.area is said.volume is None
+    assert said.thickness is said.volume is said.material is None
+    assert said.area == 100.0
 
 
 def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
@@ -113,7 +116,7 @@ def test_the_settings_of_the_document_are_proposed(asked, tmp_path):
     dialog.direction.setCurrentIndex(1)
     said = options(dialog)
     assert {name: getattr(said, name) for name in settings} == settings
-    assert (said.axis, said.thickness) == ("y", 0.0125)
+    assert (said.axis, said.thickness) == ("y", "0.0125")
     assert said.output == str(tmp_path / "out" / "pressed.obj")
     assert said.curve == tmp_path / "out" / "curve.csv"
     assert trimesh.load(said.mesh, process=False).vertices == pytest.approx(tube()[0], abs=1e-12)
@@ -139,7 +142,7 @@ def test_only_methods_that_keep_walls_apart_are_offered(method, asked):
     [("9 mm2", "is unknown"), ("0", "greater than 0"), ("-1", "greater than 0"), ("7", "check the unit")],
 )
 def test_a_wall_that_cannot_be_is_refused_at_once(typed, words, ball):
-    ball.thickness.setText(typed)
+    ball.wall.thickness.setText(typed)
     click(ball.run.start)
     assert words in ball.run.words.text()
     assert not ball.run.running
@@ -221,10 +224,10 @@ def test_creases_and_release_reach_the_command(asked):
     plain = options(dialog)
     assert plain.yield_radius is None
     assert not plain.release
-    dialog.radius.setText("6")
-    dialog.release.click()
+    dialog.wall.radius.setText("6")
+    dialog.wall.release.click()
     creased = options(dialog)
-    assert creased.yield_radius == pytest.approx(6.0)
+    assert float(creased.yield_radius) == pytest.approx(6.0)
     assert creased.release
 
 
@@ -232,8 +235,90 @@ def test_creases_and_release_reach_the_command(asked):
     ("typed", "stiffness", "words"), [("0", 0.001, "greater than 0"), ("2", 0.0, "stiffness")]
 )
 def test_a_yield_radius_that_cannot_be_is_refused_at_once(typed, stiffness, words, ball):
-    ball.radius.setText(typed)
+    ball.wall.radius.setText(typed)
     ball.stiffness.setValue(stiffness)
     click(ball.run.start)
     assert not ball.run.running
     assert words in ball.run.words.text()
+
+
+def chosen(dialog, name):
+    field = dialog.wall.material
+    names = [getattr(field.itemData(k), "name", None) for k in range(field.count())]
+    field.setCurrentIndex(names.index(name))
+
+
+def test_a_material_fills_in_the_fields_and_names_its_source(asked):
+    ask, options = asked
+    dialog = ask(*box(1, 2, 4), unit="cm")
+    assert dialog.wall.source.isHidden()
+    chosen(dialog, "pet-bottle")
+    wall = dialog.wall
+    assert (wall.thickness.text(), wall.radius.text()) == ("0.3mm", "8.57mm")
+    assert (wall.young.text(), wall.poisson.text(), wall.density.text()) == ("3.4GPa", "0.38", "1.36 g/cm³")
+    assert "Callister" in wall.source.text()
+    assert "finer than meshes of this size resolve" in dialog.hint.text()
+    said = options(dialog)
+    assert (said.material, said.unit, said.young) == ("pet-bottle", "cm", "3.4GPa")
+    assert float(said.thickness) == pytest.approx(0.03)
+    assert float(said.yield_radius) == pytest.approx(0.857)
+    chosen(dialog, "fabric")
+    assert (wall.radius.text(), wall.young.text()) == ("", "")
+
+
+def test_what_is_typed_makes_a_material_of_the_users_own(qtbot, asked):
+    ask, options = asked
+    dialog = ask(*box(1, 2, 4), unit="cm")
+    chosen(dialog, "hdpe")
+    dialog.wall.thickness.clear()
+    qtbot.keyClicks(dialog.wall.thickness, "0.4mm")
+    assert dialog.wall.material.currentText() == "Custom"
+    assert dialog.wall.source.isHidden()
+    said = options(dialog)
+    assert said.material is None
+    assert (float(said.thickness), said.young) == (pytest.approx(0.04), "1.08GPa")
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ({"young": "2 GPa"}, "thickness of the wall"),
+        ({"young": "hard", "thickness": "0.01"}, "not a unit of Young"),
+        ({"young": "2 GPa", "thickness": "0.01"}, "unit of the mesh"),
+        ({"density": "0"}, "out of range"),
+    ],
+)
+def test_a_material_that_cannot_be_is_refused_at_once(typed, words, ball):
+    for name, text in typed.items():
+        getattr(ball.wall, name).setText(text)
+    click(ball.run.start)
+    assert not ball.run.running
+    assert words in ball.run.words.text()
+
+
+def test_the_targets_of_the_document_reach_the_command(asked):
+    ask, options = asked
+    said = options(ask(*sphere(2), method="exact", area=98.0, volume=100.0))
+    assert (said.area, said.volume) == (98.0, 100.0)
+    assert options(ask(*sphere(2), method="local", hold_area=False)).area is None
+    assert options(ask(*sphere(2), method="local", hold_area=True)).area == 100.0
+
+
+def test_the_current_shape_is_pressed_where_it_is_asked_for(qtbot, window, ball, asked):
+    """A session with the shape goes to the command; at rest there is nothing to begin from."""
+    assert not ball.from_current.isEnabled()
+    state = window.session.store.state
+    V = state.document.mesh.V
+    moved = state.at(frame=replace(state.frame, U=V * [1.0, 1.0, 1.0] + [0.0, 0.0, 3.0]))
+    dialog = PressDialog(window.shell, moved, View(), window.memory)
+    dialog.show()
+    dialog.from_current.click()
+    dialog.steps.setValue(1)
+    dialog.to.setValue(90)
+    click(dialog.run.start)
+    finish(qtbot, dialog)
+    report = json.loads((dialog.run._results / "report.json").read_text(encoding="utf-8"))
+    pressed = trimesh.load(dialog.run._results / "pressed.obj", process=False).vertices
+    assert report["settled"]
+    assert pressed[:, 2].mean() == pytest.approx(3.0, abs=0.1)
+    dialog.close()
