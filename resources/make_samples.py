@@ -537,12 +537,12 @@ def write_transform(path: Path, titles: list[str], M: np.ndarray) -> None:
 
 
 def write_bottle(folder: Path) -> None:
-    """Write the bottle, its selection and its two twists."""
+    """Write the bottle, its selection and its twists."""
     V, F = bottle()
     write_mesh(folder / "bottle.obj", "a half-litre PET bottle with its cap on", V, F)
     title = f"bottle.obj: held below y = {BOTTLE_BASE_TOP}, handle above y = {BOTTLE_NECK_BOTTOM}"
     write_selection(folder / "bottle.sel", title, bottle_labels(V))
-    for degrees in (60, 120):
+    for degrees in (60, 120, 180):
         title = f"twist the handle of bottle.sel by {degrees} degrees about the bottle's axis, +Y"
         write_transform(folder / f"bottle-twist-{degrees:d}.def", [title], twist(degrees))
 

@@ -14,7 +14,7 @@ RESOURCES = ROOT / "resources"
 CLOSED = ["bottle", "duck", "cushion"]
 SAMPLES = [*CLOSED, "cloth"]
 TRANSFORMS = [
-    *("bottle-twist-60", "bottle-twist-120", "duck-bend-015", "duck-bend-030"),
+    *("bottle-twist-60", "bottle-twist-120", "bottle-twist-180", "duck-bend-015", "duck-bend-030"),
     *("cloth-fold", "cushion-press"),
 ]
 ICONS = sorted(path.stem for path in (RESOURCES / "icons").glob("*.svg") if path.stem != "apd-viewer")
@@ -104,7 +104,7 @@ def test_transforms_are_rigid(name):
     assert M[3].tolist() == [0, 0, 0, 1]
 
 
-@pytest.mark.parametrize("degrees", [60, 120])
+@pytest.mark.parametrize("degrees", [60, 120, 180])
 def test_the_twist_turns_about_the_bottle_s_axis(degrees):
     M = read_transform(f"bottle-twist-{degrees}")
     assert np.degrees(np.arccos((np.trace(M) - 2) / 2)) == pytest.approx(degrees)
