@@ -10,7 +10,7 @@ import numpy as np
 
 from apd_viewer.commands.parser import Parser
 from apd_viewer.commands.press_output import report_of, rows_of, summary
-from apd_viewer.commands.press_wall import add_wall_options, wall_of
+from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError
 from apd_viewer.files.mesh_writing import check_folder, check_target, save_mesh
@@ -150,8 +150,9 @@ def _press(options: argparse.Namespace) -> None:
     rest, progress = RestMesh(mesh.V, mesh.F), Progress(options.progress_lines)
     height = mesh.V[np.unique(mesh.F)] @ (axis / np.linalg.norm(axis))
     moduli = options.stiffness, options.area_stiffness, options.shear_stiffness
+    gas = gas_of(options.gas, wall, options.stiffness, rest)
     goals = options.area, options.volume, wall.apart
-    asked = PressOptions((), options.method, *moduli, *goals, wall.radius, start)
+    asked = PressOptions((), options.method, *moduli, *goals, wall.radius, start, gas)
     to = distance_of(options.to, float(np.ptp(height)))
     plates = PlatePress(rest, axis, to, options.steps, options.iterations, asked)
     found = press_with(plates, options.release, lambda done: progress.show(done, tr("pressing")))
@@ -174,7 +175,7 @@ def _press(options: argparse.Namespace) -> None:
 
 
 def _opened(path: str) -> tuple[Mesh, np.ndarray | None, str]:
-    """Mesh at rest, the shape (n, 3) to begin from where a session has another, and its unit."""
+    """Mesh at rest, the other shape (n, 3) that a session begins from, and the unit."""
     if Path(path).suffix.lower() != SUFFIX:
         return open_mesh(path), None, ""
     state, view = open_session(path)

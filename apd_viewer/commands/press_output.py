@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def row_of(step: PressStep, opening: bool, newtons: Newtons | None = None) -> dict[str, Cell]:
-    """Row of the table by column name, of plates that close or open; newtons only if they are known."""
+    """Row of the table by column name, with newtons where they are known."""
     row: dict[str, Cell] = {
         "distance": step.distance,
         "load_low": step.load_low,
@@ -64,6 +64,7 @@ def report_of(
         "method": options.method,
         "stiffness": options.stiffness,
         "yield_radius": options.yield_radius,
+        "gas": options.gas,
         "area_rest": rest.area,
         "volume_rest": rest.volume,
         "volume_capped_rest": rest.volume_capped,

@@ -13,9 +13,10 @@ from apd_viewer.session.quantities.elastic_wall import (
     ElasticWall,
     metres,
     poisson_ratio,
+    pressure,
     young_modulus,
 )
-from apd_viewer.session.quantities.expressions import length
+from apd_viewer.session.quantities.expressions import length, number
 from apd_viewer.session.quantities.units import Unit
 from apd_viewer.session.quantities.wall_mass import density, thickness_from
 from apd_viewer.session.quantities.wall_materials import (
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     import argparse
 
     from apd_viewer.commands.parser import Parser
+    from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
 _GPA = 1e9
 _GRAMS = 1e6  # in a cubic metre of 1 g/cm³
@@ -118,6 +120,10 @@ class Newtons:
         """Joules of a work of 1."""
         return self.per_load * self.metre
 
+    def amount(self, pascals: float, volume: float, area: float) -> float:
+        """Pressure of a gas times its volume in mesh units, in areas of the surface."""
+        return pascals * self.metre**2 / self.per_load * abs(volume) / area
+
     @property
     def per_millimetre(self) -> float:
         """N/mm of an apparent stiffness of 1."""
@@ -142,6 +148,14 @@ def add_wall_options(parser: Parser) -> None:
             "--thickness",
             "LENGTH",
             tr("of the wall, and distance that walls keep, such as 0.3mm; default: 1/1000 of the diagonal"),
+        ),
+        (
+            "--gas",
+            "PRESSURE",
+            tr(
+                "gas that is enclosed, openings capped: 1atm where newtons are known, or pressure times "
+                "volume in areas of the surface; default: it leaves freely"
+            ),
         ),
         ("--density", "D", tr("of the material, such as 1.38 (g/cm³), for the mass")),
         ("--young", "E", tr("Young's modulus, such as 2.8GPa, for loads in newtons")),
@@ -171,6 +185,22 @@ def wall_of(options: argparse.Namespace, unit: Unit) -> PressWall:
     return PressWall(
         unit, material, thickness, apart, _radius(options, material, thickness, unit), heavy, elastic
     )
+
+
+def gas_of(text: str | None, wall: PressWall, stiffness: float, rest: RestMesh) -> float | None:
+    """Pressure times volume of the gas, in areas, from a text; raises InputError."""
+    if text is None:
+        return None
+    pascals = pressure(text)
+    if pascals is None:
+        return number(text, {})
+    newtons = wall.newtons(stiffness, rest.area)
+    if newtons is None:
+        raise InputError(
+            tr("A pressure with a unit needs newtons; add --material, or --thickness and --young.")
+        )
+    volume = rest.volume if rest.caps is None else rest.volume_capped
+    return newtons.amount(pascals, volume or 0.0, rest.area)
 
 
 def _radius(

@@ -186,7 +186,25 @@ def test_what_is_typed_goes_before_what_a_material_has(ball, press, tmp_path):
     assert found["yield_radius"] == pytest.approx(4.0)
 
 
+def test_gas_keeps_the_volume_and_its_pressure_may_be_in_atmospheres(ball, press, tmp_path):
+    report, volumes, gas = tmp_path / "r.json", [], []
+    wall = "--unit", "cm", "--material", "pet-bottle"
+    for words in ((), ("--gas", "1atm"), ("--gas", "101.325 kPa"), ("--gas", "30")):
+        assert press(ball, *QUICK, *wall, *words, "--report", report)[0] == 0
+        found = json.loads(report.read_text(encoding="utf-8"))
+        volumes.append(found["volume"] / found["volume_rest"])
+        gas.append(found["gas"])
+    assert gas[0] is None
+    known = 101_325 * 1e-4 / found["newtons_per_load"] * found["volume_rest"] / found["area_rest"]
+    assert gas[1:] == pytest.approx([known, known, 30.0])
+    assert volumes[0] < volumes[1] < 1.0
+    assert volumes[2] == volumes[1]
+
+
 WRONG = {
+    "gas of no pressure": (["--gas", "0"], "greater than 0"),
+    "gas in a unit that is none": (["--gas", "1 kg"], "use kPa, bar, atm"),
+    "gas in newtons of no wall": (["--gas", "1atm"], "add --material"),
     "a material without a unit": (["--material", "paper"], "add --unit"),
     "a material that is none": (["--material", "wood", "--unit", "cm"], "choose one of pet-bottle"),
     "newtons without a wall": (["--young", "2GPa", "--unit", "cm"], "add --thickness"),

@@ -83,14 +83,15 @@ class RestMesh:
             return self.measure(self.shape.V).volume
 
     @cached_property
-    def _caps(self) -> Caps | None:
+    def caps(self) -> Caps | None:
+        """Caps of its openings; None if there are none, or they would not close the mesh."""
         caps = Caps.of(self.shape.F, len(self.shape.V))
         return caps if capped_volume(caps, self.shape.V, self.shape.F) is not None else None
 
     @property
     def openings(self) -> int:
         """Number of openings capped for :attr:`volume_capped`."""
-        return self._caps.count if self._caps is not None else 0
+        return self.caps.count if self.caps is not None else 0
 
     @cached_property
     def volume_capped(self) -> float | None:
@@ -101,7 +102,7 @@ class RestMesh:
     def measure(self, U: np.ndarray) -> ShapeMeasures:
         """Readings of the positions ``U`` (k, 3) of the vertices of the solve."""
         least = SLIVER * self.area / len(self.F)
-        F, caps = self.shape.whole.F, self._caps
+        F, caps = self.shape.whole.F, self.caps
         area, volume, change = area_volume_change(U, F, self.face_areas, least)
         capped = None if caps is None else float(volume) + caps.volume(U, U[F[0, 0]])
         return ShapeMeasures(

@@ -64,6 +64,17 @@ class Caps:
         apex = np.repeat(np.add.reduceat(p, self.start) / size[:, None], size, axis=0)
         return float(np.einsum("ij,ij->", apex, np.cross(p, q))) / 6.0
 
+    def volume_and_gradient(self, U: np.ndarray, origin: np.ndarray, g: np.ndarray) -> float:
+        """The same; the gradient with the origin held is added to ``g`` (n, 3)."""
+        p, q = U[self.ends[:, 0]] - origin, U[self.ends[:, 1]] - origin
+        size = np.diff(self.start, append=len(p))
+        apex = np.repeat(np.add.reduceat(p, self.start) / size[:, None], size, axis=0)
+        across = np.cross(p, q)
+        pull = np.repeat(np.add.reduceat(across, self.start) / size[:, None], size, axis=0)
+        np.add.at(g, self.ends[:, 0], (np.cross(q, apex) + pull) / 6.0)
+        np.add.at(g, self.ends[:, 1], np.cross(apex, p) / 6.0)
+        return float(np.einsum("ij,ij->", apex, across)) / 6.0
+
     def area(self, U: np.ndarray) -> float:
         """Total area of the caps, each projected along its area vector."""
         origin = U[self.ends[0, 0]]

@@ -77,6 +77,7 @@ def press(
     thickness: float | None = None,
     yield_radius: float | None = None,
     start: np.ndarray | None = None,
+    gas: float | None = None,
     release: bool = False,
     iterations: int = DEFAULT_ITERATIONS,
     progress: Callable[[float], object] = lambda _: None,
@@ -101,6 +102,9 @@ def press(
     start : (n, 3) float array, optional
         Shape to begin from, such as a twisted one. It springs back first, since nothing but ``fixed`` is
         held; creases that it has by its ``yield_radius`` stay.
+    gas : float, optional
+        Pressure of enclosed gas times volume, at rest, in areas of the surface: an ideal gas at one
+        temperature, as much outside as inside at rest. Openings are capped. Without it gas leaves freely.
     release : bool
         Open the plates again in the end, to see what remains.
     iterations : int
@@ -120,7 +124,7 @@ def press(
     V, F = numbers(V, tr("Vertices")), whole_numbers(F, tr("Faces"))
     check_mesh(V, F)
     moduli = stiffness, area_stiffness, shear_stiffness
-    options = PressOptions(fixed, method, *moduli, area, volume, thickness, yield_radius, start)
+    options = PressOptions(fixed, method, *moduli, area, volume, thickness, yield_radius, start, gas)
     plates = PlatePress(RestMesh(V, F), np.asarray(axis), to, steps, iterations, options)
     return press_with(plates, release, progress)
 

@@ -35,6 +35,9 @@ class PressOptions:
     yield_radius : float or None
         Walls that are bent to a smaller radius than that from flat, mesh units, keep a crease; None for walls
         that spring back from everything.
+    gas : float or None
+        Pressure of enclosed gas times volume, at rest, in areas of the surface, openings capped; None for
+        openings or holes that it leaves by.
     start : (n, 3) float array or None
         Shape to begin from, such as a twisted one; None for the shape at rest.
     """
@@ -49,6 +52,7 @@ class PressOptions:
     thickness: float | None = None
     yield_radius: float | None = None
     start: np.ndarray | None = None
+    gas: float | None = None
 
 
 DEFAULT_OPTIONS = PressOptions()

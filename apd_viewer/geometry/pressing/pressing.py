@@ -19,6 +19,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.contact.obstacles import Obstacle
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.pose.held_path import HeldPath
@@ -51,6 +52,7 @@ class Pressing:
     ----------
     iterations : int
         Since :meth:`aim`.
+    gas : EnclosedGas or None
 
     Raises
     ------
@@ -77,6 +79,7 @@ class Pressing:
             self._goals = goals.goals
             self._elastic = Elastic(rest.shape, self._held, press_material(traits, options))
             self._elastic.restart(start)
+            self.gas = None if options.gas is None else EnclosedGas(rest, options.gas)
         self.surround(obstacles, shifts)
 
     def surround(self, obstacles: Sequence[Obstacle], shifts: np.ndarray) -> None:
@@ -100,7 +103,7 @@ class Pressing:
                         tr("The shape to begin from crosses itself; deform it with walls kept apart.")
                     )
                 contact.enter(elastic.U)
-            self._surface = TouchingSurface(elastic, contact)
+            self._surface = TouchingSurface(elastic, contact, self.gas)
             targets = elastic.U[held]
             self._descent = TouchingDescent(self._surface, elastic.U, targets, self._goals, TOLERANCE)
         self._shifts = np.asarray(shifts, dtype=float)

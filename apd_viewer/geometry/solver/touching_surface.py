@@ -11,6 +11,7 @@ import scipy.sparse as sp
 
 from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
+from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.whole_turns import WholeTurns
 from apd_viewer.geometry.goals.goal_projection import MET, Projection
 from apd_viewer.geometry.goals.goals import Goal
@@ -31,10 +32,11 @@ class TouchingSurface:
     ----------
     elastic : Elastic
     contact : Contact
+    gas : EnclosedGas, optional
     """
 
-    def __init__(self, elastic: Elastic, contact: Contact) -> None:
-        self.elastic, self.contact = elastic, contact
+    def __init__(self, elastic: Elastic, contact: Contact, gas: EnclosedGas | None = None) -> None:
+        self.elastic, self.contact, self.gas = elastic, contact, gas
         self.rest, self.free = elastic.rest, elastic.free
         self.metric: Factor = elastic.factor
         self._to_held: sp.csr_array | None = None
@@ -49,12 +51,15 @@ class TouchingSurface:
     @property
     def energy(self) -> float:
         """The energy of the current positions."""
-        return self.elastic.energy + self.contact.energy_at(self.elastic.U)
+        gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
+        return self.elastic.energy + self.contact.energy_at(self.elastic.U) + gas
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
         residual = self.elastic.residual(targets)
         residual += self.contact.gradient(self.elastic.U)[self.free]
+        if self.gas:
+            residual += 0.25 * self.gas.gradient(self.elastic.U)[self.free]
         return residual
 
     def solve(self, b_f: np.ndarray) -> np.ndarray:

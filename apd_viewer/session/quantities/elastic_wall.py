@@ -19,6 +19,15 @@ from apd_viewer.language import tr
 from apd_viewer.session.quantities.expressions import number
 from apd_viewer.session.quantities.units import Unit
 
+_PRESSURES = {
+    "pa": 1.0,
+    "kpa": 1e3,
+    "mpa": 1e6,
+    "mbar": 1e2,
+    "bar": 1e5,
+    "atm": 101_325.0,
+    "psi": 6894.757293168,
+}
 _PASCALS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "psi": 6894.757293168, "ksi": 6894757.293168}
 _UNIT = re.compile(r"(?P<amount>.*?)\s*(?P<unit>[a-zA-Z]*)\s*", re.DOTALL)
 _SOFTEST, _HARDEST = 1e3, 2e12  # Pa; gels have more, diamond has 1.2e12
@@ -62,7 +71,7 @@ class ElasticWall(NamedTuple):
         return self.rigidity / (2.0 * stiffness * area * metre)
 
     def stiffness(self, area: float, metre: float) -> float:
-        """The model's stiffness that bends and stretches in the proportion in which this wall does.
+        """Stiffness of the model with this wall's proportion of bending to stretch.
 
         The cells of the model have a Young's modulus of 4 per length: ``D / (E t) = stiffness area / 2``.
         """
@@ -96,6 +105,21 @@ def young_modulus(text: str) -> float:
             )
         )
     return value
+
+
+def pressure(text: str) -> float | None:
+    """Pressure in Pa from a text, None for a bare number; raises InputError."""
+    parted = _UNIT.fullmatch(text.strip())
+    assert parted is not None
+    unit = parted["unit"].lower()
+    if unit and unit not in _PRESSURES:
+        raise InputError(
+            tr("“{unit}” is not a unit of pressure; use kPa, bar, atm or psi.").format(unit=parted["unit"])
+        )
+    value = number(parted["amount"], {})
+    if not value > 0.0:
+        raise InputError(tr("The pressure of the gas must be greater than 0."))
+    return _PRESSURES[unit] * value if unit else None
 
 
 def poisson_ratio(text: str) -> float:

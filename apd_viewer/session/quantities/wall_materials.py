@@ -9,7 +9,7 @@ from apd_viewer.language import tr
 
 
 class WallMaterial(NamedTuple):
-    """Properties of a material; None is one that it does not have, or that differs too much.
+    """Properties of a material; None where it has none, or they differ too much.
 
     Attributes
     ----------
@@ -142,5 +142,5 @@ def wall_material(name: str) -> WallMaterial:
 
 
 def yield_radius(thickness: float, strain: float) -> float:
-    """Radius to which a sheet is bent when its outermost fibres yield, in the unit of its thickness."""
+    """Radius of a bend whose outermost fibres yield, in the unit of the thickness."""
     return thickness / (2.0 * strain)
