@@ -188,7 +188,7 @@ class PressDialog(StudyDialog):
 
     @property
     def _targets(self) -> dict[str, str]:
-        """Options of the command for the targets of the document, as far as the method keeps them."""
+        """Options of the command for the targets that the method keeps."""
         area, volume, *_ = kept_percentages(replace(self._document, method=self.method.currentData()))
         said = {"--area": area, "--volume": volume}
         return {option: repr(value) for option, value in said.items() if value is not None}
