@@ -41,7 +41,7 @@ SAMPLES = {
     "cloth": Sample(
         tr("Cloth"),
         tr("Open the cloth, already painted: fold it over"),
-        {**_FABRIC, "stiffness": 2e-4, "area_stiffness": 200.0},
+        {**_FABRIC, "stiffness": 2e-4, "area_stiffness": 300.0},
         pivot=(0.0, 0.4, 0.0),
     ),
     "cushion": Sample(
