@@ -105,6 +105,15 @@ def test_keeping_the_area_does_not_push_against_the_plates():
     assert found.steps[-1].iterations < 300  # 725 by a way found without the plates
 
 
+def test_contact_stops_no_plates_that_have_room():
+    """A coarse ball: its corners are pushed by the plates one by one."""
+    V, F = sphere(2)
+    found = press(V, F, Z, 0.6, 6, stiffness=0.01)
+    assert not found.stopped
+    assert found.steps[-1].distance == pytest.approx(0.6)
+    assert all(step.settled for step in found.steps)
+
+
 def test_a_held_base_takes_what_the_plates_do_not_balance():
     V, F = sphere(3)
     base = np.flatnonzero(V[:, 2] < -0.8)
