@@ -27,7 +27,7 @@ from apd_viewer.ui.widgets.fields import Check, Choice, Entry
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-_DIGITS = 3
+_DIGITS, _AIR = 3, "1atm"
 
 
 class WallFields(QObject):
@@ -60,6 +60,8 @@ class WallFields(QObject):
         tip = tr("Walls bent to a smaller radius keep a crease: 6mm, or a number in the unit of the mesh")
         self.radius = LengthField(tr("Yield radius"), tip, tr("no creases"), unit)
         self.release = Check(tr("open the plates again, to see what remains"))
+        self.air = Check(tr("air that cannot leave, an atmosphere of it"))
+        self.air.setToolTip(tr("Openings are capped; needs the wall in newtons"))
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), short(DEFAULT_POISSON))
         self.density = _entry(tr("Density"), tr("For the mass: 1.38 g/cm³"), tr("no mass"))
@@ -80,6 +82,7 @@ class WallFields(QObject):
             (tr("Wall thickness"), row_of(self.thickness)),
             (tr("Young's modulus"), row_of(self.young, ratio, self.poisson, heavy, self.density, spacing=8)),
             (tr("Yield radius"), row_of(self.radius, self.release)),
+            (tr("Inside"), row_of(self.air)),
         )
 
     def when_changed(self, call: Callable[[], object]) -> None:
@@ -105,12 +108,17 @@ class WallFields(QObject):
     def options(self) -> dict[str, str]:
         """Options of the command; raises InputError."""
         elastic, thickness, radius = self.elastic, self.thickness.value, self.radius.value
+        if self.air.isChecked() and elastic is None:
+            raise InputError(
+                tr("Air inside needs the wall in newtons; choose a material or type its modulus.")
+            )
         said = {
             "--unit": self._unit.value,
             "--thickness": "" if thickness is None else repr(thickness),
             "--yield-radius": "" if radius is None else repr(radius),
             "--young": self.young.text().strip() if elastic else "",
             "--poisson": self.poisson.text().strip() if elastic else "",
+            "--gas": _AIR if self.air.isChecked() else "",
             "--density": repr(density(self.density.text())) if self.density.text().strip() else "",
             "--material": getattr(self.material.currentData(), "name", ""),
         }

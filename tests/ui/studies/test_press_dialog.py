@@ -296,6 +296,20 @@ def test_a_material_that_cannot_be_is_refused_at_once(typed, words, ball):
     assert words in ball.run.words.text()
 
 
+def test_air_inside_needs_newtons(asked, ball):
+    ask, options = asked
+    ball.wall.air.click()
+    click(ball.run.start)
+    assert not ball.run.running
+    assert "in newtons" in ball.run.words.text()
+    dialog = ask(*sphere(2), unit="cm")
+    chosen(dialog, "pet-bottle")
+    dialog.wall.radius.clear()
+    assert options(dialog).gas is None
+    dialog.wall.air.click()
+    assert options(dialog).gas == "1atm"
+
+
 def test_the_targets_of_the_document_reach_the_command(asked):
     ask, options = asked
     said = options(ask(*sphere(2), method="exact", area=98.0, volume=100.0))
