@@ -76,6 +76,7 @@ class PressDialog(StudyDialog):
         )
         self.wall.when_changed(self._show_stiffness)
         self.lay_out(about, rows)
+        self.wall.material.currentIndexChanged.connect(lambda _: self._fit(self.width()))
 
     def _make_direction(self) -> QHBoxLayout:
         self.direction = Choice(accessibleName=tr("Direction to press in"))

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _DIGITS, _AIR = 3, "1atm"
+_OWN = tr("your own numbers")
 
 
 class WallFields(QObject):
@@ -65,7 +66,7 @@ class WallFields(QObject):
         self.young = _entry(tr("Young's modulus"), tr("For loads in newtons: 2.8GPa"), tr("no newtons"))
         self.poisson = _entry(tr("Poisson's ratio"), tr("From 0 to 0.5"), short(DEFAULT_POISSON))
         self.density = _entry(tr("Density"), tr("For the mass: 1.38 g/cm³"), tr("no mass"))
-        self.source = QLabel(objectName="quiet", wordWrap=True, visible=False)
+        self.source = QLabel(_OWN, objectName="quiet", wordWrap=True)
         self.material.currentIndexChanged.connect(self._fill)
         for field in (self.thickness, self.radius, self.young, self.poisson, self.density):
             field.textEdited.connect(self._own)
@@ -74,11 +75,11 @@ class WallFields(QObject):
     def rows(self) -> tuple[tuple[str, QHBoxLayout], ...]:
         """Rows for a dialog, each with its title."""
         source = QHBoxLayout()
-        source.addWidget(self.material)
         source.addWidget(self.source, 1)
         ratio, heavy = QLabel(tr("Poisson's ratio")), QLabel(tr("Density"))
         return (
-            (tr("Material"), source),
+            (tr("Material"), row_of(self.material)),
+            (tr("Source"), source),
             (tr("Wall thickness"), row_of(self.thickness)),
             (tr("Young's modulus"), row_of(self.young, ratio, self.poisson, heavy, self.density, spacing=8)),
             (tr("Yield radius"), row_of(self.radius, self.release)),
@@ -127,10 +128,9 @@ class WallFields(QObject):
     def _fill(self) -> None:
         """Fill in what the material has."""
         material = self.material.currentData()
-        self.source.setVisible(material is not None)
+        self.source.setText(_OWN if material is None else material.source)
         if material is None:
             return
-        self.source.setText(tr("after {source}").format(source=material.source))
         strain = material.yield_strain
         self.thickness.setText(f"{material.thickness:g}mm")
         self.radius.setText(

@@ -251,12 +251,13 @@ def chosen(dialog, name):
 def test_a_material_fills_in_the_fields_and_names_its_source(asked):
     ask, options = asked
     dialog = ask(*box(1, 2, 4), unit="cm")
-    assert dialog.wall.source.isHidden()
+    assert dialog.wall.source.text() == "your own numbers"
     chosen(dialog, "pet-bottle")
     wall = dialog.wall
     assert (wall.thickness.text(), wall.radius.text()) == ("0.3mm", "8.57mm")
     assert (wall.young.text(), wall.poisson.text(), wall.density.text()) == ("3.4GPa", "0.38", "1.36 g/cm³")
     assert "Callister" in wall.source.text()
+    assert wall.source.height() >= wall.source.heightForWidth(wall.source.width()), "nothing is cut off"
     assert "finer than meshes of this size resolve" in dialog.hint.text()
     said = options(dialog)
     assert (said.material, said.unit, said.young) == ("pet-bottle", "cm", "3.4GPa")
@@ -273,7 +274,7 @@ def test_what_is_typed_makes_a_material_of_the_users_own(qtbot, asked):
     dialog.wall.thickness.clear()
     qtbot.keyClicks(dialog.wall.thickness, "0.4mm")
     assert dialog.wall.material.currentText() == "Custom"
-    assert dialog.wall.source.isHidden()
+    assert dialog.wall.source.text() == "your own numbers"
     said = options(dialog)
     assert said.material is None
     assert (float(said.thickness), said.young) == (pytest.approx(0.04), "1.08GPa")
