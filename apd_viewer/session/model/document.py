@@ -28,7 +28,7 @@ from apd_viewer.geometry.solver.methods import (
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
 from apd_viewer.session.model.factor_key import FACTORED, NOT_FACTORED
-from apd_viewer.session.model.named_obstacle import NamedObstacle
+from apd_viewer.session.model.named_obstacle import NamedObstacle, solids_of
 from apd_viewer.session.model.named_parts import (
     IDENTITY,
     NO_FLAGS,
@@ -136,12 +136,7 @@ class Document:
     @property
     def solids(self) -> tuple[Obstacle, ...]:
         """The obstacles that push, where they were put."""
-        if not self.has_obstacles:
-            return ()
-        middle = 0.5 * (self.mesh.V.min(axis=0) + self.mesh.V.max(axis=0))
-        size = diagonal(self.mesh.V)
-        # A plate far away has to reach as far.
-        return tuple(each.solid(size + float(np.linalg.norm(each.place - middle))) for each in self.obstacles)
+        return solids_of(self.obstacles, self.mesh.V) if self.has_obstacles else ()
 
     @property
     def shifts(self) -> np.ndarray:
