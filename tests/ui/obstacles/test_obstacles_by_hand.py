@@ -9,7 +9,9 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 
 from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.session.model.view import View
 from apd_viewer.session.quantities.units import Unit
+from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.ui.tools.toolbox import Tool
 
 PLATE, SPHERE, CYLINDER = ObstacleKind
@@ -307,7 +309,7 @@ def test_arrow_keys_nudge_what_is_in_the_hand(qtbot, floored):
     assert floor.shift[0] == floor.shift[2] == 0.0
     assert steps(window)[-1] == "Nudge Floor"
     assert steps(window)[-2] == "Add floor"
-    assert not document(window).posed
+    np.testing.assert_array_equal(document(window).handles[0].pose, np.eye(4))
     qtbot.keyClick(view, Qt.Key.Key_Left)  # aside a plate changes nothing
     assert there(window)[0].shift[0] == 0.0
 
@@ -401,3 +403,63 @@ def test_the_hint_knows_that_obstacles_suffice(qtbot, window):
     assert window.invitation.text() == "Click an obstacle to move it"
     window.tools.take(Tool.BASE)
     assert "base" in window.invitation.text()
+
+
+def test_a_sphere_that_is_pushed_in_dents_the_bottle_and_feels_a_load(qtbot, held):
+    window, section = held, held.panel.obstacles
+    window.actions_.obstacles.kinds[SPHERE].trigger()
+    click(window, middle(window))
+    sphere = there(window)[0]
+    rest = window.session.store.state.frame.U
+    fields = section.fields
+    type_into(qtbot, fields.distance, "0.03L")
+    idle(qtbot, window)
+    state = window.session.store.state
+    U, shift = state.frame.U, state.frame.shifts[0]
+    assert shift @ sphere.axis > 0.0
+    gap = np.linalg.norm(U - sphere.place - shift, axis=1).min() - sphere.radius
+    assert gap > 0.0
+    assert (
+        np.linalg.norm(rest - sphere.place - shift, axis=1).min() < sphere.radius
+    )  # the rest shape would cut it
+    assert section.list.rows[0].reading.text().startswith("load ")
+    window.actions_.undo.trigger()
+    assert window.session.store.state.frame.U is rest
+    assert section.list.rows[0].reading.text() == ""
+
+
+def test_plates_press_a_mesh_that_nothing_holds(qtbot, held):
+    window = held
+    window.session.painting.clear_all()
+    window.actions_.obstacles.sides[0].trigger()
+    assert document(window).problem is None
+    before = np.ptp(window.session.store.state.frame.U[:, 0])
+    tip, way = arrow(window)
+    drag(window, tip, 25 * way)
+    idle(qtbot, window)
+    state = window.session.store.state
+    assert np.ptp(state.frame.U[:, 0]) < before
+    for obstacle, shift in zip(there(window), state.shifts, strict=True):
+        assert ((state.frame.U - obstacle.place - shift) @ obstacle.axis).min() > 0.0
+    one, two = state.frame.loads[:, 0]
+    assert one == pytest.approx(-two, rel=0.05)
+
+
+def test_a_session_brings_them_back(qtbot, floored, tmp_path):
+    window = floored
+    window.session.obstacles.rename(0, "Table")
+    window.session.obstacles.move(0, np.array([0.0, -0.5, 0.0]))
+    idle(qtbot, window)
+    saved = there(window)[0]
+    path = tmp_path / "a.apd"
+    save_session(path, window.session.store.state, View())
+    window.session.files.open_sample("duck")
+    qtbot.waitUntil(lambda: document(window).mesh.name.startswith("duck"), timeout=30_000)
+    window.session.files.open(path)
+    qtbot.waitUntil(lambda: bool(there(window)), timeout=30_000)
+    (table,) = there(window)
+    assert (table.name, table.kind) == ("Table", PLATE)
+    np.testing.assert_array_equal(table.place, saved.place)
+    np.testing.assert_array_equal(table.shift, saved.shift)
+    assert names(window) == ["Table"]
+    assert len(window.obstacles.scene.shown) == 1
