@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from driven_session import bar, pose
+from driven_session import VIEW, bar, pose
 
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.mesh_contact import thickness_of
 from apd_viewer.geometry.mesh.arrays import diagonal, frozen
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.session.model.named_obstacle import MOST_OBSTACLES, NamedObstacle, ObstacleKind
+from apd_viewer.session.storage.session_file import open_session, save_session
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -257,3 +258,11 @@ def test_a_new_rest_shape_keeps_them_where_they_are(session):
     (floor,) = now(session).obstacles
     np.testing.assert_allclose(floor.place, where, atol=1e-12)
     assert not floor.shift.any()
+
+
+def test_what_was_just_added_is_saved_and_opened(opened, tmp_path):
+    opened.obstacles.put_floor(UP)
+    save_session(tmp_path / "a.apd", opened.store.state, VIEW)
+    found, _ = open_session(tmp_path / "a.apd")
+    (floor,) = found.document.obstacles
+    np.testing.assert_array_equal(floor.place, now(opened).obstacles[0].place)

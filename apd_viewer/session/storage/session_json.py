@@ -175,8 +175,16 @@ def frame_said(frame: Frame) -> dict[str, Any]:
         "energy": None if frame.energy is None else float(frame.energy),
         **({} if frame.share_reached == 1.0 else {"share_reached": float(frame.share_reached)}),
         **({} if frame.contact is None else {"contact": frame.contact._asdict()}),
-        **({"loads": frame.loads.tolist(), "shifts": frame.shifts.tolist()} if len(frame.shifts) else {}),
+        **_of_obstacles(frame),
     }
+
+
+def _of_obstacles(frame: Frame) -> dict[str, Any]:
+    """Shifts and loads of obstacles; before the first frame with them there are no loads."""
+    if not len(frame.shifts):
+        return {}
+    loads = {"loads": frame.loads.tolist()} if len(frame.loads) == len(frame.shifts) else {}
+    return {**loads, "shifts": frame.shifts.tolist()}
 
 
 def frame_of(said: Fields, state: State, U: np.ndarray) -> Frame:
