@@ -15,6 +15,7 @@ from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.language import tr
 from apd_viewer.session.model.handle_paths import on_the_way
+from apd_viewer.session.model.named_obstacle import ObstacleKind, size_for
 from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def targets(poses):
 """
 _AT_ONCE = """
 result = apd_viewer.deform(
-    mesh.V, mesh.F, fixed, targets(poses), handle=handles, {settings}
+    mesh.V, mesh.F, fixed, targets(poses), handle=handles, {settings}{shifts}
 )
 """
 # A pose tells a turn up to 180 degrees; larger ones need the way.
@@ -37,8 +38,8 @@ _IN_STEPS = """
 solver = apd_viewer.Deformation(
     mesh.V, mesh.F, fixed, handle=handles, {settings}
 )
-for step in way:
-    solver.aim(targets(step))
+for {step} in {way}:
+    solver.aim(targets(step){shift})
     for _ in range({iterations}):
         solver.step()
     while solver.is_on_its_way:
@@ -46,7 +47,7 @@ for step in way:
     if solver.share_reached < 1.0:  # contact lets the handles go no farther
         break
 else:
-    solver.aim(targets(poses))
+    solver.aim(targets(poses){shifts})
 for _ in range({most}):
     result = solver.step()
     if solver.settled:
@@ -78,6 +79,7 @@ def python_script(document: Document) -> str:
         *_gripped(document, handles),
         *_assigned("poses", _poses(document, handles)),
         *_regions(document),
+        *_obstacles(document),
         _TARGETS.rstrip(),
         *_deformed(document, handles),
         f"apd_viewer.save_mesh(mesh, result.U, {_target(document)!r})",
@@ -136,6 +138,24 @@ def _regions(document: Document) -> Iterator[str]:
     yield "]"
 
 
+def _obstacles(document: Document) -> Iterator[str]:
+    """Obstacles that push, and how far they go."""
+    if not document.has_obstacles:
+        return
+    yield "obstacles = ["
+    for obstacle, solid in zip(document.obstacles, document.solids, strict=True):
+        yield f"    # {' '.join(obstacle.name.split())}"
+        if obstacle.kind is ObstacleKind.PLATE:
+            size = size_for(obstacle, document.mesh.V)
+            given = f"plate({obstacle.place.tolist()!r}, {obstacle.axis.tolist()!r}, {size!r})"
+        else:
+            kind = "sphere" if obstacle.kind is ObstacleKind.SPHERE else "capsule"
+            given = f"{kind}({', '.join(map(repr, solid.points.tolist()))}, {solid.radius!r})"
+        yield f"    apd_viewer.{given},"
+    yield "]"
+    yield from _assigned("shifts", _array(document.shifts))
+
+
 def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
     """Positions that base and handles were gripped at."""
     V, grip = document.mesh.V, document.grip
@@ -159,15 +179,26 @@ def _poses(document: Document, handles: list[int]) -> str:
 
 def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
     settings = _settings(document)
+    pushes = document.has_obstacles
+    shifts = ", shifts=shifts" if pushes else ""
     if not document.winds:
-        yield _AT_ONCE.format(settings=settings).rstrip()
+        yield _AT_ONCE.format(settings=settings, shifts=shifts).rstrip()
         return
     yield ""
     yield "# A turn of more than 180 degrees goes in steps."
-    way = (_poses(step, handles) for step in on_the_way(document))
-    yield from _assigned("way", f"[{', '.join(way)}]")
-    most = document.convergence.most_iterations
-    yield _IN_STEPS.format(settings=settings, iterations=ITERATIONS_A_STEP, most=most).strip("\n")
+    steps = list(on_the_way(document))
+    yield from _assigned("way", f"[{', '.join(_poses(step, handles) for step in steps)}]")
+    if pushes:
+        yield from _assigned("shifts_on_the_way", _array(np.array([step.shifts for step in steps])))
+    yield _IN_STEPS.format(
+        settings=settings,
+        shifts=shifts,
+        step="step, shift" if pushes else "step",
+        way="zip(way, shifts_on_the_way)" if pushes else "way",
+        shift=", shifts=shift" if pushes else "",
+        iterations=ITERATIONS_A_STEP,
+        most=document.convergence.most_iterations,
+    ).strip("\n")
 
 
 def _settings(document: Document) -> str:
@@ -185,6 +216,8 @@ def _settings(document: Document) -> str:
     if document.contact and method.may_touch:
         words.append("contact=True")
         words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
+    if document.has_obstacles:
+        words.append("obstacles=obstacles")
     if document.convergence != DEFAULT_CONVERGENCE:
         words.append(f"convergence=apd_viewer.{document.convergence!r}")
     return ", ".join([*words, "regions=regions"] if targets.regions else words)

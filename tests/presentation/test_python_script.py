@@ -11,6 +11,7 @@ from apd_viewer.files.meshes import open_mesh
 from apd_viewer.geometry.pose.constraints import BASE, HANDLE
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.presentation.python_script import python_script
+from apd_viewer.session.model.named_obstacle import ObstacleKind
 from apd_viewer.session.model.view import View
 from apd_viewer.session.storage.session_file import save_session
 from apd_viewer.session.studies.replay import replay
@@ -89,6 +90,31 @@ def test_turns_of_more_than_half_are_repeated(session, tmp_path, monkeypatch):
             session.handles.drag(pose(angle), k)
     session.gestures.end("Move handles")
     assert session.store.state.document.winds
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def put_obstacles(session):
+    """A plate and a finger that push the side of the bar, and a sphere on the other."""
+    out = np.array([1.0, 0.0, 0.0])
+    for kind, outwards, point in (
+        (ObstacleKind.PLATE, out, (2.0, 1.0, 3.0)),
+        (ObstacleKind.CYLINDER, -out, (0.0, 1.0, 3.0)),
+        (ObstacleKind.SPHERE, -out, (0.0, 1.0, 2.0)),
+    ):
+        proposed = session.obstacles.proposed(kind, np.array(point), outwards)
+        session.obstacles.add(proposed)
+    session.obstacles.move(1, 0.15 * out)
+
+
+def test_obstacles_are_repeated_where_something_is_held(session, tmp_path, monkeypatch):
+    session.settings.set_stiffness(0.01)
+    put_obstacles(session)
+    check_repeats(session, tmp_path, monkeypatch)
+
+
+def test_obstacles_are_repeated_where_nothing_is_held(session, tmp_path, monkeypatch):
+    session.painting.clear_all()
+    put_obstacles(session)
     check_repeats(session, tmp_path, monkeypatch)
 
 

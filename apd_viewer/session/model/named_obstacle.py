@@ -119,6 +119,11 @@ def shifts_after(
 
 def solids_of(obstacles: Sequence[NamedObstacle], V: np.ndarray) -> tuple[Obstacle, ...]:
     """The obstacles in the way of a mesh with vertices ``V`` (n, 3)."""
-    middle, size = 0.5 * (V.min(axis=0) + V.max(axis=0)), diagonal(V)
+    return tuple(each.solid(size_for(each, V)) for each in obstacles)
+
+
+def size_for(obstacle: NamedObstacle, V: np.ndarray) -> float:
+    """Extent of all that an obstacle is to stop of a mesh with vertices ``V`` (n, 3)."""
+    middle = 0.5 * (V.min(axis=0) + V.max(axis=0))
     # A plate far away has to reach as far.
-    return tuple(each.solid(size + float(np.linalg.norm(each.place - middle))) for each in obstacles)
+    return diagonal(V) + float(np.linalg.norm(obstacle.place - middle))
