@@ -40,7 +40,7 @@ def load(state: State, k: int) -> str:
 
 
 def motion(state: State, k: int, unit: Unit) -> str:
-    """How far obstacle ``k`` was moved, and what of that contact has not let it."""
+    """Distance obstacle ``k`` was moved by, and what of it contact has not allowed."""
     obstacle, size = state.document.obstacles[k], float(max(state.inspection.size))
     way = length(float(np.linalg.norm(obstacle.shift)), size)
     if way == "0":

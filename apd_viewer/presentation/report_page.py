@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from apd_viewer.errors import InputError
 from apd_viewer.files.html_page import Block, Note, Page, PageSection, PictureRow, Table
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import measurement_words, obstacle_readings, readings
+from apd_viewer.presentation import measurement_words, readings, report_settings
 from apd_viewer.presentation.number_format import length, short
 from apd_viewer.presentation.report_origin import (
     Evidence,
@@ -19,7 +19,6 @@ from apd_viewer.presentation.report_origin import (
     version_of,
     version_rows,
 )
-from apd_viewer.presentation.report_settings import handle_rows, region_blocks, settings_blocks
 from apd_viewer.presentation.report_volumes import reduction_block
 from apd_viewer.session.model.status_text import of_crossings, of_exempt
 from apd_viewer.session.quantities.units import Unit
@@ -70,10 +69,10 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         PageSection(tr("Size and mass"), tuple(_size(subject))),
         *_target_shape(state, unit, evidence.apart),
         *_measurements(subject),
-        PageSection(tr("Settings and targets"), tuple(settings_blocks(state, unit))),
-        PageSection(tr("Handles"), (Table(tuple(handle_rows(state, unit))),)),
-        *_obstacles(state, unit),
-        PageSection(tr("Regions"), tuple(region_blocks(state, unit))),
+        PageSection(tr("Settings and targets"), tuple(report_settings.settings_blocks(state, unit))),
+        PageSection(tr("Handles"), (Table(tuple(report_settings.handle_rows(state, unit))),)),
+        PageSection(tr("Obstacles"), tuple(report_settings.obstacle_blocks(state, unit))),
+        PageSection(tr("Regions"), tuple(report_settings.region_blocks(state, unit))),
         PageSection(tr("Volume reduction"), (reduction_block(state, unit, subject.wall, checks),), wide=True),
         PageSection(tr("Local area change"), tuple(_local_change(evidence.change, histogram)), wide=True),
         PageSection(tr("Mesh check"), tuple(_findings(subject)), wide=True),
@@ -89,15 +88,6 @@ def page_of(subject: Subject, evidence: Evidence, pictures: PictureRow, histogra
         parts=tuple(parts),
         foot=tr("Created with APD Viewer {version}.").format(version=version_of("apd-viewer")),
     )
-
-
-def _obstacles(state: State, unit: Unit) -> Iterator[PageSection]:
-    if not state.document.obstacles:
-        return
-    blocks: list[Block] = [Table(tuple(obstacle_readings.report_rows(state, unit)))]
-    if why := obstacle_readings.why_idle(state):
-        blocks.append(Note(why))
-    yield PageSection(tr("Obstacles"), tuple(blocks))
 
 
 def _warnings(state: State) -> Iterator[Block]:

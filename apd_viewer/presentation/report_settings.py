@@ -11,7 +11,7 @@ import numpy as np
 from apd_viewer.files.html_page import Block, Note, Table
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.language import tr, trn
-from apd_viewer.presentation import readings
+from apd_viewer.presentation import obstacle_readings, readings
 from apd_viewer.presentation.number_format import short, significant
 from apd_viewer.session.model.targets import kept_percentages
 from apd_viewer.session.quantities.units import Unit
@@ -107,6 +107,16 @@ def _vector(x: np.ndarray, size: float = 1.0) -> str:
     """Coordinates with enough digits to reproduce them; rounding errors become zero."""
     least = _ROUNDING * size
     return "(" + ", ".join(f"{c:.{_DIGITS}g}".replace("-", "−") if abs(c) > least else "0" for c in x) + ")"
+
+
+def obstacle_blocks(state: State, unit: Unit) -> Iterator[Block]:
+    """Blocks on the obstacles with their motions and loads."""
+    if not state.document.obstacles:
+        yield Note(tr("There are no obstacles."))
+        return
+    yield Table(tuple(obstacle_readings.report_rows(state, unit)))
+    if why := obstacle_readings.why_idle(state):
+        yield Note(why)
 
 
 def region_blocks(state: State, unit: Unit) -> Iterator[Block]:

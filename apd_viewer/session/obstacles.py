@@ -226,7 +226,7 @@ def _title(old: NamedObstacle, new: NamedObstacle, document: Document, unit: Uni
 
 
 def _stands_in(obstacle: NamedObstacle, state: State, apart: float, unit: Unit) -> str:
-    """Sentence about an obstacle in the shape, with the nearest place against its axis."""
+    """Sentence about an obstacle in the shape, with the nearest clear place."""
     free = pushed_back(obstacle, state, apart).place
     return tr("The {kind} would stand in the shape; the nearest place behind is {place}.").format(
         kind=obstacle.kind.title.lower(), place=", ".join(unit.length(f"{x:.5g}") for x in free)

@@ -37,7 +37,7 @@ class RestShape:
         self._listener = listener
 
     def restore(self) -> None:
-        """Reset handles, obstacles, shape and percentages to those at rest; the paint stays."""
+        """Reset handles, obstacles, shape and percentages; the paint stays."""
         state = self._gestures.alone()
         if not state.is_at_rest:
             self._gestures.record(tr("Reset all handles"), state)

@@ -58,7 +58,7 @@ class State:
 
     @property
     def is_at_rest(self) -> bool:
-        """True if the shape is at rest, nothing was moved and every percentage 100 or none."""
+        """True if the shape is at rest, nothing moved and every percentage 100 or none."""
         document = self.document
         asks = any(percent not in (None, 100.0) for percent in document.percentages)
         moved = document.posed or any(each.shift.any() for each in document.obstacles)
@@ -77,7 +77,7 @@ class State:
 
     @property
     def shifts(self) -> np.ndarray:
-        """How far the obstacles have come, as far as contact lets them, (o, 3)."""
+        """Motions of the obstacles, as far as contact has let them come, (o, 3)."""
         obstacles, come = self.document.obstacles, self.frame.shifts
         if self.keeps_apart and len(come) == len(obstacles):
             return come

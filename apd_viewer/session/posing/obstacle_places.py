@@ -94,7 +94,7 @@ def proposed(
 
 
 def back_in_place(state: State) -> tuple[NamedObstacle, ...]:
-    """Obstacles of a state where they were put, moved back from its shape if they stand in it."""
+    """Obstacles of a state where they were put, moved back out of its shape."""
     apart, found = apart_of(state, state.document.thickness), []
     for obstacle in state.document.obstacles:
         obstacle = obstacle.settled(np.zeros(3))

@@ -180,7 +180,7 @@ def frame_said(frame: Frame) -> dict[str, Any]:
 
 
 def _of_obstacles(frame: Frame) -> dict[str, Any]:
-    """Shifts and loads of obstacles; before the first frame with them there are no loads."""
+    """Shifts and loads of obstacles; at first there are no loads."""
     if not len(frame.shifts):
         return {}
     loads = {"loads": frame.loads.tolist()} if len(frame.loads) == len(frame.shifts) else {}

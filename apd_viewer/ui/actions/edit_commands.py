@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 
 
 class Editing:
-    """Changes of the document by a window; none without a document.
-
-    Most of them, given in the middle of a drag, take the drag back and do no more.
+    """Changes of the document by a window; in the middle of a drag most of them only take it back.
 
     Parameters
     ----------
@@ -38,8 +36,7 @@ class Editing:
     Attributes
     ----------
     typed : Typed
-    nudges_obstacle : callable
-        Moves the obstacle in the hand by a small step; False if there is none.
+    nudges_obstacle : callable, returns False if no obstacle is in the hand
     """
 
     def __init__(
@@ -147,10 +144,9 @@ class Editing:
             self._session.handles.reset(self._parts.handle)
 
     def nudge(self, step: tuple[int, int, int]) -> None:
-        """Move what is in the hand by a small step in the picture: right, up, to the viewer."""
-        if not self._may_begin() or self.nudges_obstacle(step):
-            return
-        if (pose := self._canvas.nudged(step)) is not None:
+        """Move the handle or obstacle a little in the picture: right, up, to the viewer."""
+        may = self._may_begin() and not self.nudges_obstacle(step)
+        if may and (pose := self._canvas.nudged(step)) is not None:
             self._session.handles.pose(pose, self._parts.handle, tr("Nudge handle"), repeats=True)
 
     def move_by(self, motion: TypedMotion, text: str, to: bool) -> None:

@@ -12,7 +12,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.obstacles import direction
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
 from apd_viewer.ui.obstacles.obstacle_placer import ObstaclePlacer
-from apd_viewer.ui.obstacles.obstacle_scene import ObstacleScene, Shown
+from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle, ObstacleScene
 from apd_viewer.ui.obstacles.obstacle_shapes import Extent, anchor, axes_of
 from apd_viewer.ui.obstacles.obstacle_tool import ObstaclePicker
 from apd_viewer.ui.tools.gizmo import Gizmo
@@ -249,19 +249,19 @@ class ObstacleController(QObject):
         shown = [self._shown(state, k, in_hand) for k in range(len(obstacles))]
         self.picker.place(shown, self._extent(state))
         if self._preview is not None:
-            shown.append(Shown(self._preview, np.zeros(3), chosen=True))
+            shown.append(DrawnObstacle(self._preview, np.zeros(3), chosen=True))
         self.scene.show(shown, self._extent(state))
         self._place_gizmo(state, active if in_hand else None)
         self.offered.emit(active is not None, active is not None and bool(obstacles[active].shift.any()))
         self._section.show_state(state, self._session.store.unit, active, self._session.typed)
 
-    def _shown(self, state: State, k: int, in_hand: bool) -> Shown:
+    def _shown(self, state: State, k: int, in_hand: bool) -> DrawnObstacle:
         obstacle, shift = state.document.obstacles[k], state.shifts[k]
         behind = float(np.linalg.norm(obstacle.shift - shift))
         pixel = self._canvas.viewport.look.eye.world_per_pixel(obstacle.centre)
         asked = obstacle.shift if behind > _LATE * pixel and state.keeps_apart else None
         chosen = in_hand and k == self._parts.obstacle
-        return Shown(obstacle, shift, asked, chosen, k == self._hot, idle=not state.keeps_apart)
+        return DrawnObstacle(obstacle, shift, asked, chosen, k == self._hot, idle=not state.keeps_apart)
 
     def _place_gizmo(self, state: State, k: int | None) -> None:
         if k is not None:

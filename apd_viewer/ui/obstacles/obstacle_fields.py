@@ -1,4 +1,4 @@
-"""Fields of the obstacle in the hand: its place and size, and a distance to move it by."""
+"""Fields of the obstacle in the hand: place, size, and a distance to move."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from apd_viewer.errors import InputError
@@ -15,13 +15,12 @@ from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.language import tr, trc
 from apd_viewer.presentation.obstacle_readings import coordinates
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.ui.obstacles.typed_field import TypedField
 from apd_viewer.ui.widgets.error_bubble import ErrorBubble
 from apd_viewer.ui.widgets.fields import Choice, Entry, return_keys, small_button
 from apd_viewer.ui.widgets.icons import icon
 
 if TYPE_CHECKING:
-    from PySide6.QtGui import QFocusEvent, QHideEvent
-
     from apd_viewer.session.model.state import State
     from apd_viewer.session.typed_values import TypedValues
     from apd_viewer.ui.widgets.theme import Theme
@@ -34,64 +33,6 @@ _AXIS = {
 _DIGITS = 5  # shown; what is not typed keeps all it has
 _PLACE = tr("Where it is: three lengths such as 0, 0.5Y, 12mm; X, Y, Z, L and D are sizes of the mesh")
 _BY = tr("Length to move it by, such as 12, 0.1L or 5mm; Enter moves it")
-
-
-class TypedField(Entry):
-    """Entry that shows a value, and tells of another one on Enter and when it is left.
-
-    Attributes
-    ----------
-    typed : Signal()
-    """
-
-    typed = Signal()
-
-    def __init__(self, name: str, tip: str) -> None:
-        super().__init__(accessibleName=name, toolTip=tip)
-        self._shown = ""
-        self._error = ErrorBubble(self)
-        self.textEdited.connect(self._error.hide)
-        self.returnPressed.connect(self._enter)
-
-    @property
-    def changed(self) -> bool:
-        """True if its text is not what was shown."""
-        return self.text() != self._shown
-
-    def show_text(self, text: str) -> None:
-        """Show a value, unless another one is being typed."""
-        if not (self.hasFocus() and self.changed and text == self._shown):
-            self._shown = text
-            if self.text() != text:
-                self.setText(text)
-                self.setCursorPosition(0)
-
-    def refuse(self, sentence: str) -> None:
-        """Say what is wrong beneath it; the text stays while the field is used."""
-        self._error.say(sentence)
-        if self.hasFocus():
-            self.selectAll()
-        else:
-            self.setText(self._shown)
-            self._error.leave()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Tell of another value."""
-        super().focusOutEvent(event)
-        if self.changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
-            self.typed.emit()
-        self._error.leave()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        """Hide the error too."""
-        self._error.hide()
-        super().hideEvent(event)
-
-    def _enter(self) -> None:
-        if self.changed:
-            self.typed.emit()
-        if not self._error.isVisible():
-            return_keys(self)
 
 
 class ObstacleFields(QWidget):

@@ -1,4 +1,4 @@
-"""Obstacles in the scene: translucent, with an outline, and where they were asked to be."""
+"""Obstacles in the scene: translucent, with outlines."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _THIN, _THICK, _DASHED = 1.6, 2.4, 1.6  # logical pixels
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class DrawnObstacle:
     """An obstacle as it is to be drawn.
 
     Attributes
@@ -58,16 +58,16 @@ class ObstacleScene:
 
     Attributes
     ----------
-    shown : tuple of Shown
+    shown : tuple of DrawnObstacle
     """
 
     def __init__(self, viewport: Viewport) -> None:
         self._viewport = viewport
         self._figures: list[_Figure] = []
-        self.shown: tuple[Shown, ...] = ()
+        self.shown: tuple[DrawnObstacle, ...] = ()
         viewport.pre_draw.append(self._dress)
 
-    def show(self, shown: Sequence[Shown], extent: Extent) -> None:
+    def show(self, shown: Sequence[DrawnObstacle], extent: Extent) -> None:
         """Draw these obstacles beside a mesh of this extent, and no others."""
         if not shown and not self.shown:
             return
@@ -88,7 +88,7 @@ class ObstacleScene:
 
 
 class _Figure:
-    """Actors of one obstacle: its surface, its outline, and the outline where it should be."""
+    """Actors of one obstacle: surface, outline, and outline of the asked place."""
 
     def __init__(self, viewport: Viewport) -> None:
         self._fill, self._line, self._ghost = (_actor(viewport) for _ in range(3))
@@ -100,7 +100,7 @@ class _Figure:
         self._ends = np.zeros((2, 3))
         viewport.more_boxes.append(lambda: self._box)
 
-    def show(self, shown: Shown, extent: Extent) -> None:
+    def show(self, shown: DrawnObstacle, extent: Extent) -> None:
         """Draw an obstacle where it is, and where it should be."""
         obstacle = shown.obstacle
         made = (obstacle.kind, *obstacle.axis, obstacle.radius, obstacle.length, extent)
@@ -133,7 +133,7 @@ class _Figure:
         ends = np.vstack([shape.V, shape.outline.reshape(-1, 3), shape.marks.reshape(-1, 3)])
         self._ends = np.array([ends.min(axis=0), ends.max(axis=0)])
 
-    def dress(self, shown: Shown, dark: bool, pixel: float) -> None:
+    def dress(self, shown: DrawnObstacle, dark: bool, pixel: float) -> None:
         """Give it its colour and strength."""
         accent = QColor((DARK if dark else LIGHT).accent)
         plain = QColor(*(OBSTACLE_ON_DARK if dark else OBSTACLE_COLOR))

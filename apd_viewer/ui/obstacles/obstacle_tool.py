@@ -1,4 +1,4 @@
-"""Obstacles under the cursor: named, pressed to take them, round ones dragged at once."""
+"""Obstacles under the cursor: named, taken by a press, round ones dragged."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 
 from apd_viewer.session.model.named_obstacle import ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_shapes import Extent, distance_along
+from apd_viewer.ui.obstacles.obstacle_rays import distance_along
+from apd_viewer.ui.obstacles.obstacle_shapes import Extent
 from apd_viewer.ui.scene.mouse_tool import MouseTool
 from apd_viewer.ui.scene.navigation import DEAD_ZONE
 from apd_viewer.ui.tools.gizmo_drawing import draw_tag
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
     from PySide6.QtGui import QMouseEvent, QPainter
 
-    from apd_viewer.ui.obstacles.obstacle_scene import Shown
+    from apd_viewer.ui.obstacles.obstacle_scene import DrawnObstacle
     from apd_viewer.ui.scene.surface import Surface
     from apd_viewer.ui.scene.viewport import Viewport
     from apd_viewer.ui.tools.gizmo import Gizmo
@@ -53,13 +54,13 @@ class ObstaclePicker(MouseTool, QObject):
         super().__init__(viewport)
         self._viewport, self._surface, self._gizmo = viewport, surface, gizmo
         self.enabled = False
-        self._shown: Sequence[Shown] = ()
+        self._shown: Sequence[DrawnObstacle] = ()
         self._extent = Extent(np.zeros(3), np.ones(3))
         self._hot: int | None = None
         self._cursor = 0.0, 0.0
         self._pressed: tuple[int, QPointF] | None = None
 
-    def place(self, shown: Sequence[Shown], extent: Extent) -> None:
+    def place(self, shown: Sequence[DrawnObstacle], extent: Extent) -> None:
         """Look for these obstacles."""
         self._shown, self._extent = shown, extent
         if self._hot is not None and self._hot >= len(shown):
@@ -113,7 +114,7 @@ class ObstaclePicker(MouseTool, QObject):
             draw_tag(painter, self._shown[self._hot].obstacle.name, self._cursor, size)
 
     def at(self, position: QPointF, solid_only: bool = False) -> int | None:
-        """Number of the obstacle seen at a position, in front of the surface; the nearest one."""
+        """Number of the nearest obstacle at a position, before the surface; or None."""
         origin, way = self._viewport.look.eye.ray(position.x(), position.y())
         reached = [
             np.inf

@@ -62,7 +62,7 @@ class Drag:
         return self.frame.axes[axis_index(self.handle)]
 
     def to(self, camera: Camera, x: float, y: float, snap: bool) -> Drag:
-        """Return the drag after the cursor went to a pixel position."""
+        """The drag after the cursor went to a pixel position."""
         frame = replace(self.frame, camera=camera)
         if self.handle in RINGS:
             return self._turned(frame, x, y, snap)
@@ -100,11 +100,9 @@ class Drag:
             amounts = np.array([snapped(a, step) for a in amounts])
         offset = amounts @ directions
         values = offset if self.handle == "centre" else amounts
-        digits = max(0, int(np.ceil(-np.log10(frame.pixel))))
-        text = "  ".join(f"Δ{n} {signed(v, digits)}" for n, v in zip(names, values, strict=True))
-        if len(frame.offered) == 1:  # along the one arrow there is
-            text = signed(values[0], digits)
-        return replace(self, last=(x, y), pose=translated(self.pose0, offset), text=text)
+        digits, one = max(0, int(np.ceil(-np.log10(frame.pixel)))), len(frame.offered) == 1
+        said = [("" if one else f"Δ{n} ") + signed(v, digits) for n, v in zip(names, values, strict=True)]
+        return replace(self, last=(x, y), pose=translated(self.pose0, offset), text="  ".join(said))
 
     def _directions(self, frame: GizmoFrame) -> tuple[np.ndarray, str]:
         """Unit directions of free motion, as rows, and the names of the amounts to show."""

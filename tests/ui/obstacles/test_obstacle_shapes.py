@@ -7,7 +7,8 @@ import pytest
 
 from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
-from apd_viewer.ui.obstacles.obstacle_shapes import Extent, anchor, axes_of, distance_along, drawn
+from apd_viewer.ui.obstacles.obstacle_rays import distance_along
+from apd_viewer.ui.obstacles.obstacle_shapes import Extent, anchor, axes_of, drawn
 
 EXTENT = Extent(np.array([1.0, 2.0, 3.0]), np.array([0.5, 2.0, 1.0]))
 AXIS = np.array([2.0, -1.0, 2.0]) / 3.0

@@ -1,0 +1,48 @@
+"""Rays of the camera to obstacles as they are drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from apd_viewer.session.model.named_obstacle import ObstacleKind
+from apd_viewer.ui.obstacles.obstacle_shapes import anchor, axes_of, half_sides
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.named_obstacle import NamedObstacle
+    from apd_viewer.ui.obstacles.obstacle_shapes import Extent
+
+
+def distance_along(
+    obstacle: NamedObstacle, shift: np.ndarray, extent: Extent, origin: np.ndarray, way: np.ndarray
+) -> float:
+    """Distance of a ray from ``origin`` along the unit vector ``way``; or infinite."""
+    at = origin - anchor(obstacle, shift, extent)
+    axes = axes_of(obstacle.axis)
+    start, step = axes @ at, axes @ way
+    if obstacle.kind is ObstacleKind.PLATE:
+        t = -start[2] / step[2] if step[2] else np.inf
+        within = t > 0.0 and (np.abs(start + t * step)[:2] <= half_sides(axes, extent)).all()
+        return float(t) if within else np.inf
+    half = 0.5 * obstacle.length if obstacle.kind is ObstacleKind.CYLINDER else 0.0
+    return _to_capsule(start, step, half, obstacle.radius)
+
+
+def _to_capsule(start: np.ndarray, step: np.ndarray, half: float, radius: float) -> float:
+    """Distance of a ray to a capsule along z."""
+    ends = [_to_sphere(start - [0.0, 0.0, z], step, radius) for z in (-half, half)]
+    t = _smaller_root(step[:2] @ step[:2], start[:2] @ step[:2], start[:2] @ start[:2] - radius**2)
+    side = t if t > 0.0 and abs(start[2] + t * step[2]) <= half else np.inf
+    return min(*ends, side)
+
+
+def _to_sphere(start: np.ndarray, step: np.ndarray, radius: float) -> float:
+    t = _smaller_root(step @ step, start @ step, start @ start - radius**2)
+    return t if t > 0.0 else np.inf
+
+
+def _smaller_root(a: float, b: float, c: float) -> float:
+    """Smaller root of a t² + 2 b t + c; infinite without one."""
+    rest = b * b - a * c
+    return float((-b - np.sqrt(rest)) / a) if a > 0.0 and rest >= 0.0 else np.inf

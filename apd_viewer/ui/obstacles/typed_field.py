@@ -1,0 +1,71 @@
+"""Field of a value that can be typed anew."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+
+from apd_viewer.ui.widgets.error_bubble import ErrorBubble
+from apd_viewer.ui.widgets.fields import Entry, return_keys
+
+if TYPE_CHECKING:
+    from PySide6.QtGui import QFocusEvent, QHideEvent
+
+
+class TypedField(Entry):
+    """Entry that shows a value, and tells of another one on Enter and when it is left.
+
+    Attributes
+    ----------
+    typed : Signal()
+    """
+
+    typed = Signal()
+
+    def __init__(self, name: str, tip: str) -> None:
+        super().__init__(accessibleName=name, toolTip=tip)
+        self._shown = ""
+        self._error = ErrorBubble(self)
+        self.textEdited.connect(self._error.hide)
+        self.returnPressed.connect(self._enter)
+
+    @property
+    def changed(self) -> bool:
+        """True if its text is not what was shown."""
+        return self.text() != self._shown
+
+    def show_text(self, text: str) -> None:
+        """Show a value, unless another one is being typed."""
+        if not (self.hasFocus() and self.changed and text == self._shown):
+            self._shown = text
+            if self.text() != text:
+                self.setText(text)
+                self.setCursorPosition(0)
+
+    def refuse(self, sentence: str) -> None:
+        """Say what is wrong beneath it; the text stays while the field is used."""
+        self._error.say(sentence)
+        if self.hasFocus():
+            self.selectAll()
+        else:
+            self.setText(self._shown)
+            self._error.leave()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Tell of another value."""
+        super().focusOutEvent(event)
+        if self.changed and event.reason() is not Qt.FocusReason.PopupFocusReason:
+            self.typed.emit()
+        self._error.leave()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Hide the error too."""
+        self._error.hide()
+        super().hideEvent(event)
+
+    def _enter(self) -> None:
+        if self.changed:
+            self.typed.emit()
+        if not self._error.isVisible():
+            return_keys(self)
