@@ -31,11 +31,13 @@ def why_idle(state: State) -> str:
 
 
 def load(state: State, k: int) -> str:
-    """Force on obstacle ``k``; empty while nothing presses on it."""
+    """Force on obstacle ``k`` in a settled shape; empty where nothing presses on it."""
     loads = state.frame.loads
     if not state.keeps_apart or len(loads) != len(state.document.obstacles):
         return ""
     force = float(np.linalg.norm(loads[k]))
+    if not state.frame.settled:  # of a shape under way it may be hundreds of times as much
+        return tr("touched") if force > 0.0 else ""
     return tr("load {force}").format(force=significant(force, 3)) if force > 0.0 else ""
 
 
