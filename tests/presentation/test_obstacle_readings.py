@@ -1,0 +1,62 @@
+"""Obstacles in words, in the list and in the report."""
+
+from dataclasses import replace
+
+import numpy as np
+from driven_session import bar
+
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.presentation import obstacle_readings as readings
+from apd_viewer.presentation.report_settings import obstacle_blocks
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.quantities.units import Unit
+
+
+def vector(*x):
+    return frozen(np.array(x, dtype=float))
+
+
+PLATE = NamedObstacle("Table", ObstacleKind.PLATE, vector(0, 0, -1), vector(0, 0, 1), shift=vector(0, 0, 0.5))
+FINGER = NamedObstacle("Finger", ObstacleKind.CYLINDER, vector(5, 1, 3), vector(-1, 0, 0), 0.25, 2.0)
+
+
+def state(contact=True, **of_frame):
+    rest = opened(bar())
+    document = replace(rest.document, contact=contact, obstacles=(PLATE, FINGER))
+    return replace(rest, document=document, frame=replace(rest.frame, **of_frame))
+
+
+def test_loads_are_said_where_something_presses_and_only_at_rest():
+    loads = np.array([[0.0, 0.0, -1.2345], [0.0, 0.0, 0.0]])
+    assert [readings.load(state(loads=loads), k) for k in (0, 1)] == ["load 1.23", ""]
+    assert [readings.load(state(loads=loads, settled=False), k) for k in (0, 1)] == ["touched", ""]
+    assert readings.load(state(loads=loads, contact=False), 0) == ""
+    assert readings.load(state(), 0) == ""
+
+
+def test_a_motion_is_said_with_what_contact_has_not_let():
+    short = np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.0]])
+    asked = "asked for 0.5000\u00a0mm, stopped 0.3000\u00a0mm short"
+    assert readings.motion(state(shifts=short), 0, Unit.MILLIMETRE) == asked
+    assert readings.motion(state(shifts=short, settled=False), 0, Unit.NONE) == "moved 0.5000"
+    assert readings.motion(state(shifts=short, contact=False), 0, Unit.NONE) == "moved 0.5000"
+    assert readings.motion(state(), 1, Unit.NONE) == "where it was put"
+
+
+def test_the_report_says_enough_to_put_them_again():
+    (table,) = obstacle_blocks(state(), Unit.NONE)
+    plate, finger = table.rows
+    assert plate == (
+        "Table",
+        "moved 0.5000",
+        "Plate; place (0, 0, -1); displacement (0, 0, 0.5); normal (0, 0, 1)",
+    )
+    assert finger[2] == "Cylinder; place (5, 1, 3); radius 0.25; length 2; axis (-1, 0, 0)"
+    _, why = obstacle_blocks(state(contact=False), Unit.NONE)
+    assert "Contact is off" in why.text
+
+
+def test_without_obstacles_the_report_says_so():
+    (note,) = obstacle_blocks(opened(bar()), Unit.NONE)
+    assert "no obstacles" in note.text
