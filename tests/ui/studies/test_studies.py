@@ -97,6 +97,25 @@ def test_the_motion_of_the_handle_is_swept_if_it_has_one(qtbot, bar, tmp_path, m
     assert view.camera == bar.canvas.view.saved("").camera
 
 
+def test_the_motion_of_obstacles_is_swept_where_nothing_is_painted(qtbot, bar):
+    bar.session.painting.clear_all()
+    bar.session.obstacles.put_plates(np.eye(3)[0])
+    bar.session.obstacles.move(0, np.array([0.2, 0.0, 0.0]))
+    idle(qtbot, bar)
+    bar.actions_.pose.sweep.trigger()
+    dialog = bar.studies.dialogs["sweep"]
+    assert dialog.motion.currentText() == "current motion of the handles and obstacles"
+    assert dialog.motion.count() == 1
+    assert not dialog.methods["paper"].isEnabled()  # it knows no contact
+    assert not dialog.methods["paper"].isChecked()
+    for name, check in dialog.methods.items():
+        check.setChecked(name == "exact")
+    dialog.steps.setValue(2)
+    click(dialog.run.start)
+    finish(qtbot, dialog)
+    assert dialog.figure.drawn
+
+
 def test_cancel_leaves_nothing(qtbot, dialog):
     click(dialog.run.start)
     qtbot.waitUntil(lambda: dialog.run._command.running, timeout=10_000)
