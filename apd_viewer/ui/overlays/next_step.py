@@ -56,7 +56,7 @@ class NextStep:
             self._invitation.say(self._sentence(*self._asked))
 
     def _sentence(self, document: Document, tool: Tool, handle: int, obstacle: int | None) -> str:
-        if document.obstacles and not tool.words.is_brush:
+        if document.has_obstacles and not tool.words.is_brush:
             nothing_held = not document.counts[BASE] and not document.counts[HANDLE:].any()
             if obstacle is not None or nothing_held:  # obstacles alone suffice
                 return self._of_obstacles(document, tool, obstacle)
