@@ -12,6 +12,8 @@ from numba import njit
 
 # Parts of so few unknowns are not cut any more.
 _LEAF = 10
+# No half is less than this part of the whole: many vertices may lie in the plane of a cut.
+_LEAST_HALF = 0.25
 
 
 def dissect(
@@ -50,23 +52,26 @@ def _dissected(
     """The order; the first place and the parent of each group, parents first."""
     n = len(V)
     order, side, first, parent = np.arange(n), np.full(n, -1), np.empty(n, np.int64), np.empty(n, np.int64)
+    heights, arranged, graph = np.empty(n), np.empty(n, np.int64), (start, column)
     label = groups = 0
     todo = [(0, n, -1)]
     while len(todo):
         a, b, above = todo.pop()
-        part = order[a:b].copy()
-        lower = upper = 0
+        part, fewest, lower, upper = order[a:b], b - a, 0, 0
         if b - a > leaf:
-            fewest = b - a
             for axis in range(3):
-                along = part[np.argsort(V[part, axis])]
                 label += 2
-                arranged, before, after = _cut(along, start, column, side, label)
-                if b - a - before - after < fewest:
-                    fewest, lower, upper = b - a - before - after, before, after
-                    order[a:b] = arranged
-        if lower == 0 or upper == 0:
-            lower = upper = 0
+                count = _take_sides(V, part, axis, heights, side, label)
+                if min(count, b - a - count) < _LEAST_HALF * (b - a):
+                    continue
+                of_lower, of_upper = _count_borders(graph, part, side, label)
+                cut, separator = int(of_upper < of_lower), min(of_lower, of_upper)
+                halves = b - a - count - separator * (1 - cut), count - separator * cut
+                if separator < fewest and min(halves) > 0:
+                    fewest, (lower, upper) = separator, halves
+                    _arrange(graph, part, side, label, cut, halves, arranged)
+        if lower > 0:
+            part[:] = arranged[: b - a]
         if lower + upper < b - a:
             first[groups], parent[groups] = a + lower + upper, above
             above = groups
@@ -78,36 +83,92 @@ def _dissected(
 
 
 @njit(cache=True, nogil=True)
-def _cut(
-    part: np.ndarray, start: np.ndarray, column: np.ndarray, side: np.ndarray, label: int
-) -> tuple[np.ndarray, int, int]:
-    """Both halves of ``part``, then their separator; the lengths of the halves."""
-    half = len(part) // 2
-    for k in range(len(part)):
-        side[part[k]] = label + (k >= half)
-    border = np.zeros(len(part), np.bool_)
-    count = np.zeros(2, np.int64)
-    for k in range(len(part)):
-        v, own = part[k], int(k >= half)
-        for e in range(start[v], start[v + 1]):
-            if side[column[e]] == label + 1 - own:
-                border[k] = True
-                count[own] += 1
-                break
-    cut_upper = count[1] < count[0]
-    out = np.empty_like(part)
+def _take_sides(
+    V: np.ndarray, part: np.ndarray, axis: int, heights: np.ndarray, side: np.ndarray, label: int
+) -> int:
+    """Label the lower and the upper half of ``part``; the number of the upper ones."""
+    n = len(part)
+    for k in range(n):
+        heights[k] = V[part[k], axis]
+    middle = _smallest(heights[:n], n // 2)
+    above = at = 0
+    for k in range(n):
+        height = V[part[k], axis]
+        above += height > middle
+        at += height == middle
+    # All at the height of the cut go to one side: a plane cuts grids along their lines.
+    includes = abs(2 * (above + at) - n) <= abs(2 * above - n)
+    for k in range(n):
+        height = V[part[k], axis]
+        side[part[k]] = label + int(height > middle or (includes and height == middle))
+    return above + at if includes else above
+
+
+@njit(cache=True, nogil=True)
+def _smallest(x: np.ndarray, k: int) -> float:
+    """The k-th smallest of ``x``, whose order changes [Hoare 1961, Algorithm 65: Find]."""
+    low, high = 0, len(x) - 1
+    while low < high:
+        pivot, i, j = x[(low + high) // 2], low, high
+        while i <= j:
+            while x[i] < pivot:
+                i += 1
+            while x[j] > pivot:
+                j -= 1
+            if i <= j:
+                x[i], x[j] = x[j], x[i]
+                i, j = i + 1, j - 1
+        if k <= j:
+            high = j
+        elif k >= i:
+            low = i
+        else:
+            break
+    return x[k]
+
+
+@njit(cache=True, nogil=True)
+def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarray, label: int) -> bool:
+    """True if ``v`` has a neighbour with a label."""
+    start, column = graph
+    for e in range(start[v], start[v + 1]):
+        if side[column[e]] == label:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _count_borders(
+    graph: tuple[np.ndarray, np.ndarray], part: np.ndarray, side: np.ndarray, label: int
+) -> tuple[int, int]:
+    """How many of the lower and of the upper half have neighbours in the other one."""
     lower = upper = 0
-    for k in range(len(part)):
-        if k < half and (cut_upper or not border[k]):
-            out[lower] = part[k]
-            lower += 1
-    for k in range(half, len(part)):
-        if not (cut_upper and border[k]):
-            out[lower + upper] = part[k]
-            upper += 1
-    place = lower + upper
-    for k in range(len(part)):
-        if border[k] and (k >= half) == cut_upper:
-            out[place] = part[k]
-            place += 1
-    return out, lower, upper
+    for v in part:
+        if _has_neighbour(graph, v, side, 2 * label + 1 - side[v]):
+            upper += side[v] - label
+            lower += label + 1 - side[v]
+    return lower, upper
+
+
+@njit(cache=True, nogil=True)
+def _arrange(
+    graph: tuple[np.ndarray, np.ndarray],
+    part: np.ndarray,
+    side: np.ndarray,
+    label: int,
+    cut: int,
+    halves: tuple[int, int],
+    out: np.ndarray,
+) -> None:
+    """Write both halves, then the separator: the border of the half ``cut``, 0 or 1."""
+    i, j, k = 0, halves[0], halves[0] + halves[1]
+    for v in part:
+        if side[v] == label + cut and _has_neighbour(graph, v, side, label + 1 - cut):
+            out[k] = v
+            k += 1
+        elif side[v] == label:
+            out[i] = v
+            i += 1
+        else:
+            out[j] = v
+            j += 1
