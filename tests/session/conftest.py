@@ -52,9 +52,9 @@ def factored(monkeypatch):
     counter = Counter()
 
     class Counting(linear_solver.LinearSolver):
-        def __init__(self, A) -> None:
+        def __init__(self, A, V) -> None:
             counter.count += 1
-            super().__init__(A)
+            super().__init__(A, V)
 
     monkeypatch.setattr(elastic, "LinearSolver", Counting)
     return counter

@@ -608,11 +608,11 @@ def test_a_failing_solver_is_told_and_the_session_lives_on(session, monkeypatch,
     before = session.store.state
     real, calls = linear_solver.LinearSolver, []
 
-    def failing_once(A):
+    def failing_once(A, V):
         calls.append(A)
         if len(calls) == 1:
             raise type(error)(*error.args)  # one that does not outlive the test, and the solver with it
-        return real(A)
+        return real(A, V)
 
     monkeypatch.setattr(elastic, "LinearSolver", failing_once)
     session.settings.set_method("arap")
@@ -643,7 +643,7 @@ def test_an_error_that_says_nothing_is_named(session, monkeypatch, capfd):
 
 
 def test_a_failure_while_making_ready_is_told(empty, monkeypatch, capfd):
-    def failing(_):
+    def failing(*_):
         raise MemoryError
 
     monkeypatch.setattr(elastic, "LinearSolver", failing)

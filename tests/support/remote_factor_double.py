@@ -10,8 +10,8 @@ class Elsewhere:
     there = False
     seconds = 0.0
 
-    def __init__(self, matrix):
-        self._matrix = matrix
+    def __init__(self, matrix, V):
+        self._matrix, self._V = matrix, V
 
     @property
     def ready(self):
@@ -19,4 +19,8 @@ class Elsewhere:
 
     def solve(self, B):
         assert self.there, "nobody can solve yet"
-        return LinearSolver(self._matrix()).solve(B)
+        return LinearSolver(self._matrix(), self._V).solve(B)
+
+    def refined(self, B):
+        assert self.there, "nobody can solve yet"
+        return LinearSolver(self._matrix(), self._V).refined(B)

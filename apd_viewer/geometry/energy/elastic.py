@@ -41,8 +41,8 @@ _NOTHING = np.empty((0, 3))
 _NONE, _NO_FORCES = np.empty(0), np.empty((0, 0, 3))
 
 
-def _here_and_now(matrix: Callable[[], Matrix]) -> LinearSolver:
-    return LinearSolver(matrix())
+def _here_and_now(matrix: Callable[[], Matrix], V: np.ndarray) -> LinearSolver:
+    return LinearSolver(matrix(), V)
 
 
 class Elastic:
@@ -55,7 +55,8 @@ class Elastic:
         Held vertices, each once.
     material : Material
     factored : callable, optional
-        Makes the factor of the matrix that a callable returns; here and now without it.
+        Makes the factor of the matrix that a callable returns, given the positions of its unknowns, too;
+        here and now without it.
     soft : Soft
         Free vertices that springs draw. Wherever ``targets`` are asked for, theirs follow those of ``fixed``.
 
@@ -104,7 +105,7 @@ class Elastic:
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
-        self.factor = self.factored(lambda: self.factored_matrix)
+        self.factor = self.factored(lambda: self.factored_matrix, rest.V[self.free])
         self.metric: Metric = self.factor
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
         self._targets = np.concatenate([rest.V[fixed], rest.V[soft.ids]]) if len(soft.ids) else _NOTHING
@@ -214,7 +215,7 @@ class Elastic:
         self, targets: np.ndarray, mult: np.ndarray = _NONE, forces: np.ndarray = _NO_FORCES
     ) -> np.ndarray:
         """Minimiser (n, 3) of the energy for a fixed ``b``; not yet current."""
-        return self.assembled(self.factor.solve(self.pull(targets, mult, forces)), targets)
+        return self.assembled(self.factor.refined(self.pull(targets, mult, forces)), targets)
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""

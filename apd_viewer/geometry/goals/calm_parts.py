@@ -148,7 +148,7 @@ def _potentials(shape: SolveMesh, held: np.ndarray, handle_of: np.ndarray, soft:
     matrix = (rows[:, free] + diags_array(springs[free])).tocsr()
     b = drawn[free] - rows[:, held] @ h[held]
     if n <= _LARGE or len(shape.thinning.vertices) > n / 2:
-        h[free] = LinearSolver(matrix).solve(b)
+        h[free] = LinearSolver(matrix, shape.V[free]).refined(b)
     else:
         thinning = shape.thinning
         ends = np.arange(0, thinning.near.size + 1, thinning.near.shape[1])

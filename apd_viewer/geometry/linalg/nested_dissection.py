@@ -131,7 +131,7 @@ def _smallest(x: np.ndarray, k: int) -> float:
 def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarray, label: int) -> bool:
     """True if ``v`` has a neighbour with a label."""
     start, column = graph
-    for e in range(start[v], start[v + 1]):
+    for e in range(start[v], start[v + 1]):  # noqa: SIM110 -- numba knows no any()
         if side[column[e]] == label:
             return True
     return False

@@ -51,7 +51,8 @@ class LiHui:
         self._handles = [np.flatnonzero(handle_of == k) for k in np.unique(handle_of[handle_of > 0])]
         self._m = elastic.rest.masses[elastic.free][:, None]
         self._blend = elastic.factored(
-            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr()
+            lambda: (diags_array(self._m[:, 0]) + self.KAPPA * elastic.K_ff).tocsr(),
+            elastic.rest.V[elastic.free],
         )
         self.U = elastic.U
         self.keep(goals)
@@ -110,5 +111,5 @@ class LiHui:
 
         c = base_centroid + s * (elastic.U[elastic.free] - base_centroid)
         pull = elastic.pull(self.held)
-        self.U = elastic.assembled(self._blend.solve(self._m * c + self.KAPPA * pull), self.held)
+        self.U = elastic.assembled(self._blend.refined(self._m * c + self.KAPPA * pull), self.held)
         self.values = self._measures.values(self.U)

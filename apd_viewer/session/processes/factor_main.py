@@ -24,22 +24,24 @@ def main(replies: int) -> None:
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """Factor one matrix from ``source``, then solve until ``source`` ends.
 
-    A matrix are three messages: where its rows start, columns, entries. The word on it is empty, or says what
-    is wrong with it. After that every message is a right-hand side (n, 3), and its answer the solution.
+    A matrix are four messages: where its rows start, columns, entries, and the positions of its unknowns. The
+    word on it is empty, or says what is wrong with it. After that every two messages are a byte, 1 for a
+    refined solution, and a right-hand side (n, 3); the answer is the solution.
     """
-    parts = [array_pipe.read(source) for _ in range(3)]
+    parts = [array_pipe.read(source) for _ in range(4)]
     if None in parts:
         return
-    start, column, entry = (
+    start, column, entry, V = (
         np.frombuffer(bytearray(part or b""), dtype)  # cholespy accepts no read-only arrays
-        for part, dtype in zip(parts, (np.int32, np.int32, np.float64), strict=True)
+        for part, dtype in zip(parts, (np.int32, np.int32, np.float64, np.float64), strict=True)
     )
     try:
-        factor = LinearSolver.from_rows(start, column, entry)
+        factor = LinearSolver.from_rows(start, column, entry, V.reshape(-1, 3))
     except Exception as error:
         array_pipe.write(sink, (str(error) or type(error).__name__).encode())
         return
-    del parts, start, column, entry
+    del parts, start, column, entry, V
     array_pipe.write(sink, b"")
-    while (message := array_pipe.read(source)) is not None:
-        array_pipe.write(sink, factor.solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))
+    while (refined := array_pipe.read(source)) and (message := array_pipe.read(source)) is not None:
+        solve = factor.refined if refined[0] else factor.solve
+        array_pipe.write(sink, solve(np.frombuffer(bytearray(message)).reshape(-1, 3)))

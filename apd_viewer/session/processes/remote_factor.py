@@ -33,12 +33,14 @@ class FarFactor:
     matrix : callable
         Returns what to factor, a symmetric positive definite (n, n) csr_array. It is called on another
         thread, so without kernels that run in parallel, and again if the process dies.
+    V : (n, 3) float array
+        Positions of the unknowns.
     """
 
     elsewhere = True
 
-    def __init__(self, matrix: Callable[[], Matrix]) -> None:
-        self._matrix = matrix
+    def __init__(self, matrix: Callable[[], Matrix], V: np.ndarray) -> None:
+        self._matrix, self._V = matrix, V
         self._process = ChildProcess("factor", _START)
         self._thread: threading.Thread | None = None
         self._error: Exception | None = None
@@ -77,7 +79,7 @@ class FarFactor:
         self._thread.start()
 
     def solve(self, B: np.ndarray) -> np.ndarray:
-        """Return ``A^-1 B`` for ``B`` of shape (n, 3), float64.
+        """``A^-1 B`` for ``B`` (n, 3), float64, to six digits or so.
 
         Raises
         ------
@@ -88,12 +90,19 @@ class FarFactor:
         OSError
             If there can be no process.
         """
+        return self._solved(B, refined=False)
+
+    def refined(self, B: np.ndarray) -> np.ndarray:
+        """``A^-1 B`` for ``B`` (n, 3), float64, to ten digits or so; raises as :meth:`solve`."""
+        return self._solved(B, refined=True)
+
+    def _solved(self, B: np.ndarray, refined: bool) -> np.ndarray:
         while True:
             while not self.ready:
                 self._join()
             if self._error is not None:
                 raise self._error
-            X = self._answer_to(np.ascontiguousarray(B))
+            X = self._answer_to(np.array([refined]), np.ascontiguousarray(B))
             if X is not None:
                 self._deaths = 0
                 return np.frombuffer(X).reshape(B.shape).copy()
@@ -111,7 +120,7 @@ class FarFactor:
 
     def _send(self) -> None:
         try:
-            word = self._answer_to(*rows_of(self._matrix()))
+            word = self._answer_to(*rows_of(self._matrix()), np.ascontiguousarray(self._V))
         except Exception as error:  # raised again in the waiting thread
             self._error = error
             return

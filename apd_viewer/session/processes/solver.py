@@ -225,8 +225,8 @@ class Solver:
         rest, document = self._rest_of(order), order.request.document
         return deformation_of(document, held, rest, self._factored if _is_large(rest) else None)
 
-    def _factored(self, matrix: Callable[[], Matrix]) -> Factor:
-        self._factors.append(FarFactor(matrix))
+    def _factored(self, matrix: Callable[[], Matrix], V: np.ndarray) -> Factor:
+        self._factors.append(FarFactor(matrix, V))
         return self._factors[-1]
 
     def _have_factored(self) -> None:

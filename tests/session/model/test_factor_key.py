@@ -79,9 +79,9 @@ def matrices(said: Document) -> list[np.ndarray]:
     """Every matrix that is factored on the way to the first shape, and what is held."""
     found = []
 
-    def factored(matrix):
+    def factored(matrix, V):
         found.append(matrix().toarray())
-        return LinearSolver(matrix())
+        return LinearSolver(matrix(), V)
 
     held = said.constraints()
     deformation = deformation_of(said, held, factored=factored)

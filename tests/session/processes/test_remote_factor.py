@@ -16,11 +16,12 @@ from apd_viewer.session.processes.remote_factor import FarFactor
 N = 500
 A = csr_array(diags_array([-np.ones(N - 1), np.full(N, 2.5), -np.ones(N - 1)], offsets=[-1, 0, 1]))
 B = np.random.default_rng(0).normal(size=(N, 3))
+V = np.column_stack([np.arange(N), np.zeros((N, 2))])
 SIGKILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def far(matrix=A):
-    return FarFactor(lambda: matrix)
+    return FarFactor(lambda: matrix, V)
 
 
 @pytest.fixture
@@ -47,6 +48,7 @@ def test_it_solves_as_one_that_is_near_does(factor):
     for k in range(3):
         assert np.array_equal(factor.solve(k * B), LinearSolver(A).solve(k * B))
     assert np.abs(A @ expected - B).max() < 1e-12
+    assert np.array_equal(factor.refined(B), LinearSolver(A).refined(B))
     solution = factor.solve(B)
     solution += 1.0  # it is the caller's own
 

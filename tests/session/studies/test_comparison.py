@@ -146,11 +146,11 @@ def test_the_last_one_takes_the_process_with_it(begun, cold):
 def test_a_method_that_fails_says_why_and_the_others_go_on(begun, cold, monkeypatch, capfd):
     real, calls = elastic.LinearSolver, []
 
-    def failing_once(A):
+    def failing_once(A, V):
         calls.append(A)
         if len(calls) == 1:
             raise MemoryError
-        return real(A)
+        return real(A, V)
 
     monkeypatch.setattr(elastic, "LinearSolver", failing_once)
     comparison = begun(document(at=BENT), ("arap", "exact"))
