@@ -69,6 +69,7 @@ def local_step(
     U: np.ndarray,
     S0: np.ndarray,
     q: np.ndarray,
+    energies: np.ndarray,
 ) -> None:
     """Set ``q`` (n, 4) to the optimal rotations for ``U``, warm-started.
 
@@ -78,6 +79,8 @@ def local_step(
         Rest positions and positions.
     S0 : (n, 3, 3) or (0, 3, 3) float array
         What other terms than Eq. 1 say about the rotations, in ``tr(R_i^T S_i)``; FLAT where there are none.
+    energies : (portions(n),) or (0,) float array
+        Eq. 1 with those rotations is written there, in parts, while the cells are at hand.
     """
     n = len(V)
     for portion in prange((n + _PORTION - 1) // _PORTION):
@@ -90,6 +93,34 @@ def local_step(
             fit_lanes(X, scratch)
             for lane in range(count):
                 store_rotation(X, lane, q[first + lane])
+            if len(energies):
+                for i in range(first, first + count):
+                    energies[portion] += _cell_energy(i, start, neighbour, w, V, U, q)
+
+
+def portions(n: int) -> int:
+    """Number of parts that ``n`` cells are divided into."""
+    return (n + _PORTION - 1) // _PORTION
+
+
+@njit(inline="always")
+def _cell_energy(
+    i: int,
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    U: np.ndarray,
+    q: np.ndarray,
+) -> float:
+    """The cell's part of Eq. 1."""
+    cell = 0.0
+    for e in range(start[i], start[i + 1]):
+        j = neighbour[e]
+        x, y, z = turned(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
+        a, b, c = U[i, 0] - U[j, 0] - x, U[i, 1] - U[j, 1] - y, U[i, 2] - U[j, 2] - z
+        cell += w[e] * (a * a + b * b + c * c)
+    return cell
 
 
 @njit(cache=True, nogil=True)
@@ -171,13 +202,45 @@ def energy(
     start: np.ndarray, neighbour: np.ndarray, w: np.ndarray, V: np.ndarray, U: np.ndarray, q: np.ndarray
 ) -> float:
     """Eq. 1 at ``U`` (n, 3) with the rotations ``q`` (n, 4)."""
-    total = 0.0
-    for i in prange(len(V)):
-        cells = 0.0
+    n = len(V)
+    count = (n + _PORTION - 1) // _PORTION
+    energies = np.zeros(count)
+    for portion in prange(count):
+        part = 0.0
+        for i in range(portion * _PORTION, min(n, (portion + 1) * _PORTION)):
+            part += _cell_energy(i, start, neighbour, w, V, U, q)
+        energies[portion] = part
+    return energies.sum()
+
+
+@parallel(fastmath={"contract"})
+def slope(
+    start: np.ndarray,
+    neighbour: np.ndarray,
+    w: np.ndarray,
+    V: np.ndarray,
+    LV: np.ndarray,
+    U: np.ndarray,
+    q: np.ndarray,
+    rows: np.ndarray,
+) -> np.ndarray:
+    """A quarter of the gradient of Eq. 1 at ``rows``, (len(rows), 3).
+
+    ``sum_j w_ij ((u_i - u_j) - 1/2 (R_i + R_j)(v_i - v_j))``; ``LV`` is as in :func:`pull`.
+    """
+    out = np.empty((len(rows), 3))
+    for r in prange(len(rows)):
+        i = rows[r]
+        bx, by, bz = turned(q, i, LV[i, 0], LV[i, 1], LV[i, 2])
+        a = b = c = 0.0
         for e in range(start[i], start[i + 1]):
             j = neighbour[e]
-            x, y, z = turned(q, i, V[i, 0] - V[j, 0], V[i, 1] - V[j, 1], V[i, 2] - V[j, 2])
-            a, b, c = U[i, 0] - U[j, 0] - x, U[i, 1] - U[j, 1] - y, U[i, 2] - U[j, 2] - z
-            cells += w[e] * (a * a + b * b + c * c)
-        total += cells
-    return total
+            x, y, z = turned(
+                q, j, w[e] * (V[i, 0] - V[j, 0]), w[e] * (V[i, 1] - V[j, 1]), w[e] * (V[i, 2] - V[j, 2])
+            )
+            bx, by, bz = bx + x, by + y, bz + z
+            a += w[e] * (U[i, 0] - U[j, 0])
+            b += w[e] * (U[i, 1] - U[j, 1])
+            c += w[e] * (U[i, 2] - U[j, 2])
+        out[r, 0], out[r, 1], out[r, 2] = a - 0.5 * bx, b - 0.5 * by, c - 0.5 * bz
+    return out

@@ -200,6 +200,8 @@ class Elastic:
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
+        if self._has_cells_alone:
+            return arap_cells.slope(*self.rest.graph, self.rest.V, self.rest.LV, self.U, self.q, self.free)
         residual = parallel_ops.product(self.K_ff, parallel_ops.taken(self.U, self.free))
         parallel_ops.add(residual, _MINUS, self.pull(targets)[None])
         if self._bending is not None:
@@ -221,6 +223,10 @@ class Elastic:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
         return parallel_ops.placed(self.U, self._place, X, targets)
 
+    def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets`` (k, 3)."""
+        return parallel_ops.placed_ahead(U, self._place, share, way, targets)
+
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
         q, self.U = self.q, U
@@ -228,6 +234,16 @@ class Elastic:
             self.membrane.local_step(U)
         self._turn_cells(U, q)
         self._follow_creases()
+
+    def energy_after(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; the energy there, without the coupling of the rotations."""
+        q, self.U = self.q, U
+        if self.membrane is not None:
+            self.membrane.local_step(U)
+        energies = np.zeros(arap_cells.portions(len(U)))
+        self._turn_cells(U, q, energies)
+        self._follow_creases()
+        return self._energy(energies.sum())
 
     def keep_creases(self) -> None:
         """Make the flow at the current positions last."""
@@ -238,14 +254,22 @@ class Elastic:
         if self.creases:
             self.creases.follow(self.U, self.q)
 
-    def _turn_cells(self, U: np.ndarray, q: np.ndarray) -> None:
+    @property
+    def _has_cells_alone(self) -> bool:
+        """True if the energy is Eq. 1 and nothing else."""
+        more = self.membrane is not None or self._bending is not None or len(self.soft.ids)
+        return not more and self.material.rigidity == 1.0
+
+    def _turn_cells(self, U: np.ndarray, q: np.ndarray, energies: np.ndarray = _NONE) -> None:
         rest, material, S0 = self.rest, self.material, arap_cells.FLAT
         if self._bending is not None:
             S0 = self._bending.moments(U, material.bending / material.rigidity)
         if self._coupling > 0.0:
             arap_cells.local_step_in_turn(*rest.graph, rest.V, U, S0, self._coupling, q)
+            if len(energies):
+                energies[0] = arap_cells.energy(*rest.graph, rest.V, U, q)
         else:
-            arap_cells.local_step(*rest.graph, rest.V, U, S0, q)
+            arap_cells.local_step(*rest.graph, rest.V, U, S0, q, energies)
 
     def turn(self, turns: np.ndarray) -> None:
         """Rotate each term's projection by ``turns`` (n, 4), unit quaternions."""
@@ -260,18 +284,22 @@ class Elastic:
     @property
     def energy(self) -> float:
         """The energy of the current positions, without the coupling of the rotations."""
+        return self._energy(arap_cells.energy(*self.rest.graph, self.rest.V, self.U, self.q))
+
+    def _energy(self, cells: float) -> float:
+        """The energy of the current positions, with that of the cells."""
         flat = 0.0 if self.membrane is None else self.membrane.energy
-        return self._without_membrane(self.U, self.q) + flat
+        return self._without_membrane(self.U, self.q, cells) + flat
 
     def energy_at(self, U: np.ndarray) -> float:
         """Energy at ``U`` (n, 3) near the current positions, without a membrane."""
         q = self.q.copy()
         self._turn_cells(U, q)
-        return self._without_membrane(U, q)
+        return self._without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
 
-    def _without_membrane(self, U: np.ndarray, q: np.ndarray) -> float:
-        """Energy at ``U`` (n, 3) of cells with rotations ``q`` (n, 4), and of springs."""
-        E = self.material.rigidity * arap_cells.energy(*self.rest.graph, self.rest.V, U, q)
+    def _without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
+        """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q`` (n, 4)."""
+        E = self.material.rigidity * cells
         if self._bending is not None:
             E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))
         if len(self.soft.ids):

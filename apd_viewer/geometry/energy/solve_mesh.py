@@ -117,7 +117,7 @@ class SolveMesh:
     def energy(self, U: np.ndarray) -> float:
         """ARAP energy (Eq. 1) at ``U`` (n, 3) with the optimal rotations."""
         q = self.identity()
-        arap_cells.local_step(*self.graph, self.V, U, arap_cells.FLAT, q)
+        arap_cells.local_step(*self.graph, self.V, U, arap_cells.FLAT, q, np.empty(0))
         return float(arap_cells.energy(*self.graph, self.V, U, q))
 
     def identity(self) -> np.ndarray:

@@ -125,9 +125,9 @@ class Projection:
         """Slope of each goal (rows) along each direction (columns)."""
         return parallel_ops.products(self.g, *self._support, self._y)
 
-    def add(self, X: np.ndarray, c: np.ndarray, g: np.ndarray) -> None:
-        """Add ``sum_k c_k g_k`` of gradients ``g`` (g, n, 3) to forces ``X`` (f, 3)."""
-        parallel_ops.add_at(X, c, g, *self._support, self._elastic.free)
+    def lagrangian(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
+        """Slope ``G - sum_k mult_k g_k`` (f, 3) of gradients ``G`` (f, 3) and ``g`` (g, n, 3)."""
+        return parallel_ops.less_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""

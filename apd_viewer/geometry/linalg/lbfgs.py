@@ -6,7 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.linalg import lbfgs_kernels
+
+# A step over which the slope fell says nothing that a minimum can be sought by.
+_BENDS = 1e-10
 
 
 class QuasiNewtonMemory:
@@ -14,7 +17,8 @@ class QuasiNewtonMemory:
 
     With the factor of the global step as preconditioner a first step is the plain one, and the following
     ones know what it leaves out [Liu, Bouaziz & Kavan 2017, Quasi-Newton methods for real-time simulation
-    of hyperelastic materials].
+    of hyperelastic materials]. Directions only lead somewhere, so what they are made of is kept in single
+    precision: half the memory to read.
 
     Parameters
     ----------
@@ -25,10 +29,12 @@ class QuasiNewtonMemory:
     """
 
     def __init__(self, count: int, length: int) -> None:
-        self._steps = np.empty((length, count, 3))
-        self._changes = np.empty((length, count, 3))
+        # One more than are remembered: the step under way.
+        shape = length + 1, 3 * count
+        self._steps, self._changes = np.empty(shape, np.float32), np.empty(shape, np.float32)
+        self._length, self._next = length, 0
         # Inner products of steps and changes, by slot.
-        self._products = np.empty((length, length))
+        self._products = np.zeros((length + 1, length + 1))
         self._order: list[int] = []
 
     def __len__(self) -> int:
@@ -38,45 +44,51 @@ class QuasiNewtonMemory:
         """Start again."""
         self._order.clear()
 
-    def learn(self, step: np.ndarray, change: np.ndarray) -> None:
-        """Remember a ``step`` and the ``change`` of the gradient over it, both (count, 3).
+    def move(self, before: np.ndarray, after: np.ndarray, rows: np.ndarray) -> None:
+        """Note the step between ``rows`` (count,) of two shapes, both (n, 3)."""
+        used = set(self._order)
+        self._next = next(slot for slot in range(self._length + 1) if slot not in used)
+        lbfgs_kernels.subtract_rows(after, before, rows, self._steps[self._next])
 
-        A step over which the slope fell says nothing that a minimum can be sought by, and is left out.
+    def learn(self, slope: np.ndarray, before: np.ndarray) -> None:
+        """Remember the last step with the slopes (count, 3) after and before it.
+
+        A step over which the slope fell is left out.
         """
-        bend = float(parallel_ops.dots(step[None], change)[0])
-        lengths = parallel_ops.dots(step[None], step)[0] * parallel_ops.dots(change[None], change)[0]
-        if not bend > 1e-10 * np.sqrt(lengths):
+        slot = self._next
+        step, change = self._steps[slot], self._changes[slot]
+        bend, step2, change2 = lbfgs_kernels.subtract(slope.ravel(), before.ravel(), step, change)
+        if not bend > _BENDS * np.sqrt(step2 * change2):
             return
-        full = len(self._order) == len(self._steps)
-        place = self._order.pop(0) if full else len(self._order)
-        self._steps[place], self._changes[place] = step, change
-        self._order.append(place)
-        count = len(self._order)
-        self._products[place, :count] = parallel_ops.dots(self._changes[:count], step)
-        self._products[:count, place] = parallel_ops.dots(self._steps[:count], change)
+        if len(self._order) == self._length:
+            self._order.pop(0)
+        self._order.append(slot)
+        order = np.array(self._order)
+        with_change, with_step = lbfgs_kernels.products(self._steps, self._changes, order, slot)
+        self._products[order, slot], self._products[slot, order] = with_change, with_step
 
-    def direction(self, gradient: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Descent direction for a ``gradient`` (count, 3), of length about 1.
+    def direction(
+        self, slope: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]
+    ) -> tuple[np.ndarray, float]:
+        """Descent direction (count, 3), of length about 1, and the slope along it.
 
         Parameters
         ----------
+        slope : (count, 3) float array
         solve : callable
             The preconditioner: the step for a gradient if nothing is remembered.
         """
-        order, P, count = self._order, self._products, len(self._order)
-        rest = -gradient
-        if not order:
-            return solve(rest)
-        along = parallel_ops.dots(self._steps[:count], rest)
-        first = np.zeros(count)
-        for k, i in reversed(list(enumerate(order))):
-            newer = order[k + 1 :]
-            first[i] = (along[i] - sum(first[j] * P[i, j] for j in newer)) / P[i, i]
-        parallel_ops.add(rest, -first, self._changes[:count])
-        step = solve(rest)
-        across = parallel_ops.dots(self._changes[:count], step)
-        second = np.zeros(count)
-        for k, i in enumerate(order):
-            second[i] = first[i] - (across[i] + sum(second[j] * P[j, i] for j in order[:k])) / P[i, i]
-        parallel_ops.add(step, second, self._steps[:count])
-        return step
+        P, order = self._products, np.array(self._order, dtype=np.int64)
+        first, second = np.zeros(len(order)), np.zeros(len(order))
+        flat = slope.ravel()
+        along = -lbfgs_kernels.dots(self._steps, order, flat)
+        for k in range(len(order) - 1, -1, -1):
+            i, newer = order[k], order[k + 1 :]
+            first[k] = (along[k] - first[k + 1 :] @ P[i, newer]) / P[i, i]
+        force = lbfgs_kernels.opposed(flat, first, self._changes, order)
+        way = solve(force.reshape(slope.shape))
+        across = lbfgs_kernels.dots(self._changes, order, way.ravel())
+        for k in range(len(order)):
+            i, older = order[k], order[:k]
+            second[k] = first[k] - (across[k] + second[:k] @ P[older, i]) / P[i, i]
+        return way, lbfgs_kernels.add(way.ravel(), second, self._steps, order, flat)

@@ -99,22 +99,24 @@ def add(X: np.ndarray, c: np.ndarray, A: np.ndarray) -> None:
 
 
 @parallel()
-def add_at(
+def less_rows(
     X: np.ndarray, c: np.ndarray, A: np.ndarray, start: np.ndarray, which: np.ndarray, rows: np.ndarray
-) -> None:
-    """Add rows of ``sum_k c_k A_k`` to ``X`` (f, 3), in place.
+) -> np.ndarray:
+    """``X`` (f, 3) less ``rows`` of ``sum_k c_k A_k``.
 
     ``A`` is as in :func:`products`.
     """
+    out = np.empty_like(X)
     for r in prange(len(rows)):
         i = rows[r]
         x, y, z = X[r, 0], X[r, 1], X[r, 2]
         for e in range(start[i], start[i + 1]):
             k = which[e]
-            x += c[k] * A[k, i, 0]
-            y += c[k] * A[k, i, 1]
-            z += c[k] * A[k, i, 2]
-        X[r, 0], X[r, 1], X[r, 2] = x, y, z
+            x -= c[k] * A[k, i, 0]
+            y -= c[k] * A[k, i, 1]
+            z -= c[k] * A[k, i, 2]
+        out[r, 0], out[r, 1], out[r, 2] = x, y, z
+    return out
 
 
 @parallel()
@@ -154,6 +156,23 @@ def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np
             out[i, 0], out[i, 1], out[i, 2] = B[-1 - k, 0], B[-1 - k, 1], B[-1 - k, 2]
         elif k < len(A):
             out[i, 0], out[i, 1], out[i, 2] = A[k, 0], A[k, 1], A[k, 2]
+        else:
+            out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
+    return out
+
+
+@parallel()
+def placed_ahead(U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """``U`` (n, 3) plus a share of rows of ``A``, or rows of ``B``, placed as in :func:`placed`."""
+    out = np.empty_like(U)
+    for i in prange(len(U)):
+        k = place[i]
+        if k < 0:
+            out[i, 0], out[i, 1], out[i, 2] = B[-1 - k, 0], B[-1 - k, 1], B[-1 - k, 2]
+        elif k < len(A):
+            out[i, 0] = U[i, 0] + share * A[k, 0]
+            out[i, 1] = U[i, 1] + share * A[k, 1]
+            out[i, 2] = U[i, 2] + share * A[k, 2]
         else:
             out[i, 0], out[i, 1], out[i, 2] = U[i, 0], U[i, 1], U[i, 2]
     return out

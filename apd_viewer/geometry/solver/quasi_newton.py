@@ -13,7 +13,6 @@ from typing import Protocol
 import numpy as np
 
 from apd_viewer.geometry.goals.goal_projection import Projection, Yielding
-from apd_viewer.geometry.linalg import parallel_ops
 from apd_viewer.geometry.linalg.lbfgs import QuasiNewtonMemory
 
 _REMEMBERED = 5
@@ -32,11 +31,14 @@ class DescentSurface(Yielding, Protocol):
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
 
-    def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets``."""
+    def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets``."""
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current."""
+
+    def energy_after(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; the energy there."""
 
 
 class QuasiNewton:
@@ -54,8 +56,8 @@ class QuasiNewton:
         self._growth, self._share = growth, 1.0
         self._elastic, self._projection = elastic, projection
         self._memory = QuasiNewtonMemory(len(elastic.free), _REMEMBERED)
-        # The last step, and G and g where it began.
-        self._last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        # G and g where the last step began.
+        self._last: tuple[np.ndarray, np.ndarray] | None = None
         self.multipliers = np.zeros(len(projection.goals))
         self.energy = elastic.energy
 
@@ -70,39 +72,34 @@ class QuasiNewton:
         projection.evaluate(elastic.U)
         if projection.worn:
             projection.refresh(elastic.U)
-        G = elastic.residual(held)
+        G, spare = elastic.residual(held), None
         self.multipliers = projection.multipliers(G)
-        slope, spare = G.copy(), None
-        projection.add(slope, -self.multipliers, projection.g)
+        slope = projection.lagrangian(G, self.multipliers, projection.g)
         if self._last is not None:
-            step, G_before, spare = self._last
-            change = slope - G_before
-            projection.add(change, self.multipliers, spare)
-            self._memory.learn(step, change)
+            G_before, spare = self._last
+            self._memory.learn(slope, projection.lagrangian(G_before, self.multipliers, spare))
         g, projection.g = projection.g, np.zeros_like(projection.g) if spare is None else spare
-        before = parallel_ops.taken(elastic.U, elastic.free)
-        arrived = self._go(before, slope, held)
-        self._last = (arrived - before, G, g) if arrived is not None else None
-        return arrived is not None
+        moved = self._go(slope, held)
+        self._last = (G, g) if moved else None
+        return moved
 
-    def _go(self, before: np.ndarray, slope: np.ndarray, held: np.ndarray) -> np.ndarray | None:
-        """Line search from the free positions ``before`` (f, 3); None if it fails."""
+    def _go(self, slope: np.ndarray, held: np.ndarray) -> bool:
+        """Line search from the current positions; False if it fails."""
         elastic, start = self._elastic, self._elastic.U
         while True:
-            way = self._memory.direction(slope, elastic.solve)
-            promise = 4.0 * float(parallel_ops.dots(slope[None], way)[0])
-            first = min(1.0, self._growth * self._share)
+            way, along = self._memory.direction(slope, elastic.solve)
+            promise, first = 4.0 * along, min(1.0, self._growth * self._share)
             for halvings in range(_HALVINGS):
                 share = first * 0.5**halvings
-                U, _ = self._projection.onto(elastic.assembled(before + share * way, held))
-                elastic.local_step(U)
-                energy = elastic.energy
+                U, _ = self._projection.onto(elastic.ahead(start, share, way, held))
+                energy = elastic.energy_after(U)
                 enough = energy <= self.energy + _SHARE_OF_PROMISE * share * promise
                 if enough and self._projection.met:
                     self.energy, self._share = energy, share
-                    return parallel_ops.taken(U, elastic.free)
+                    self._memory.move(start, U, elastic.free)
+                    return True
             elastic.local_step(start)
             self._projection.evaluate(start)
             if not len(self._memory):
-                return None
+                return False
             self._memory.forget()

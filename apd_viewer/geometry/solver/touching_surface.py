@@ -114,9 +114,17 @@ class TouchingSurface:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
         return self.elastic.assembled(X, targets)
 
+    def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets`` (k, 3)."""
+        return self.elastic.ahead(U, share, way, targets)
+
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
         self.elastic.local_step(U)
+
+    def energy_after(self, U: np.ndarray) -> float:
+        """Make ``U`` (n, 3) current; the energy there."""
+        return self.elastic.energy_after(U) + self.contact.energy_at(U)
 
 
 class FreeProjection(Projection):

@@ -138,6 +138,12 @@ def dense_directions(H0, pairs, gradient):
     return -H @ gradient
 
 
+def remember(memory, step, change):
+    """A step, with the change of the slope over it."""
+    memory.move(np.zeros_like(step), step, np.arange(len(step)))
+    memory.learn(change, np.zeros_like(change))
+
+
 def test_directions_are_those_of_the_matrix():
     rng = np.random.default_rng(3)
     n = 7
@@ -146,21 +152,25 @@ def test_directions_are_those_of_the_matrix():
     H0 = np.kron(np.diag(rng.uniform(0.5, 2.0, n)), np.eye(3))
     memory, pairs = QuasiNewtonMemory(n, 4), []
     for _ in range(9):
-        gradient = rng.normal(size=(n, 3))
-        got = memory.direction(gradient, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
-        expected = dense_directions(H0, pairs[-4:], gradient.ravel())
+        slope = rng.normal(size=(n, 3))
+        got, along = memory.direction(slope, lambda b: (H0 @ b.ravel()).reshape(-1, 3))
+        expected = dense_directions(H0, pairs[-4:], slope.ravel())
         assert np.abs(got.ravel() - expected).max() <= 1e-9 * np.abs(expected).max()
-        step = rng.normal(size=(n, 3))
-        memory.learn(step, (A @ step.ravel()).reshape(-1, 3))
-        pairs.append((step.ravel(), A @ step.ravel()))
+        assert along == pytest.approx(slope.ravel() @ got.ravel(), rel=1e-12)
+        step = rng.normal(size=3 * n).astype(np.float32)
+        change = (A @ step).astype(np.float32)  # kept in single precision
+        remember(memory, step.reshape(-1, 3).astype(float), change.reshape(-1, 3).astype(float))
+        pairs.append((step.astype(float), change.astype(float)))
 
 
 def test_a_step_over_which_the_slope_fell_is_left_out():
     memory = QuasiNewtonMemory(2, 3)
-    memory.learn(np.ones((2, 3)), -np.ones((2, 3)))
-    memory.learn(np.ones((2, 3)), np.zeros((2, 3)))
+    remember(memory, np.ones((2, 3)), -np.ones((2, 3)))
+    remember(memory, np.ones((2, 3)), np.zeros((2, 3)))
     assert len(memory) == 0
-    memory.learn(np.ones((2, 3)), np.ones((2, 3)))
+    remember(memory, np.ones((2, 3)), np.ones((2, 3)))
     assert len(memory) == 1
     memory.forget()
-    assert np.array_equal(memory.direction(np.ones((2, 3)), lambda b: 2 * b), np.full((2, 3), -2.0))
+    way, along = memory.direction(np.ones((2, 3)), lambda b: 2 * b)
+    assert np.array_equal(way, np.full((2, 3), -2.0))
+    assert along == -12.0
