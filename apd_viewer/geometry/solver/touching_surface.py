@@ -51,8 +51,12 @@ class TouchingSurface:
     @property
     def energy(self) -> float:
         """The energy of the current positions."""
+        return self._whole(self.elastic.energy)
+
+    def _whole(self, elastic: float) -> float:
+        """The energy of the current positions, with that of the elastic surface."""
         gas = self.gas.energy(self.elastic.U) if self.gas else 0.0
-        return self.elastic.energy + self.contact.energy_at(self.elastic.U) + gas
+        return elastic + self.contact.energy_at(self.elastic.U) + gas
 
     def residual(self, targets: np.ndarray) -> np.ndarray:
         """A quarter of the gradient on the free vertices, (f, 3)."""
@@ -124,7 +128,7 @@ class TouchingSurface:
 
     def energy_after(self, U: np.ndarray) -> float:
         """Make ``U`` (n, 3) current; the energy there."""
-        return self.elastic.energy_after(U) + self.contact.energy_at(U)
+        return self._whole(self.elastic.energy_after(U))
 
 
 class FreeProjection(Projection):
