@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
+from apd_viewer.geometry.energy.membrane_lanes import LANES, ROWS, project_lanes
 from apd_viewer.geometry.linalg.quaternions import quaternion_to_matrix
 from apd_viewer.geometry.linalg.threads import parallel
 from apd_viewer.geometry.mesh.laplacian import cotangents, element_laplacian, well_shaped
@@ -22,7 +23,7 @@ from apd_viewer.geometry.mesh.measures import Patch
 
 _NEWTON_STEPS = 20
 # Triangles per task of a core.
-_PORTION = 512
+_PORTION = 32 * LANES
 
 
 @njit(inline="always")
@@ -41,34 +42,29 @@ def larger_stretch(s1: float, s2: float) -> float:
     return p
 
 
+# Inlined: a call would count references to every array for every triangle.
 @njit(inline="always")
-def _project(D: np.ndarray, shear: float, area: float, T: np.ndarray) -> float:
-    """``T = shear R + area P``; return ``shear |D - R|^2 + area |D - P|^2``."""
-    x0, x1, x2, y0, y1, y2 = D[0, 0], D[1, 0], D[2, 0], D[0, 1], D[1, 1], D[2, 1]
-    a, b, d = x0 * x0 + x1 * x1 + x2 * x2, x0 * y0 + x1 * y1 + x2 * y2, y0 * y0 + y1 * y1 + y2 * y2
-    # D^T D = m I + r [[c, s], [s, -c]]; (c, s) is the larger stretch's direction at twice its angle.
-    m, h = 0.5 * (a + d), 0.5 * (a - d)
-    r = np.sqrt(h * h + b * b)
-    s1 = np.sqrt(m + r)
-    z0, z1, z2 = x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
-    s2 = np.sqrt(z0 * z0 + z1 * z1 + z2 * z2) / s1 if s1 > 0.0 else 0.0
-    if s2 <= 1e-12 * s1:
-        # Collapsed: there is no plane to open it into. Zero is a subgradient.
-        for i in range(3):
-            T[i, 0], T[i, 1] = (shear + area) * D[i, 0], (shear + area) * D[i, 1]
-        return 0.0
-    p1 = larger_stretch(s1, s2)
-    p2 = 1.0 / p1
-    f1, f2 = (shear + area * p1) / s1, (shear + area * p2) / s2
-    # T = D (f1 v1 v1^T + f2 v2 v2^T), v the directions of the stretches.
-    c, s = (h / r, b / r) if r > 0.0 else (1.0, 0.0)
-    mean, half = 0.5 * (f1 + f2), 0.5 * (f1 - f2)
-    m00, m01, m11 = mean + half * c, half * s, mean - half * c
-    for i in range(3):
-        x, y = D[i, 0], D[i, 1]
-        T[i, 0] = x * m00 + y * m01
-        T[i, 1] = x * m01 + y * m11
-    return shear * ((s1 - 1.0) ** 2 + (s2 - 1.0) ** 2) + area * ((s1 - p1) ** 2 + (s2 - p2) ** 2)
+def _load(X: np.ndarray, lane: int, t: int, F: np.ndarray, rest: np.ndarray, U: np.ndarray) -> None:
+    """Put the deformation gradient of triangle ``t`` into a lane."""
+    x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
+    i, j, k = F[t, 0], F[t, 1], F[t, 2]
+    for a in range(3):
+        x = (U[j, a] - U[i, a]) / x1
+        # One that does not count needs finite numbers.
+        X[2 * a * LANES + lane] = x if x1 != 0.0 else 0.0
+        X[(2 * a + 1) * LANES + lane] = (U[k, a] - U[i, a] - x * x2) / y2 if x1 != 0.0 else 0.0
+
+
+@njit(inline="always")
+def _store(X: np.ndarray, lane: int, t: int, rest: np.ndarray, cot: np.ndarray, forces: np.ndarray) -> None:
+    """Corner forces of triangle ``t`` from a lane's T."""
+    x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
+    # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
+    ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
+    for a in range(3):
+        x, y = X[2 * a * LANES + lane], X[(2 * a + 1) * LANES + lane]
+        ij, ik, jk = ck * x * x1, cj * (x * x2 + y * y2), ci * (x * (x2 - x1) + y * y2)
+        forces[3 * t, a], forces[3 * t + 1, a], forces[3 * t + 2, a] = -ij - ik, ij - jk, ik + jk
 
 
 @parallel(error_model="numpy", fastmath={"contract"})
@@ -84,27 +80,16 @@ def _forces(
     """Quarter of the projections' corner forces, into (3 m, 3); the energy."""
     energy = 0.0
     for portion in prange((len(F) + _PORTION - 1) // _PORTION):
-        D, T = np.empty((3, 2)), np.empty((3, 2))
-        sum_ = 0.0
-        for t in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION)):
-            x1, x2, y2 = rest[t, 0], rest[t, 1], rest[t, 2]
-            if x1 == 0.0:
-                forces[3 * t : 3 * t + 3] = 0.0
-                continue
-            i, j, k = F[t, 0], F[t, 1], F[t, 2]
-            for a in range(3):
-                D[a, 0] = (U[j, a] - U[i, a]) / x1
-                D[a, 1] = (U[k, a] - U[i, a] - D[a, 0] * x2) / y2
-            sum_ += 0.5 * x1 * y2 * _project(D, shear, area, T)
-            # Corners at (0, 0), (x1, 0), (x2, y2); an edge pulls with its opposite corner's cotangent.
-            ci, cj, ck = 0.25 * cot[t, 0], 0.25 * cot[t, 1], 0.25 * cot[t, 2]
-            for a in range(3):
-                ij = ck * T[a, 0] * x1
-                ik = cj * (T[a, 0] * x2 + T[a, 1] * y2)
-                jk = ci * (T[a, 0] * (x2 - x1) + T[a, 1] * y2)
-                forces[3 * t, a] = -ij - ik
-                forces[3 * t + 1, a] = ij - jk
-                forces[3 * t + 2, a] = ik + jk
+        X, sum_ = np.zeros(ROWS * LANES), 0.0
+        for first in range(portion * _PORTION, min(len(F), (portion + 1) * _PORTION), LANES):
+            count = min(LANES, len(F) - first)
+            for lane in range(count):
+                _load(X, lane, first + lane, F, rest, U)
+            project_lanes(X, shear, area)
+            for lane in range(count):
+                t = first + lane
+                _store(X, lane, t, rest, cot, forces)
+                sum_ += 0.5 * rest[t, 0] * rest[t, 2] * X[(ROWS - 1) * LANES + lane]
         energy += sum_
     return energy
 
