@@ -9,6 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+# From so many unknowns of a group on, calls of BLAS pay; columns of a product.
+_WIDE = 36
+_BLOCK = 96
+
 
 @njit(cache=True, nogil=True)
 def eliminate(
@@ -51,7 +55,10 @@ def eliminate(
             top = min(top, where[c])
             c = sibling[c]
         inverse = inverses[: k * k].reshape(k, k)
-        _condense(front, inverse)
+        if k < _WIDE:
+            _condense(front, inverse)
+        else:
+            _condense_by_blocks(front, inverse)
         out = panels[panel[s] : panel[s + 1]].reshape(k, k + b)
         out[:, :k], out[:, k:] = inverse, -front[:k, k:]
         where[s] = top
@@ -98,6 +105,51 @@ def _condense(front: np.ndarray, inverse: np.ndarray) -> None:
         _subtract_one(inverse[i], known, inverse[i + 1 :])
         front[i, k:] /= front[i, i]
         inverse[i] /= front[i, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
+    """The same by products of matrices."""
+    k, b = len(inverse), len(front) - len(inverse)
+    for i in range(k):
+        inverse[i, i:] = front[i, i:k]
+        inverse[i:, i] = front[i, i:k]
+    _invert(inverse)
+    blocks = (b + _BLOCK - 1) // _BLOCK
+    B, products = np.empty(k * b), np.empty(max(k, _BLOCK) * _BLOCK)
+    for c in range(blocks):
+        first, last = c * _BLOCK, min(b, (c + 1) * _BLOCK)
+        width = last - first
+        column = B[k * first : k * last].reshape(k, width)
+        column[:] = front[:k, k + first : k + last]
+        W = products[: k * width].reshape(k, width)
+        np.dot(inverse, column, W)
+        front[:k, k + first : k + last] = W
+        for a in range(c + 1):
+            above, below = a * _BLOCK, min(b, (a + 1) * _BLOCK)
+            row = B[k * above : k * below].reshape(k, below - above)
+            front[k + above : k + below, k + first : k + last] -= np.dot(row.T, W)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _invert(A: np.ndarray) -> None:
+    """Invert a symmetric positive definite matrix in place, sweep by sweep of some rows."""
+    k = len(A)
+    for first in range(0, k, _BLOCK):
+        last = min(k, first + _BLOCK)
+        width = last - first
+        pivot, inverse = A[first:last, first:last].copy(), np.empty((width, width))
+        _condense(pivot, inverse)
+        for i in range(width):
+            inverse[i, :i] = inverse[:i, i]
+        column = A[:, first:last].copy()
+        column[first:last] = 0.0
+        row = np.dot(column, inverse)
+        A -= np.dot(row, column.T)
+        A[:, first:last] = row
+        A[first:last, :] = row.T
+        A[first:last, first:last] = -inverse
+    A *= -1.0
 
 
 # Four rows at a time: what is subtracted from is read and written a quarter as often.
