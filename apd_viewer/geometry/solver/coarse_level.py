@@ -86,6 +86,11 @@ class CoarseLevel:
         """True if further iterations would show next to nothing."""
         return self._solver.stuck or bool(self._solver.converged)
 
+    @property
+    def energy(self) -> float:
+        """Energy of the coarse surface."""
+        return self._elastic.energy
+
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals of the fine surface, as far as a coarse one can."""
         self._solver.keep(self._own(goals))

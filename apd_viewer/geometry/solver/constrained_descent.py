@@ -42,6 +42,9 @@ _WINDOW = 10
 TOLERANCE = 1e-7
 # Once ten steps by K reduce the energy by less than this part, the Hessian takes them farther.
 LATE = 1e-3
+# Steps by the Hessian have arrived, to 1e-5 of the energy, once so many of them reduce it by at most so many
+# tolerances. Fewer may gain as little at a saddle, and thousands of times that beyond it.
+_HESSIAN_WINDOW, _HESSIAN_GAIN = 40, 40.0
 # A descent to no lower tolerance ends before that pays; coarse levels so led start the finer ones worse.
 _FINE = 1e-4
 _NO_ENERGY = 1e-300  # of a rigid motion, to divide by
@@ -116,7 +119,9 @@ class ConstrainedDescent:
     @property
     def converged(self) -> bool | None:
         """True if further steps would gain next to nothing; None of plain iterations."""
-        return None if self._plain else self._at_minimum or self.stalls(self._tolerance)
+        if self._plain:
+            return None
+        return self._at_minimum or self.stalls(self._tolerance) or self._has_arrived
 
     @property
     def gap(self) -> float | None:
@@ -134,6 +139,12 @@ class ConstrainedDescent:
         """True if the last steps reduced the energy by at most this part."""
         E = self._energies
         return len(E) > _WINDOW and E[0] - E[-1] <= tolerance * E[-1]
+
+    @property
+    def _has_arrived(self) -> bool:
+        """True if many steps by the Hessian have gained next to nothing."""
+        E = self._by_hessian
+        return len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""
@@ -172,6 +183,7 @@ class ConstrainedDescent:
         self.stuck = False
         self._quasi_newton: QuasiNewton | None = None
         self._energies: deque[float] = deque(maxlen=_WINDOW + 1)
+        self._by_hessian: deque[float] = deque(maxlen=_HESSIAN_WINDOW + 1)
         self._at_minimum = False
         self._lag = 0
         if self._metric.is_hessian:
@@ -194,6 +206,8 @@ class ConstrainedDescent:
             self._at_minimum = not self._quasi_newton.step(self.held)
             self.multipliers = self._quasi_newton.multipliers
             self._energies.append(self._quasi_newton.energy)
+            if self._metric.is_hessian:
+                self._by_hessian.append(self._quasi_newton.energy)
 
     def smooth(self, iterations: int) -> None:
         """Iterate without a coarser level, plainly until quasi-Newton steps have begun."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
+from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.late_metric import gains_from_hessian
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
@@ -24,9 +24,9 @@ _GAIN = 1e-3
 _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
-# Where a Hessian ends the descent, the first trial that is higher when one would be factored for it is the
-# last: a descent takes longer than elsewhere, and the trials that ended lower had been lower by then.
-_BEFORE_HESSIAN = LATE, 0
+# Where a Hessian ends the descent, which takes longer than elsewhere, the first trial that is higher is the
+# last, and none goes on whose coarse surface has come to rest no lower than ever before.
+_PATIENCE_BY_HESSIAN = 0
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
@@ -54,8 +54,8 @@ class Restarts:
     def __init__(self, inner: Multilevel) -> None:
         self.elastic = inner.elastic
         self._inner = inner
-        usual, early = (_TRIAL_TOLERANCE, _PATIENCE), _BEFORE_HESSIAN
-        self._tolerance, self._patience = early if gains_from_hessian(inner.elastic) else usual
+        self._by_hessian = gains_from_hessian(inner.elastic)
+        self._patience = _PATIENCE_BY_HESSIAN if self._by_hessian else _PATIENCE
         self._reset()
 
     @property
@@ -140,6 +140,8 @@ class Restarts:
         # Energy, shapes of all levels, multipliers.
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
         self._minima: list[float] = []
+        # Of the coarse surface, where it has led from.
+        self._coarse_minimum, self._led = np.inf, False
         self._on_trial = self._done = False
 
     def step(self) -> None:
@@ -149,34 +151,36 @@ class Restarts:
         energy = self.elastic.energy if self._on_trial else np.inf
         # Once shown it stays: switching back would flicker.
         self._on_trial = self._on_trial and not energy < (1.0 - _GAIN) * self._best[0]
-        if self._on_trial and (inner.stuck or self._leads_nowhere or self._fails(energy)):
+        if self._leads_nowhere() or (self._on_trial and (inner.stuck or self._fails(energy))):
             self._end_trial()
             self._done = True
         elif inner.stuck:
             self._done = True
-        elif inner.converged or (self._on_trial and self._stalls(energy)):
+        elif inner.converged or (self._on_trial and inner.stalls(_TRIAL_TOLERANCE)):
             self._begin_trial()
 
-    @property
     def _leads_nowhere(self) -> bool:
-        """True if the coarse level converged to its starting shape."""
+        """True if the coarse level has come to rest on trial, and promises nothing."""
         coarse = self._inner.coarse
-        if not coarse.converged:
+        if self._led or not coarse.converged:
+            return False
+        self._led, lowest = True, self._coarse_minimum
+        if self._by_hessian:
+            energy = coarse.energy
+            self._coarse_minimum = min(energy, lowest)
+            if self._on_trial and not energy < (1.0 - _GAIN) * lowest:
+                return True
+        if not self._on_trial:
             return False
         before, now = self._coarse_start, coarse.shapes()[0]
         return float(np.abs(now - before).max()) <= _SAME * float(np.ptp(before, axis=0).max())
 
     def _fails(self, energy: float) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self._inner.converged or self._stalls(energy)):
+        if not (self._inner.converged or self._inner.stalls(_TRIAL_TOLERANCE)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
-
-    def _stalls(self, energy: float) -> bool:
-        """True if steps on trial gain too little at this energy."""
-        lower = energy < self._best[0]
-        return self._inner.stalls(_TRIAL_TOLERANCE if lower else self._tolerance)
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""
@@ -184,7 +188,7 @@ class Restarts:
         if energy < best[0]:
             best = energy, inner.shapes(), inner.fine.multipliers
         inner.follow_again()
-        self._coarse_start = inner.coarse.shapes()[0]
+        self._coarse_start, self._led = inner.coarse.shapes()[0], False
         self._best, self._minima, self._on_trial = best, [*minima, energy], True
 
     def _end_trial(self) -> None:
