@@ -11,6 +11,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
 from apd_viewer.geometry.goals.goals import Region
+from apd_viewer.geometry.linalg.linear_solver import supernodal_works
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_SHEAR_STIFFNESS, METHODS
 
@@ -21,6 +22,7 @@ def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
     Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
     """
     area_change.warm_up()
+    supernodal_works()
     V, F = _ball()
     fixed = np.concatenate([np.arange(200), np.arange(len(V) - 200, len(V))])
     targets = V[fixed] * [1.0, 1.0, 1.1]

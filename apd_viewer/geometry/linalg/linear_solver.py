@@ -106,7 +106,7 @@ class LinearSolver:
     ) -> None:
         begun = time.monotonic()
         self._factor: _Simplicial | SupernodalFactor | None = None
-        if V is not None and len(V) >= _LARGE and _supernodal_works():
+        if V is not None and len(V) >= _LARGE and supernodal_works():
             self._factor = _supernodal(start, column, entry, V)
         if self._factor is None:
             self._factor = _Simplicial(start, column, entry)
@@ -152,7 +152,7 @@ def _supernodal(
 
 
 @cache
-def _supernodal_works() -> bool:
+def supernodal_works() -> bool:
     """True if kernels compiled for this processor solve a system that is known."""
     size = 24
     line = diags_array([np.ones(size - 1), np.ones(size - 1)], offsets=[-1, 1])

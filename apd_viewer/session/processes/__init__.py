@@ -5,7 +5,7 @@
     window process                                 solver process            factor process (>= 100,000 rows)
     thread "solver": Worker  -- Order, envelope -> thread "orders": Mailbox
     thread "answers": Child  <- Message, tray ---- Solver, Deformation  -- matrix, B -> LinearSolver
-                                                                        <- solution --- (cholespy)
+                                                                        <- solution ---
     thread "shape check"     -- F, U ------------> shape-check process (ipctk)
                              <- ShapeCheck ------
     thread "geodesic"        -- F, U, ends ------> geodesic process (potpourri3d)
