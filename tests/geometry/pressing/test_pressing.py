@@ -21,7 +21,7 @@ STIFF = PressOptions(stiffness=0.001)
 
 @cache
 def ball():
-    return RestMesh(*sphere(4))
+    return RestMesh(*sphere(3))
 
 
 def to_rest(pressing, share):
