@@ -164,12 +164,12 @@ def test_the_sample_bottle(session, tmp_path):
     session.until(lambda: session.jobs.current is None)
     assert session.told == ["Saved bottle.apd."]
     check_equal(open_session(path)[0], session.store.state)
-    first, second = (replay(path)[1] for _ in range(2))
-    check_same_array(first.U, second.U)
-    np.testing.assert_allclose(first.U, session.U, rtol=0, atol=1e-12)
+    gone_on, second = (replay(path)[1] for _ in range(2))
+    check_same_array(gone_on.U, second.U)
+    np.testing.assert_allclose(gone_on.U, session.U, rtol=0, atol=1e-12)
     first, second = (replay(path, from_rest=True)[1] for _ in range(2))
     check_same_array(first.U, second.U)
-    assert first.energy == pytest.approx(replay(path)[1].energy, rel=1e-2)
+    assert first.energy == pytest.approx(gone_on.energy, rel=1e-2)
 
 
 def test_what_is_at_rest_comes_back_as_the_mesh_s_own(tmp_path):
