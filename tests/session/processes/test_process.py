@@ -71,10 +71,10 @@ def altered(monkeypatch):
 # Killed
 
 
-def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
+def test_a_process_killed_in_a_drag_five_times_loses_nothing(session):
     session.settings.set_method("arap")
     session.gestures.begin()
-    for k in range(10):
+    for k in range(5):  # more often than a request is given up after
         session.handles.drag(pose(0.1 * k + 0.1))
         next_frame(session, 5.0)
         session.listen(0.02)
@@ -93,7 +93,7 @@ def test_a_process_killed_in_a_drag_ten_times_loses_nothing(session):
     held = document.constraints()
     assert np.allclose(session.U[held.fixed], held.targets, rtol=0, atol=1e-12)
     assert session.failed == []
-    assert len(session.told) == 1, "ten times the same news in ten seconds would be nine too many"
+    assert len(session.told) == 1, "five times the same news in ten seconds would be four too many"
     assert "nothing was lost" in session.told[0]
 
 
