@@ -29,7 +29,7 @@ class Convergence(NamedTuple):
         Wrinkles of fine meshes can creep on indefinitely; the iterations end here, unconverged.
     energy_tolerance : float
         Of methods that descend in an energy: converged once ten steps together reduce it by at most this
-        part.
+        part, or forty steps by a Hessian by at most forty times it.
     step_tolerance : float
         Of the methods "paper" and "sr-arap": converged once a step moves no vertex by more than this part of
         the bounding box's diagonal, and those to come by no more than a hundred times that.

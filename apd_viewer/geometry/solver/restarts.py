@@ -13,7 +13,7 @@ import numpy as np
 
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
+from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.late_metric import gains_from_hessian
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
@@ -25,8 +25,9 @@ _TRIAL_TOLERANCE = 1e-4
 # So many minima in a row may be higher than the best.
 _PATIENCE = 1
 # Where a Hessian ends the descent, which takes longer than elsewhere, the first trial that is higher is the
-# last, and none goes on whose coarse surface has come to rest no lower than ever before.
-_PATIENCE_BY_HESSIAN = 0
+# last. None goes on whose coarse surface has come to rest higher than before, and only those whose is lower
+# go on once a Hessian would be factored for them.
+_PATIENCE_BY_HESSIAN, _BEFORE_HESSIAN = 0, LATE
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
 
@@ -141,7 +142,7 @@ class Restarts:
         self._best: tuple[float, list[np.ndarray], np.ndarray] = (np.inf, [], np.zeros(0))
         self._minima: list[float] = []
         # Of the coarse surface, where it has led from.
-        self._coarse_minimum, self._led = np.inf, False
+        self._coarse_minimum, self._led, self._doubtful = np.inf, False, False
         self._on_trial = self._done = False
 
     def step(self) -> None:
@@ -156,7 +157,7 @@ class Restarts:
             self._done = True
         elif inner.stuck:
             self._done = True
-        elif inner.converged or (self._on_trial and inner.stalls(_TRIAL_TOLERANCE)):
+        elif inner.converged or (self._on_trial and self._stalls(energy)):
             self._begin_trial()
 
     def _leads_nowhere(self) -> bool:
@@ -168,7 +169,8 @@ class Restarts:
         if self._by_hessian:
             energy = coarse.energy
             self._coarse_minimum = min(energy, lowest)
-            if self._on_trial and not energy < (1.0 - _GAIN) * lowest:
+            self._doubtful = not energy < (1.0 - _GAIN) * lowest
+            if self._on_trial and energy > (1.0 + _GAIN) * lowest:
                 return True
         if not self._on_trial:
             return False
@@ -177,10 +179,15 @@ class Restarts:
 
     def _fails(self, energy: float) -> bool:
         """True if the trial has converged and is the last one worth it."""
-        if not (self._inner.converged or self._inner.stalls(_TRIAL_TOLERANCE)):
+        if not (self._inner.converged or self._stalls(energy)):
             return False
         known = any(abs(energy - minimum) <= _GAIN * minimum for minimum in self._minima)
         return known or len(self._minima) - int(np.argmin(self._minima)) > self._patience
+
+    def _stalls(self, energy: float) -> bool:
+        """True if steps on trial gain too little at this energy."""
+        soon = self._by_hessian and self._doubtful and not energy < self._best[0]
+        return self._inner.stalls(_BEFORE_HESSIAN if soon else _TRIAL_TOLERANCE)
 
     def _begin_trial(self) -> None:
         """Follow the coarse level from the minimum; show the best shape meanwhile."""
