@@ -38,6 +38,27 @@ def _product(start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.nda
     return out
 
 
+def residual(A: csr_array, X: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """``B - A X`` for ``A`` (m, n), ``X`` (n, 3) and ``B`` (m, 3)."""
+    return _residual(A.indptr, A.indices, A.data, X, B)
+
+
+@parallel()
+def _residual(
+    start: np.ndarray, column: np.ndarray, entry: np.ndarray, X: np.ndarray, B: np.ndarray
+) -> np.ndarray:
+    out = np.empty_like(B)
+    for i in prange(len(out)):
+        x, y, z = B[i, 0], B[i, 1], B[i, 2]
+        for e in range(start[i], start[i + 1]):
+            j, a = column[e], entry[e]
+            x -= a * X[j, 0]
+            y -= a * X[j, 1]
+            z -= a * X[j, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+    return out
+
+
 @parallel()
 def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Inner products of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,)."""

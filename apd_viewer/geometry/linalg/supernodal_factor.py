@@ -95,7 +95,8 @@ class SupernodalFactor:
 
     def _refine_three(self, B: np.ndarray) -> np.ndarray:
         X = self._solve_three(B)
-        return X + self._solve_three(B - parallel_ops.product(self._A, X))
+        X += self._solve_three(parallel_ops.residual(self._A, X, B))
+        return X
 
 
 def _in_threes(B: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
