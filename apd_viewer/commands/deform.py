@@ -18,7 +18,7 @@ from apd_viewer.errors import InputError
 from apd_viewer.figures.shapes import Picture, check_picture, draw_shapes, no_pictures
 from apd_viewer.files.mesh_writing import check_target
 from apd_viewer.files.meshes import open_mesh
-from apd_viewer.files.selections.selection import Selection
+from apd_viewer.files.selections.selection import Selection, numbered
 from apd_viewer.files.selections.selection_files import read_selection_file
 from apd_viewer.files.selections.survey_formats import read_region, read_transform
 from apd_viewer.files.storage.atomic_file import replacing
@@ -291,7 +291,8 @@ def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:
         raise InputError(tr("Give --selection and --transform, or --obstacles that push."))
-    return Selection(np.full(len(mesh.V), FREE, dtype=np.uint8))
+    labels, member = np.full(len(mesh.V), FREE, dtype=np.uint8), np.zeros(len(mesh.V), dtype=np.uint8)
+    return Selection(labels, member, (numbered(tr("Handle"), 1),))
 
 
 def _member(regions: Sequence[Region], vertices: int) -> np.ndarray:

@@ -36,6 +36,7 @@ def write_report(
     readings = asdict(result)
     del readings["U"]
     readings["convergence"] = result.convergence._asdict()
+    readings |= {"loads": result.loads.tolist(), "shifts": result.shifts.tolist()}
     report = {"mesh": mesh.name, "vertices": len(mesh.V), "faces": len(mesh.F), **readings}
     for U, suffix in ((mesh.V, "_rest"), (result.U, "")):
         room = room_of(check_shape(U, mesh.joined_F))

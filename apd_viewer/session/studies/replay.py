@@ -85,4 +85,4 @@ def _drift(held: Constraints, U: np.ndarray) -> float:
     """Distance of a handle's centre from its target; the largest of all handles."""
     places = [np.searchsorted(held.fixed, ids) for ids in held.handles]
     away = U[held.fixed] - held.targets
-    return max(float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places)
+    return max((float(np.linalg.norm(away[rows].mean(axis=0))) for rows in places), default=0.0)

@@ -1,0 +1,113 @@
+"""Obstacles on the command line: a file of them, and sweeps of what they carry."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from meshes import tube
+
+from apd_viewer.__main__ import main
+from apd_viewer.files.mesh_writing import save_mesh
+from apd_viewer.files.meshes import open_mesh
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.mesh.mesh import Mesh
+from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.named_obstacle import NamedObstacle, ObstacleKind
+from apd_viewer.session.model.state import opened
+from apd_viewer.session.model.view import View
+from apd_viewer.session.storage.session_file import save_session
+
+X = np.eye(3)[0]
+PLATES = [
+    {"kind": "plate", "place": [-1.01, 0, 0], "axis": [1, 0, 0]},
+    {"kind": "plate", "place": [1.01, 0, 0], "axis": [-1, 0, 0], "shift": [-0.4, 0, 0]},
+]
+
+
+@pytest.fixture
+def mesh(tmp_path):
+    mesh = Mesh(*tube(12, 12))
+    save_mesh(mesh, mesh.V, tmp_path / "tube.obj")
+    return open_mesh(tmp_path / "tube.obj")
+
+
+def command(*words):
+    return main([str(word) for word in words])
+
+
+def deformed(mesh, obstacles, folder):
+    (folder / "obstacles.json").write_text(json.dumps(obstacles))
+    files = "--obstacles", folder / "obstacles.json", "-o", folder / "out.obj", "--report", folder / "r.json"
+    return command("deform", mesh.path, "--stiffness", 0.001, *files)
+
+
+def test_plates_of_a_file_press_what_nothing_holds(mesh, tmp_path):
+    assert not deformed(mesh, PLATES, tmp_path)
+    said, U = json.loads((tmp_path / "r.json").read_text()), open_mesh(tmp_path / "out.obj").V
+    assert np.ptp(U[:, 0]) == pytest.approx(1.62, abs=0.02)
+    assert said["shifts"] == [[0, 0, 0], [-0.4, 0, 0]]
+    low, high = np.array(said["loads"])
+    assert high[0] > 1.0
+    assert low[0] == pytest.approx(-high[0], rel=0.01)
+    assert abs(said["area_error"]) <= 1e-9
+
+
+@pytest.mark.parametrize(
+    ("obstacles", "words"),
+    [
+        ([{**PLATES[0], "kind": "cone"}], "kind"),
+        ([{"kind": "sphere", "place": [0, 0, 0]}], "radius"),
+        ({"kind": "plate"}, "obstacles"),
+        ([{**PLATES[0], "place": [0, 0, 0]}], "intersects the shape to begin from"),
+    ],
+)
+def test_obstacles_that_cannot_be_used_are_refused(obstacles, words, mesh, tmp_path, capsys):
+    assert deformed(mesh, obstacles, tmp_path)
+    assert words in capsys.readouterr().err
+    assert not (tmp_path / "out.obj").exists()
+
+
+def test_without_obstacles_a_selection_is_needed(mesh, tmp_path, capsys):
+    assert command("deform", mesh.path, "-o", tmp_path / "out.obj")
+    assert "--selection" in capsys.readouterr().err
+
+
+def squeezed(mesh) -> Document:
+    """Nothing held, and a plate that moves towards another one."""
+    plates = (
+        NamedObstacle("Wall", ObstacleKind.PLATE, frozen(-1.01 * X), frozen(X)),
+        NamedObstacle("Plate", ObstacleKind.PLATE, frozen(1.01 * X), frozen(-X)).shifted(-0.4 * X),
+    )
+    document = opened(mesh).document
+    return Document(
+        document.mesh,
+        document.labels,
+        document.grip,
+        document.member,
+        stiffness=0.001,
+        contact=True,
+        obstacles=plates,
+    )
+
+
+def test_a_sweep_of_obstacles_alone_tells_the_load_of_every_step(mesh, tmp_path):
+    """What the plate does on its way is what the energy gains."""
+    state = opened(mesh)
+    save_session(tmp_path / "a.apd", state.at(squeezed(mesh)), View())
+    out = tmp_path / "swept"
+    assert not command("sweep", tmp_path / "a.apd", "--steps", 8, "--methods", "exact", "-o", out)
+    rows = list(csv.DictReader((out / "sweep.csv").open()))
+    load = np.array([[float(row["load_1"]), float(row["load_2"])] for row in rows])
+    assert all(row["settled"] == "True" or row["settled"] == "true" for row in rows)
+    assert load[0] == pytest.approx(0.0, abs=1e-6)
+    assert (np.diff(load[:, 1]) > 0.0).all()
+    assert np.allclose(load[2:, 0], load[2:, 1], rtol=0.01)
+    assert [float(row["part"]) for row in rows] == pytest.approx(np.linspace(0, 1, 9))
+    assert any(path.suffix == ".png" or path.suffix == ".pdf" for path in out.iterdir())
+
+
+def test_a_method_without_contact_is_refused_where_obstacles_alone_move(mesh, tmp_path, capsys):
+    save_session(tmp_path / "a.apd", opened(mesh).at(squeezed(mesh)), View())
+    assert command("sweep", tmp_path / "a.apd", "--methods", "exact,paper", "-o", tmp_path / "swept")
+    assert "omit it" in capsys.readouterr().err
