@@ -1,0 +1,241 @@
+"""Obstacles that a deformation meets: nothing is entered, and loads are slopes of the energy."""
+
+import numpy as np
+import pytest
+from crossing_check import CrossingCheck
+from meshes import ends, tube
+
+from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.clearance import clearance
+from apd_viewer.geometry.contact.obstacles import capsule, plate, sphere
+from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.linalg.linear_solver import LinearSolver
+from apd_viewer.geometry.pose.fitted_motion import fitted_motion
+from apd_viewer.geometry.pressing.plate_press import PlatePress
+from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.solver.deform import deform
+from apd_viewer.geometry.solver.deformation import Deformation
+
+X, Y, Z = np.eye(3)
+NOBODY = np.zeros((0, 3))
+STIFF = {"stiffness": 0.001, "contact": True}
+
+
+def held_tube():
+    """A tube around z, its held ends, and the upper one."""
+    V, F = tube(16, 16)
+    low, high = ends(V)
+    return V, F, np.concatenate([low, high]), high
+
+
+def beside(kind):
+    """Obstacle to the right of the tube at half its height."""
+    V = held_tube()[0]
+    middle = 0.5 * np.ptp(V[:, 2]) * Z
+    return {
+        "sphere": sphere(middle + 1.5 * X, 0.4),
+        "plate": plate(middle + 1.1 * X, -X - 0.2 * Z, 10.0),
+        "cylinder": capsule(middle + 1.4 * X - Y, middle + 1.4 * X + Y, 0.3),
+    }[kind]
+
+
+def settle(solver, obstacles, most=2500):
+    """Iterate to the end; every frame is looked at by another library."""
+    check, F = CrossingCheck(solver.rest.shape.V, solver.rest.shape.F), solver.rest.F
+    for _ in range(most):
+        if solver.settled:
+            break
+        frame = solver.step()
+        assert not check.crosses(frame.U)
+        assert abs(frame.area_error) <= 1e-9
+        for obstacle, shift in zip(obstacles, frame.shifts, strict=True):
+            assert clearance(obstacle, shift, frame.U, F) > 0.0
+            assert obstacle.outwards(obstacle.points + shift, frame.U)[0].min() > 0.0
+    return solver.frame()
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_handles_and_obstacles_move_together_and_nothing_is_entered(kind):
+    V, F, fixed, high = held_tube()
+    obstacles = [beside(kind)]
+    solver = Deformation(V, F, fixed, handle=high, obstacles=obstacles, **STIFF)
+    targets = V.copy()
+    targets[high] += 0.4 * Y - 0.3 * Z
+    solver.aim(targets[fixed], shifts=[-0.7 * X])
+    frame = settle(solver, obstacles)
+    assert frame.converged
+    assert np.array_equal(frame.U[fixed], targets[fixed])
+    assert np.array_equal(frame.shifts, [-0.7 * X])
+    assert frame.loads[0, 0] > 0.1
+    solver.aim(V[fixed])
+    back = settle(solver, obstacles)
+    assert back.share_reached == 1.0
+    assert np.array_equal(back.shifts, [0.0 * X])
+    assert np.abs(back.loads).max() <= 1e-6
+    assert np.abs(back.U - V).max() <= 1e-2
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_loads_are_the_slopes_of_the_energy(kind):
+    V, F, fixed, _ = held_tube()
+    solver = Deformation(V, F, fixed, obstacles=[beside(kind)], **STIFF)
+    found, h = [], 0.01
+    for way in (0.7 - h, 0.7, 0.7 + h):
+        solver.aim(V[fixed], shifts=[-way * X])
+        while not solver.settled:
+            solver.iterate()
+        inside = solver.contact
+        found.append((inside.energy + inside.contact.energy_at(inside.U), solver.frame().loads[0, 0]))
+    (before, _), (_, load), (after, _) = found
+    assert load == pytest.approx((after - before) / (2.0 * h), rel=0.01)
+
+
+def test_where_nothing_is_in_the_way_the_shape_is_that_without_obstacles():
+    V, F, fixed, high = held_tube()
+    targets = V.copy()
+    targets[high] += 0.3 * Y
+    shapes = []
+    for obstacles in ([], [sphere([9.0, 0.0, 0.0], 1.0)]):
+        solver = Deformation(V, F, fixed, handle=high, obstacles=obstacles, **STIFF)
+        solver.aim(targets[fixed], shifts=np.tile(0.5 * X, (len(obstacles), 1)))
+        shapes.append(settle(solver, obstacles))
+    assert np.abs(shapes[0].U - shapes[1].U).max() <= 1e-3
+    assert not shapes[1].loads.any()
+    assert np.array_equal(shapes[1].shifts, [[0.5, 0.0, 0.0]])
+
+
+def test_two_plates_are_a_press():
+    """With nothing held: the same loads, and no turn of the whole."""
+    V, F = tube(16, 16)
+    press = PlatePress(RestMesh(V, F), X, 1.6, 4, options=PressOptions(stiffness=0.001))
+    steps = list(press.steps())
+    pairs = press.pressing._surface.contact.obstacles
+    plates = [each.obstacle for each in pairs]
+    solver = Deformation(V, F, [], obstacles=plates, **STIFF)
+    whole = 0.5 * press.way.length
+    for k, step in enumerate(steps[1:], start=1):
+        solver.aim(NOBODY, shifts=k / 4 * whole * np.array([X, -X]))
+        frame = settle(solver, plates)
+        assert frame.converged
+        assert -frame.loads[0, 0] == pytest.approx(step.load_low, rel=0.01)
+        assert frame.loads[1, 0] == pytest.approx(step.load_high, rel=0.01)
+        inside = solver.contact
+        energy = inside.energy + inside.contact.energy_at(inside.U)
+        assert energy == pytest.approx(step.energy, rel=0.01)
+
+
+def test_what_nothing_holds_slides_and_does_not_turn_as_a_whole():
+    """A sphere that pushes beside the centre would turn it."""
+    V, F = tube(16, 16)
+    height = np.ptp(V[:, 2])
+    obstacles = [sphere([1.5, 0.0, 0.8 * height], 0.4)]
+    solver = Deformation(V, F, [], obstacles=obstacles, **STIFF)
+    solver.aim(NOBODY, shifts=[-0.8 * X])
+    frame = settle(solver, obstacles)
+    assert frame.share_reached == 1.0
+    turn = fitted_motion(V, frame.U)[:3, :3]
+    assert np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))) <= 2.0
+    assert (frame.U - V).mean(axis=0)[0] < -0.3
+
+
+def test_an_obstacle_that_meets_what_is_held_is_stopped_and_says_so():
+    V, F, _, _ = held_tube()
+    obstacles = [beside("sphere")]
+    held = np.flatnonzero(V[:, 0] > -0.9)
+    solver = Deformation(V, F, held, obstacles=obstacles, **STIFF)
+    solver.aim(V[held], shifts=[-1.0 * X])
+    frame = settle(solver, obstacles)
+    assert 0.05 < frame.share_reached < 0.15
+    assert np.allclose(frame.shifts, [-frame.share_reached * X])
+    assert frame.unreached == f"Contact stops the obstacle at {int(100 * frame.share_reached)} % of the way."
+    assert not frame.converged
+
+
+def test_a_shape_is_gone_on_from_with_obstacles_where_they_were():
+    V, F, fixed, _ = held_tube()
+    obstacles = [beside("sphere")]
+    first = Deformation(V, F, fixed, obstacles=obstacles, **STIFF)
+    first.aim(V[fixed], shifts=[-0.7 * X])
+    frame = settle(first, obstacles)
+    for begin in (frame.shifts, None):
+        other = Deformation(V, F, fixed, obstacles=obstacles, **STIFF)
+        other.aim(V[fixed], frame.U, shifts=[-0.7 * X], begin=begin)
+        again = settle(other, obstacles)
+        assert again.energy == pytest.approx(frame.energy, rel=1e-3)
+        assert again.loads[0, 0] == pytest.approx(frame.loads[0, 0], rel=0.01)
+    other.aim(V[fixed], frame.U, shifts=[-0.9 * X], begin=[-0.7 * X])
+    assert np.array_equal(settle(other, obstacles).shifts, [-0.9 * X])
+
+
+def test_a_shape_that_an_obstacle_intersects_is_not_begun_from():
+    V, F, fixed, _ = held_tube()
+    obstacles = [beside("sphere")]
+    solver = Deformation(V, F, fixed, obstacles=obstacles, **STIFF)
+    solver.aim(V[fixed], V, shifts=[-0.7 * X], begin=[-0.7 * X])
+    frame = settle(solver, obstacles)
+    assert frame.share_reached == 1.0, "it began at its place"
+    solver = Deformation(V, F, fixed, obstacles=[sphere(V[100], 0.2)], **STIFF)
+    with pytest.raises(InputError, match="intersects the shape to begin from"):
+        solver.iterate()
+
+
+def test_other_obstacles_need_no_other_factor():
+    V, F, fixed, _ = held_tube()
+    made = []
+
+    def factored(matrix):
+        made.append(matrix)
+        return LinearSolver(matrix())
+
+    solver = Deformation(V, F, fixed, obstacles=[beside("sphere")], factored=factored, **STIFF)
+    before = len(made)
+    solver.surround([beside("cylinder")])
+    solver.aim(V[fixed], V, shifts=[-0.6 * X])
+    frame = settle(solver, [beside("cylinder")])
+    assert len(made) == before
+    fresh = Deformation(V, F, fixed, obstacles=[beside("cylinder")], **STIFF)
+    fresh.aim(V[fixed], shifts=[-0.6 * X])
+    assert frame.loads[0, 0] == pytest.approx(settle(fresh, [beside("cylinder")]).loads[0, 0], rel=0.01)
+
+
+def test_a_path_takes_obstacles_along_in_equal_parts():
+    V, F, fixed, high = held_tube()
+    aside = V.copy()
+    aside[high] += 0.2 * Y
+    seen = []
+    result = deform(
+        V,
+        F,
+        fixed,
+        np.array([aside[fixed], V[fixed]]),
+        handle=high,
+        obstacles=[beside("sphere")],
+        shifts=[-0.6 * X],
+        progress=lambda frame: seen.append(frame.shifts[0, 0]),
+        **STIFF,
+    )
+    assert np.array_equal(result.shifts, [-0.6 * X])
+    assert -0.3 in np.round(seen, 9)
+    assert result.loads[0, 0] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"contact": False, "obstacles": [sphere([9, 0, 0], 1.0)]}, "Obstacles need contact"),
+        ({"contact": True}, "No vertices are held"),
+        ({"contact": True, "method": "paper", "obstacles": [sphere([9, 0, 0], 1.0)]}, "method"),
+    ],
+)
+def test_what_cannot_be_is_refused(more, words):
+    V, F = tube(8, 4)
+    with pytest.raises(InputError, match=words):
+        Deformation(V, F, [], **more)
+
+
+@pytest.mark.parametrize("shifts", [[[0, 0, 1], [0, 0, 1]], [[0, 0, np.nan]], [0, 0, 1]])
+def test_there_is_one_shift_for_each_obstacle(shifts):
+    V, F = tube(8, 4)
+    solver = Deformation(V, F, [], contact=True, obstacles=[sphere([9, 0, 0], 1.0)])
+    with pytest.raises(InputError, match="one for each obstacle"):
+        solver.aim(NOBODY, shifts=shifts)
