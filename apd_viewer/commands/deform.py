@@ -286,7 +286,7 @@ def _deform(options: argparse.Namespace) -> None:
 
 
 def _selection(options: argparse.Namespace, mesh: Mesh) -> Selection:
-    """What is painted; only where obstacles push it need not be given."""
+    """The painted parts; only where obstacles push they need not be given."""
     if options.selection:
         return read_selection_file(options.selection, mesh)
     if not options.obstacles:

@@ -137,7 +137,7 @@ class Contact:
 
     @property
     def shifts(self) -> np.ndarray:
-        """How far each obstacle is from its place, (o, 3)."""
+        """Distance of each obstacle from its place, (o, 3)."""
         return np.array([pairs.shift for pairs in self.obstacles]).reshape(-1, 3)
 
     @property

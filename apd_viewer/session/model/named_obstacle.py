@@ -102,7 +102,7 @@ class NamedObstacle:
 def shifts_after(
     before: Sequence[NamedObstacle], come: np.ndarray, after: Sequence[NamedObstacle]
 ) -> np.ndarray:
-    """How far obstacles have come, (o, 3), where there are others now.
+    """Motion of obstacles so far, (o, 3), where there are others now.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ _IN_PLACE = 1e-9
 
 
 class _Goal(NamedTuple):
-    """Where a document wants what is held, and its obstacles."""
+    """Places of what is held, and of obstacles, as a document wants them."""
 
     held: Constraints
     shifts: np.ndarray

@@ -76,7 +76,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
 
 
 def _come(state: State) -> np.ndarray | None:
-    """How far the obstacles have come; None where that is not known."""
+    """Motion of the obstacles so far; None where that is not known."""
     come = state.frame.shifts
     return come if len(come) == len(state.document.shifts) else None
 
