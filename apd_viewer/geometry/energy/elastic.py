@@ -26,7 +26,7 @@ from apd_viewer.geometry.energy.membrane import Membrane
 from apd_viewer.geometry.energy.plastic_bending import PlasticBending
 from apd_viewer.geometry.energy.projected_hessian import ProjectedHessian
 from apd_viewer.geometry.energy.solve_mesh import SolveMesh
-from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.linalg import parallel_ops, row_ops
 from apd_viewer.geometry.linalg.linear_solver import LinearSolver
 from apd_viewer.geometry.linalg.quaternions import turn_rotations
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
@@ -105,6 +105,9 @@ class Elastic:
         self._place = np.full(len(rest.V), len(rest.V))
         self._place[self.free] = np.arange(len(self.free))
         self._place[fixed] = -1 - np.arange(len(fixed))
+        # Whether the energy is Eq. 1 and nothing else.
+        more = self.membrane is not None or self._bending is not None or len(soft.ids) > 0
+        self._has_cells_alone = not more and material.rigidity == 1.0
         self.factor = self.factored(lambda: self.factored_matrix, rest.V[self.free])
         self.metric: Metric = self.factor
         self._coupling = material.coupling * float(rest.vertex_areas.sum())
@@ -202,7 +205,7 @@ class Elastic:
         """A quarter of the gradient on the free vertices, (f, 3) float array."""
         if self._has_cells_alone:
             return arap_cells.slope(*self.rest.graph, self.rest.V, self.rest.LV, self.U, self.q, self.free)
-        residual = parallel_ops.product(self.K_ff, parallel_ops.taken(self.U, self.free))
+        residual = parallel_ops.product(self.K_ff, row_ops.taken(self.U, self.free))
         parallel_ops.add(residual, _MINUS, self.pull(targets)[None])
         if self._bending is not None:
             collapsing = self.rest.area_barrier.gradient(self.U)[self.free]
@@ -221,11 +224,11 @@ class Elastic:
 
     def assembled(self, X: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """All positions (n, 3): the free at ``X`` (f, 3), the held at ``targets`` (k, 3)."""
-        return parallel_ops.placed(self.U, self._place, X, targets)
+        return row_ops.placed(self.U, self._place, X, targets)
 
     def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
         """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets`` (k, 3)."""
-        return parallel_ops.placed_ahead(U, self._place, share, way, targets)
+        return row_ops.placed_ahead(U, self._place, share, way, targets)
 
     def local_step(self, U: np.ndarray) -> None:
         """Make ``U`` (n, 3) current and compute each term's projection there."""
@@ -253,12 +256,6 @@ class Elastic:
     def _follow_creases(self) -> None:
         if self.creases:
             self.creases.follow(self.U, self.q)
-
-    @property
-    def _has_cells_alone(self) -> bool:
-        """True if the energy is Eq. 1 and nothing else."""
-        more = self.membrane is not None or self._bending is not None or len(self.soft.ids)
-        return not more and self.material.rigidity == 1.0
 
     def _turn_cells(self, U: np.ndarray, q: np.ndarray, energies: np.ndarray = _NONE) -> None:
         rest, material, S0 = self.rest, self.material, arap_cells.FLAT

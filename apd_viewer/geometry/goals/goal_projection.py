@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from apd_viewer.geometry.goals.goals import Goal, GoalMeasures
-from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.linalg import parallel_ops, row_ops
 from apd_viewer.geometry.mesh.measures import nonzero_of_rows
 
 # Relative to the value at rest; ten times better than promised.
@@ -127,7 +127,7 @@ class Projection:
 
     def lagrangian(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
         """Slope ``G - sum_k mult_k g_k`` (f, 3) of gradients ``G`` (f, 3) and ``g`` (g, n, 3)."""
-        return parallel_ops.less_rows(G, multipliers, g, *self._support, self._elastic.free)
+        return row_ops.less_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:
         """Lagrange multipliers (g,) cancelling ``G`` (f, 3) along the directions."""

@@ -16,8 +16,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from apd_viewer.geometry.linalg import multifrontal, parallel_ops
+from apd_viewer.geometry.linalg import multifrontal, row_ops
 from apd_viewer.geometry.linalg.nested_dissection import dissect
+from apd_viewer.geometry.linalg.supernodes import children_of, couplings
 
 
 class BlockPattern:
@@ -49,9 +50,9 @@ class BlockPattern:
         self.order, self.first, parent = dissect(V, start, column)
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
-        self.child, self.sibling = _children(parent)
+        self.child, self.sibling = children_of(parent)
         tree = self.first, self.child, self.sibling
-        self.begin, self.later = _couplings(*tree, self.order, self.place, start, column)
+        self.begin, self.later = couplings(*tree, self.order, self.place, start, column)
         k, b = 3 * np.diff(self.first), 3 * np.diff(self.begin)
         self.panel = np.append(0, np.cumsum(k * (k + b)))
         self.widest = int((k + b).max())
@@ -81,57 +82,11 @@ class BlockFactor:
     def solve(self, B: np.ndarray) -> np.ndarray:
         """``A^-1 B`` to six digits or so, for ``B`` (n, 3)."""
         p = self._pattern
-        x = parallel_ops.taken(B, p.order).astype(self._panels.dtype).ravel()
+        x = row_ops.taken(B, p.order).astype(self._panels.dtype).ravel()
         multifrontal.solve(p.first, p.begin, p.later, p.panel, p.widest, self._panels, x)
         X = np.empty_like(B)
         X[p.order] = x.reshape(-1, 3)
         return X
-
-
-@njit(cache=True, nogil=True)
-def _children(parent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A child of each group, and the next child of the same parent; -1 for none."""
-    child, sibling = np.full_like(parent, -1), np.full_like(parent, -1)
-    for s in range(len(parent)):
-        if parent[s] >= 0:
-            sibling[s], child[parent[s]] = child[parent[s]], s
-    return child, sibling
-
-
-@njit(cache=True, nogil=True)
-def _couplings(
-    first: np.ndarray,
-    child: np.ndarray,
-    sibling: np.ndarray,
-    order: np.ndarray,
-    place: np.ndarray,
-    start: np.ndarray,
-    column: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Places of the later unknowns coupled with each group, in compressed rows."""
-    groups, n = len(first) - 1, len(order)
-    begin, later, seen = np.zeros(groups + 1, np.int64), np.empty(4 * n, np.int64), np.full(n, -1)
-    for s in range(groups):
-        end, count = first[s + 1], begin[s]
-        if count + n > len(later):
-            later = np.concatenate((later, np.empty(len(later) + n, np.int64)))
-        for i in range(first[s], end):
-            for e in range(start[order[i]], start[order[i] + 1]):
-                j = place[column[e]]
-                if j >= end and seen[j] != s:
-                    seen[j], later[count] = s, j
-                    count += 1
-        c = child[s]
-        while c >= 0:
-            for e in range(begin[c], begin[c + 1]):
-                j = later[e]
-                if j >= end and seen[j] != s:
-                    seen[j], later[count] = s, j
-                    count += 1
-            c = sibling[c]
-        begin[s + 1] = count
-        later[begin[s] : count].sort()
-    return begin, later[: begin[-1]].copy()
 
 
 @njit(cache=True, nogil=True)

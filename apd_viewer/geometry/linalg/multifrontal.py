@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-# From so many unknowns of a group on, calls of BLAS pay; columns of a product.
+from apd_viewer.geometry.linalg.dense_elimination import condense, condense_by_blocks
+
+# From so many unknowns of a group on, calls of BLAS pay.
 _WIDE = 36
-_BLOCK = 96
 
 
 @njit(cache=True, nogil=True)
@@ -56,9 +57,9 @@ def eliminate(
             c = sibling[c]
         inverse = inverses[: k * k].reshape(k, k)
         if k < _WIDE:
-            _condense(front, inverse)
+            condense(front, inverse)
         else:
-            _condense_by_blocks(front, inverse)
+            condense_by_blocks(front, inverse)
         out = panels[panel[s] : panel[s + 1]].reshape(k, k + b)
         out[:, :k], out[:, k:] = inverse, -front[:k, k:]
         where[s] = top
@@ -77,112 +78,6 @@ def _add_contribution(front: np.ndarray, given: np.ndarray, at: np.ndarray, late
                 row[j] += values[3 * e]
                 row[j + 1] += values[3 * e + 1]
                 row[j + 2] += values[3 * e + 2]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _condense(front: np.ndarray, inverse: np.ndarray) -> None:
-    """Eliminate as many unknowns of a ``front`` as ``inverse`` has rows.
-
-    The upper triangle ``[[A, B], [., C]]`` becomes ``[[., A^-1 B], [., C - B^T A^-1 B]]``; ``inverse``, A^-1.
-    """
-    k, w = len(inverse), len(front)
-    factor, inverse[:] = np.empty((3, k)), 0.0
-    for i in range(k):
-        for p in range(i):
-            factor[0, p] = front[p, i] / front[p, p]
-        _subtract_one(front[i, i:], factor[0, :i], front[:i, i:])
-        inverse[i, i] = 1.0
-        _subtract_one(inverse[i], factor[0, :i], inverse[:i])
-    for i in range(k, w, 3):
-        for p in range(k):
-            for x in range(3):
-                factor[x, p] = front[p, i + x] / front[p, p]
-        _subtract_three(front[i : i + 3, i:], factor, front[:k, i:])
-    for i in range(k - 1, -1, -1):
-        factor[0, : k - 1 - i] = front[i, i + 1 : k]
-        known = factor[0, : k - 1 - i]
-        _subtract_one(front[i, k:], known, front[i + 1 : k, k:])
-        _subtract_one(inverse[i], known, inverse[i + 1 :])
-        front[i, k:] /= front[i, i]
-        inverse[i] /= front[i, i]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
-    """The same by products of matrices."""
-    k, b = len(inverse), len(front) - len(inverse)
-    for i in range(k):
-        inverse[i, i:] = front[i, i:k]
-        inverse[i:, i] = front[i, i:k]
-    _invert(inverse)
-    blocks = (b + _BLOCK - 1) // _BLOCK
-    B, products = np.empty(k * b), np.empty(max(k, _BLOCK) * _BLOCK)
-    for c in range(blocks):
-        first, last = c * _BLOCK, min(b, (c + 1) * _BLOCK)
-        width = last - first
-        column = B[k * first : k * last].reshape(k, width)
-        column[:] = front[:k, k + first : k + last]
-        W = products[: k * width].reshape(k, width)
-        np.dot(inverse, column, W)
-        front[:k, k + first : k + last] = W
-        for a in range(c + 1):
-            above, below = a * _BLOCK, min(b, (a + 1) * _BLOCK)
-            row = B[k * above : k * below].reshape(k, below - above)
-            front[k + above : k + below, k + first : k + last] -= np.dot(row.T, W)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _invert(A: np.ndarray) -> None:
-    """Invert a symmetric positive definite matrix in place, sweep by sweep of some rows."""
-    k = len(A)
-    for first in range(0, k, _BLOCK):
-        last = min(k, first + _BLOCK)
-        width = last - first
-        pivot, inverse = A[first:last, first:last].copy(), np.empty((width, width))
-        _condense(pivot, inverse)
-        for i in range(width):
-            inverse[i, :i] = inverse[:i, i]
-        column = A[:, first:last].copy()
-        column[first:last] = 0.0
-        row = np.dot(column, inverse)
-        A -= np.dot(row, column.T)
-        A[:, first:last] = row
-        A[first:last, :] = row.T
-        A[first:last, first:last] = -inverse
-    A *= -1.0
-
-
-# Four rows at a time: what is subtracted from is read and written a quarter as often.
-
-
-@njit(cache=True, nogil=True, fastmath={"contract"})
-def _subtract_one(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
-    """``out -= factor rows`` of the shapes (m,), (p,) and (p, m)."""
-    whole = len(factor) // 4 * 4
-    for p in range(0, whole, 4):
-        a, b, c, d = factor[p], factor[p + 1], factor[p + 2], factor[p + 3]
-        r, s, t, u = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
-        for j in range(len(out)):
-            out[j] -= a * r[j] + b * s[j] + c * t[j] + d * u[j]
-    for p in range(whole, len(factor)):
-        a, r = factor[p], rows[p]
-        for j in range(len(out)):
-            out[j] -= a * r[j]
-
-
-@njit(cache=True, nogil=True, fastmath={"contract"})
-def _subtract_three(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
-    """``out -= factor rows`` of the shapes (3, m), (3, 3 p) and (3 p, m)."""
-    x, y, z = out[0], out[1], out[2]
-    for p in range(0, len(rows), 3):
-        r, s, t = rows[p], rows[p + 1], rows[p + 2]
-        a0, a1, a2 = factor[0, p], factor[0, p + 1], factor[0, p + 2]
-        b0, b1, b2 = factor[1, p], factor[1, p + 1], factor[1, p + 2]
-        c0, c1, c2 = factor[2, p], factor[2, p + 1], factor[2, p + 2]
-        for j in range(out.shape[1]):
-            x[j] -= a0 * r[j] + a1 * s[j] + a2 * t[j]
-            y[j] -= b0 * r[j] + b1 * s[j] + b2 * t[j]
-            z[j] -= c0 * r[j] + c1 * s[j] + c2 * t[j]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"})

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
-from apd_viewer.geometry.linalg import parallel_ops, supernodal
+from apd_viewer.geometry.linalg import parallel_ops, supernodal, supernodal_solve
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -90,7 +90,9 @@ class SupernodalFactor:
 
     def _solve_three(self, B: np.ndarray) -> np.ndarray:
         X, (turn, share) = np.empty(B.shape), self._shared_out()
-        supernodal.solve(self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X)
+        supernodal_solve.solve(
+            self._tree, self._task, turn, share, self._order, self._panels, self._scratch, B, X
+        )
         return X
 
     def _refine_three(self, B: np.ndarray) -> np.ndarray:

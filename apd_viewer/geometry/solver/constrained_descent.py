@@ -121,7 +121,9 @@ class ConstrainedDescent:
         """True if further steps would gain next to nothing; None of plain iterations."""
         if self._plain:
             return None
-        return self._at_minimum or self.stalls(self._tolerance) or self._has_arrived
+        E = self._by_hessian
+        slow = len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
+        return self._at_minimum or self.stalls(self._tolerance) or slow
 
     @property
     def gap(self) -> float | None:
@@ -139,12 +141,6 @@ class ConstrainedDescent:
         """True if the last steps reduced the energy by at most this part."""
         E = self._energies
         return len(E) > _WINDOW and E[0] - E[-1] <= tolerance * E[-1]
-
-    @property
-    def _has_arrived(self) -> bool:
-        """True if many steps by the Hessian have gained next to nothing."""
-        E = self._by_hessian
-        return len(E) > _HESSIAN_WINDOW and E[0] - E[-1] <= _HESSIAN_GAIN * self._tolerance * E[-1]
 
     def keep(self, goals: tuple[Goal, ...]) -> None:
         """Meet these goals from now on."""

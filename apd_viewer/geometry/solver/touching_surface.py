@@ -15,7 +15,7 @@ from apd_viewer.geometry.energy.enclosed_gas import EnclosedGas
 from apd_viewer.geometry.energy.whole_turns import WholeTurns
 from apd_viewer.geometry.goals.goal_projection import MET, Projection
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.linalg import parallel_ops
+from apd_viewer.geometry.linalg import row_ops
 from apd_viewer.geometry.linalg.linear_solver import Factor, LinearSolver
 
 # The springs of what touches are renewed after so many steps.
@@ -41,7 +41,7 @@ class TouchingSurface:
         self.metric: Factor = elastic.factor
         self._to_held: sp.csr_array | None = None
         self._age = _RENEWED
-        self._first = parallel_ops.taken(elastic.U, elastic.free)
+        self._first = row_ops.taken(elastic.U, elastic.free)
 
     @property
     def U(self) -> np.ndarray:
@@ -75,7 +75,7 @@ class TouchingSurface:
         if len(self.elastic.fixed):
             return self.metric.solve(b_f)
         masses = self.rest.vertex_areas[self.free]
-        turns = WholeTurns(parallel_ops.taken(self.U, self.free), masses, self._first)
+        turns = WholeTurns(row_ops.taken(self.U, self.free), masses, self._first)
         return turns.without(self.metric.solve(turns.balanced(b_f)))
 
     def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
@@ -91,9 +91,9 @@ class TouchingSurface:
             k = len(self.elastic.fixed)
             moves = [pairs.ahead[0] - pairs.points[0] for pairs in self.contact.obstacles]
             pull -= self._to_held @ np.vstack([then[:k] - held[:k], *moves])
-        start = parallel_ops.taken(self.U, self.free)
+        start = row_ops.taken(self.U, self.free)
         W = self.assembled(start + self.solve(pull), then)
-        return parallel_ops.taken(self.contact.carried_along(self.U, W), self.free)
+        return row_ops.taken(self.contact.carried_along(self.U, W), self.free)
 
     def renew_springs(self) -> bool:
         """Renew the springs of what touches, if due; False if nothing changed."""

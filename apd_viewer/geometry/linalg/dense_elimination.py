@@ -1,0 +1,132 @@
+"""Elimination of unknowns from dense symmetric matrices, the fronts of sparse factorizations.
+
+Only the upper triangle of a front is read and written.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+# Columns of a product.
+_BLOCK = 96
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
+    """Eliminate as many unknowns of a ``front`` as ``inverse`` has rows; False if it is not definite.
+
+    The upper triangle ``[[A, B], [., C]]`` becomes ``[[., A^-1 B], [., C - B^T A^-1 B]]``; ``inverse``, A^-1.
+    """
+    k, w = len(inverse), len(front)
+    factor, inverse[:] = np.empty((4, k)), 0.0
+    for i in range(k):
+        for p in range(i):
+            factor[0, p] = front[p, i] / front[p, p]
+        _subtract(front[i, i:], factor[0, :i], front[:i, i:])
+        if not front[i, i] > 0.0:
+            return False
+        inverse[i, i] = 1.0
+        _subtract(inverse[i, :i], factor[0, :i], inverse[:i, :i])
+    whole = k + (w - k) // 4 * 4
+    for i in range(k, w):
+        for p in range(k):
+            factor[(i - k) % 4, p] = front[p, i] / front[p, p]
+        if i >= whole:
+            _subtract(front[i, i:], factor[(i - k) % 4], front[:k, i:])
+        elif (i - k) % 4 == 3:
+            _subtract_four(front[i - 3 : i + 1, i - 3 :], factor, front[:k, i - 3 :])
+    for i in range(k - 1, -1, -1):
+        factor[0, : k - 1 - i] = front[i, i + 1 : k]
+        known = factor[0, : k - 1 - i]
+        _subtract(front[i, k:], known, front[i + 1 : k, k:])
+        _subtract(inverse[i], known, inverse[i + 1 :])
+        front[i, k:] /= front[i, i]
+        inverse[i] /= front[i, i]
+    return True
+
+
+# Four rows at a time: what is subtracted from is read and written a quarter as often.
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _subtract(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
+    """``out -= factor rows`` of the shapes (m,), (p,) and (p, m)."""
+    whole = len(factor) // 4 * 4
+    for p in range(0, whole, 4):
+        a, b, c, d = factor[p], factor[p + 1], factor[p + 2], factor[p + 3]
+        r, s, t, u = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
+        for j in range(len(out)):
+            out[j] -= a * r[j] + b * s[j] + c * t[j] + d * u[j]
+    for p in range(whole, len(factor)):
+        a, r = factor[p], rows[p]
+        for j in range(len(out)):
+            out[j] -= a * r[j]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _subtract_four(out: np.ndarray, factor: np.ndarray, rows: np.ndarray) -> None:
+    """``out -= factor rows`` of the shapes (4, m), (4, p) and (p, m)."""
+    x, y, z, w = out[0], out[1], out[2], out[3]
+    f, g, h, i = factor[0], factor[1], factor[2], factor[3]
+    whole = len(rows) // 2 * 2
+    for p in range(0, whole, 2):
+        r, s = rows[p], rows[p + 1]
+        a0, a1, b0, b1, c0, c1, d0, d1 = f[p], f[p + 1], g[p], g[p + 1], h[p], h[p + 1], i[p], i[p + 1]
+        for j in range(out.shape[1]):
+            x[j] -= a0 * r[j] + a1 * s[j]
+            y[j] -= b0 * r[j] + b1 * s[j]
+            z[j] -= c0 * r[j] + c1 * s[j]
+            w[j] -= d0 * r[j] + d1 * s[j]
+    for p in range(whole, len(rows)):
+        r, a0, b0, c0, d0 = rows[p], f[p], g[p], h[p], i[p]
+        for j in range(out.shape[1]):
+            x[j] -= a0 * r[j]
+            y[j] -= b0 * r[j]
+            z[j] -= c0 * r[j]
+            w[j] -= d0 * r[j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
+    """The same by products of matrices."""
+    k, b = len(inverse), len(front) - len(inverse)
+    for i in range(k):
+        inverse[i, i:] = front[i, i:k]
+        inverse[i:, i] = front[i, i:k]
+    _invert(inverse)
+    blocks = (b + _BLOCK - 1) // _BLOCK
+    B, products = np.empty(k * b), np.empty(max(k, _BLOCK) * _BLOCK)
+    for c in range(blocks):
+        first, last = c * _BLOCK, min(b, (c + 1) * _BLOCK)
+        width = last - first
+        column = B[k * first : k * last].reshape(k, width)
+        column[:] = front[:k, k + first : k + last]
+        W = products[: k * width].reshape(k, width)
+        np.dot(inverse, column, W)
+        front[:k, k + first : k + last] = W
+        for a in range(c + 1):
+            above, below = a * _BLOCK, min(b, (a + 1) * _BLOCK)
+            row = B[k * above : k * below].reshape(k, below - above)
+            front[k + above : k + below, k + first : k + last] -= np.dot(row.T, W)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _invert(A: np.ndarray) -> None:
+    """Invert a symmetric positive definite matrix in place, sweep by sweep of some rows."""
+    k = len(A)
+    for first in range(0, k, _BLOCK):
+        last = min(k, first + _BLOCK)
+        width = last - first
+        pivot, inverse = A[first:last, first:last].copy(), np.empty((width, width))
+        condense(pivot, inverse)
+        for i in range(width):
+            inverse[i, :i] = inverse[:i, i]
+        column = A[:, first:last].copy()
+        column[first:last] = 0.0
+        row = np.dot(column, inverse)
+        A -= np.dot(row, column.T)
+        A[:, first:last] = row
+        A[first:last, :] = row.T
+        A[first:last, first:last] = -inverse
+    A *= -1.0
