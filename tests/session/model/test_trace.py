@@ -103,17 +103,18 @@ def test_when_the_hand_let_go_is_told_from_the_beginning_of_its_own_gesture(cloc
     assert trace.released_at is None
 
 
-def test_ten_thousand_frames_take_no_more_memory_than_a_thousand(clock):
+def test_eleven_thousand_frames_take_no_more_memory_than_three_thousand(clock):
     trace = Trace(clock)
     trace.begin(REST)
     documents = moved(1), moved(2)
+    # Python keeps up to 2,000 freed tuples of one length for later: they are no growth of the trace.
     tracemalloc.start()
     try:
         sizes = []
         for k in range(11_000):
             clock.now += 0.01
             trace.add(documents[k % 2], frame(1, k + 1, area=float(k)))
-            if k in (1_000, 10_999):
+            if k in (3_000, 10_999):
                 sizes.append(tracemalloc.get_traced_memory()[0])
     finally:
         tracemalloc.stop()
