@@ -137,7 +137,7 @@ class Contact:
 
     @property
     def shifts(self) -> np.ndarray:
-        """Distance of each obstacle from its place, (o, 3)."""
+        """Motion of each obstacle from its place, (o, 3)."""
         return np.array([pairs.shift for pairs in self.obstacles]).reshape(-1, 3)
 
     @property

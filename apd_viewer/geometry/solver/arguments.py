@@ -59,6 +59,75 @@ def handle_of(
     return number
 
 
+def shifts_of(given: np.ndarray | None, count: int) -> np.ndarray:
+    """Shifts of ``count`` obstacles, (o, 3); zeros without. Raises InputError."""
+    shifts = np.zeros((count, 3)) if given is None else numbers(given, tr("Shifts"))
+    if shifts.shape != (count, 3) or not np.isfinite(shifts).all():
+        raise InputError(tr("Shifts must be {n} finite vectors, one for each obstacle.").format(n=count))
+    return shifts
+
+
+class HeldVertices:
+    """Held vertices of a file and of its solve, where coincident ones are one.
+
+    Parameters
+    ----------
+    fixed : (k,) ints
+        Of the file.
+    handle
+        Of the file; see :func:`handle_of`.
+    rest : RestMesh
+
+    Attributes
+    ----------
+    fixed : (k,) int array
+    ids : (h,) int array
+        Of the solve, ascending.
+    handle_of : (h,) int array
+        The number of the handle of each, from 1; 0 is base.
+    asked : (h, 3) float array
+        Where they are asked for.
+
+    Raises
+    ------
+    InputError
+        If a vertex does not exist, or a handle is not held.
+    """
+
+    def __init__(
+        self,
+        fixed: np.ndarray | Sequence[int],
+        handle: np.ndarray | Sequence[np.ndarray] | None,
+        rest: RestMesh,
+    ) -> None:
+        self._rest, self.fixed = rest, vertex_ids(fixed, len(rest.V))
+        self.ids, self._chosen, inverse = np.unique(
+            rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
+        )
+        self._inverse = inverse.ravel()
+        self.handle_of = handle_of(handle, rest, self.ids)
+        self._targets, self.asked = rest.V[self.fixed], rest.shape.V[self.ids]
+
+    def ask(self, targets: np.ndarray) -> None:
+        """Ask for positions ``targets`` (k, 3) of those of the file; raises InputError."""
+        found = targets_of(targets, self._rest, self.fixed, self._chosen, self._inverse)
+        self._targets, self.asked = found
+
+    def place(self, U: np.ndarray, held: np.ndarray) -> None:
+        """Write the place of those of the file into ``U`` (n, 3), given those of the solve.
+
+        Vertices welded with a tolerance are held exactly.
+        """
+        U[self.fixed] = self._targets + (held[: len(self.ids)] - self.asked)[self._inverse]
+
+    def drift(self, held: np.ndarray) -> float:
+        """Distance of a handle's centre from where it is asked for; the largest of all."""
+        away = held[: len(self.ids)] - self.asked
+        handles = range(1, int(self.handle_of.max(initial=0)) + 1)
+        centres = [away[self.handle_of == k].mean(axis=0) for k in handles]
+        return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
+
+
 def soft_of(soft: Soft, rest: RestMesh, solve_ids: np.ndarray) -> tuple[Soft, np.ndarray]:
     """Soft vertices of the solve, and their places among the given ones.
 

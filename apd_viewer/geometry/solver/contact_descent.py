@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -20,6 +20,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
+from apd_viewer.geometry.mesh.arrays import frozen
 from apd_viewer.geometry.pose.frame import Frame, Touch
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
@@ -214,6 +215,11 @@ class ContactDescent:
         return Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
 
     @property
+    def readings(self) -> dict[str, Any]:
+        """The fields of a frame about contact."""
+        return {"contact": self.touch, "loads": frozen(self.loads), "shifts": frozen(self.shifts.copy())}
+
+    @property
     def loads(self) -> np.ndarray:
         """Forces on the obstacles at ``U``, (o, 3)."""
         self._find_forces()
@@ -277,24 +283,28 @@ class ContactDescent:
         self.shifts = self._shifts = self._places = np.zeros((len(obstacles), 3))
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
+        self._begin: np.ndarray | None = None
         self._touching = None
         self._set_path()
 
-    def restart(self, U: np.ndarray, shifts: np.ndarray | None = None) -> None:
+    def send(self, shifts: np.ndarray, begin: np.ndarray) -> None:
+        """Let obstacles go to ``shifts`` with :meth:`aim`, from ``begin`` if restarted first.
+
+        Both are (o, 3).
+        """
+        self._shifts, self._begin = shifts, begin
+
+    def restart(self, U: np.ndarray) -> None:
         """Continue from positions ``U`` (n, 3), or from rest if those intersect.
 
-        Parameters
-        ----------
-        U : (n, 3) float array
-        shifts : (o, 3) float array, optional
-            Of the obstacles there; without, where they are. If ``U`` is not clear of them, they begin at
-            their places.
+        If ``U`` is not clear of the obstacles where they begin, they begin at their places.
 
         Raises
         ------
         InputError
             If not even the shape at rest is clear of obstacles at their places.
         """
+        shifts, self._begin = self._begin, None
         if shifts is None:
             # One step back may be asked for.
             shifts = self._before[1] if U is self._before[0] else self.shifts
@@ -314,16 +324,9 @@ class ContactDescent:
         self._release()
         self._set_path()
 
-    def aim(self, targets: np.ndarray, shifts: np.ndarray | None = None) -> None:
-        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here.
-
-        Parameters
-        ----------
-        targets : (k + s, 3) float array
-        shifts : (o, 3) float array, optional
-            Where obstacles go, straight; without, to their places.
-        """
-        self._targets, self._shifts = targets, self._places if shifts is None else shifts
+    def aim(self, targets: np.ndarray) -> None:
+        """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
+        self._targets, self._begin = targets, None
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
@@ -346,7 +349,8 @@ class ContactDescent:
     def step(self) -> None:
         """Step to a shape with a free way to it; see :meth:`restart`."""
         if not self._is_inside:
-            self.restart(self.elastic.rest.V, self._places)
+            self._begin = self._places
+            self.restart(self.elastic.rest.V)
         self._before = self._U, self.shifts
         if self._touching is None:
             self._step_freely()

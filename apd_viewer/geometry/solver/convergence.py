@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from numbers import Integral, Real
 from typing import NamedTuple
@@ -18,6 +19,7 @@ _CREEP = 0.5
 MEMORY = 10
 MOST_ITERATIONS = 10_000_000  # that can be asked for
 LARGEST_TOLERANCE = 0.1
+_ROUNDING = 1e-12
 
 
 class Convergence(NamedTuple):
@@ -68,3 +70,33 @@ def step_gap(steps: Sequence[float], tolerance: float) -> float | None:
     if rate == 1.0:  # by rounding
         return None
     return max(last, min(last / _CREEP, last * rate / (1.0 - rate) / _REMAINING)) / tolerance
+
+
+class StepLengths:
+    """Lengths of the last iterations, in diagonals of the bounding box."""
+
+    def __init__(self) -> None:
+        self._steps: deque[float] = deque(maxlen=MEMORY + 1)
+
+    def append(self, step: float) -> None:
+        """Add another one."""
+        self._steps.append(step)
+
+    @property
+    def taken(self) -> bool:
+        """True after the first."""
+        return len(self._steps) > 0
+
+    @property
+    def are_rounding(self) -> bool:
+        """True if the last one was a step of rounding errors."""
+        return self.taken and self._steps[-1] <= _ROUNDING
+
+    def gap(self, convergence: Convergence) -> float | None:
+        """Last step and those to come, in multiples of what counts as settled."""
+        return step_gap(self._steps, convergence.step_tolerance)
+
+    def end(self, convergence: Convergence) -> bool:
+        """True if those to come would change nothing that counts."""
+        gap = self.gap(convergence)
+        return self.are_rounding or (gap is not None and gap <= 1.0)

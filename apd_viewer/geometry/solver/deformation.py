@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,8 +19,7 @@ from apd_viewer.geometry.linalg.threads import cores_for
 from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_numbers
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.solver.arguments import handle_of, soft_of, start_of, targets_of, vertex_ids
-from apd_viewer.geometry.solver.constrained_descent import ConstrainedDescent
+from apd_viewer.geometry.solver.arguments import HeldVertices, shifts_of, soft_of, start_of
 from apd_viewer.geometry.solver.contact_descent import (
     check_contact,
     check_obstacles,
@@ -30,13 +28,11 @@ from apd_viewer.geometry.solver.contact_descent import (
 )
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
-    MEMORY,
     Convergence,
+    StepLengths,
     check_convergence,
-    step_gap,
 )
 from apd_viewer.geometry.solver.goal_set import GoalSet
-from apd_viewer.geometry.solver.li_hui import LiHui
 from apd_viewer.geometry.solver.loose_parts import GO, LooseParts
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
@@ -46,16 +42,12 @@ from apd_viewer.geometry.solver.methods import (
     check_method,
     material_of,
 )
-from apd_viewer.geometry.solver.restarts import minimizer
+from apd_viewer.geometry.solver.restarts import solver_of
 from apd_viewer.language import tr
 
 if TYPE_CHECKING:
     from apd_viewer.geometry.contact.obstacles import Obstacle
     from apd_viewer.geometry.linalg.linear_solver import Factored
-    from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
-
-_ROUNDING = 1e-12
-_CALM_GAVE_WAY = tr("Calm parts give way in this pose: with their areas kept, the targets are out of reach.")
 
 
 class Deformation:
@@ -159,46 +151,37 @@ class Deformation:
         self.rest = rest
         self.method = method
         self._total = 0
-        self.fixed = vertex_ids(fixed, len(rest.V))
-        self._solve_ids, self._chosen, self._inverse = np.unique(
-            rest.weld.inverse[self.fixed], return_index=True, return_inverse=True
-        )
-        self._handle_of = handle_of(handle, rest, self._solve_ids)
+        self._held = HeldVertices(fixed, handle, rest)
+        held, handle_of = self._held.ids, self._held.handle_of
         check_obstacles(obstacles, contact)
-        self._traits = check_method(method, self._handle_of, len(obstacles) > 0)
-        self.loose = LooseParts(rest, self._solve_ids, self._handle_of, loose, contact)
-        self._soft, self._drawn = soft_of(soft, rest, self._solve_ids)
+        self._traits = check_method(method, handle_of, len(obstacles) > 0)
+        self.loose = LooseParts(rest, held, handle_of, loose, contact)
+        self._soft, self._drawn = soft_of(soft, rest, held)
         material = material_of(self._traits, stiffness, area_stiffness, shear_stiffness)
-        moved = np.isin(rest.shape.piece, rest.shape.piece[self._solve_ids])
-        if len(fixed) and moved.sum() == len(self._solve_ids):
+        if len(held) and np.isin(rest.shape.piece, rest.shape.piece[held]).sum() == len(held):
             raise InputError(tr("Every vertex is held; leave some free to deform."))
         with cores_for(len(rest.shape.V)):
-            levels = partial(calm_levels, rest.shape, self._solve_ids, self._handle_of, self._soft)
+            levels = partial(calm_levels, rest.shape, held, handle_of, self._soft)
             self._kept = GoalSet(rest, method, self._traits, tolerance, levels)
-            # Nothing is calm where nothing is held.
-            self._kept.ask(area, volume, regions, calm and len(self._solve_ids) > 0)
+            self._kept.ask(area, volume, regions, calm and len(held) > 0)
             started = time.perf_counter()
-            elastic = Elastic(rest.shape, self._solve_ids, material, factored, self._soft)
-            self._solver = self._solver_of(elastic, plain)
+            elastic = Elastic(rest.shape, held, material, factored, self._soft)
+            of, goals = np.concatenate([handle_of, self._soft.handle + 1]), self._kept.goals
+            self._solver = solver_of(elastic, goals, self._traits, of, plain)
             self.contact = None
             if contact:
                 check_contact(self._traits, plain)
-                of = np.concatenate([self._handle_of, self._soft.handle + 1])
-                inner, goals = self._solver, self._kept.goals
-                self.contact = in_contact(inner, goals, rest, of, thickness, self.loose, obstacles)
-                self._solver = self.contact
+                touching = rest, of, thickness, self.loose, obstacles
+                self._solver = self.contact = in_contact(self._solver, goals, *touching)
         self._convergence = DEFAULT_CONVERGENCE
         self.convergence = convergence
         self.factor_seconds = time.perf_counter() - started
         self.aim(rest.V[self.fixed])
 
-    def _solver_of(self, elastic: Elastic, plain: bool) -> IterativeSolver:
-        if self._traits.moves_handles:
-            of = np.concatenate([self._handle_of, self._soft.handle + 1])
-            return LiHui(elastic, of, self._kept.goals)
-        if plain or self._traits.plain_only or not len(elastic.fixed):
-            return ConstrainedDescent(elastic, self._kept.goals, plain=True)
-        return minimizer(elastic, self._kept.goals)
+    @property
+    def fixed(self) -> np.ndarray:
+        """Vertices that are held, (k,) int array."""
+        return self._held.fixed
 
     @property
     def tolerance(self) -> float:
@@ -233,35 +216,19 @@ class Deformation:
         regions: Sequence[Region] = (),
         calm: bool = True,
     ) -> None:
-        """Ask for other areas or another volume from now on; nothing is factored for it.
-
-        Parameters
-        ----------
-        area, volume, regions, calm
-            See the class.
-        """
+        """Ask for other areas or another volume from now on; nothing is factored for it."""
         with cores_for(len(self.rest.shape.V)):
-            self._kept.ask(area, volume, regions, calm and len(self._solve_ids) > 0)
+            self._kept.ask(area, volume, regions, calm and len(self.fixed) > 0)
             self._solver.keep(self._kept.goals)
         self._begin()
 
     def surround(self, obstacles: Sequence[Obstacle]) -> None:
         """Put other obstacles around the surface; nothing is factored for it.
 
-        Aim with ``U`` then: without, the surface begins at rest.
-
-        Parameters
-        ----------
-        obstacles
-            See the class.
-
-        Raises
-        ------
-        InputError
-            If contact is off, or nothing else moves the surface.
+        Aim with ``U`` then: without, the surface begins at rest. Raises InputError without contact.
         """
         check_obstacles(obstacles, self.contact is not None)
-        check_method(self.method, self._handle_of, len(obstacles) > 0)
+        check_method(self.method, self._held.handle_of, len(obstacles) > 0)
         if self.contact is not None:
             with cores_for(len(self.rest.shape.V)):
                 self.contact.surround(obstacles)
@@ -292,48 +259,30 @@ class Deformation:
             How far from its place each obstacle is at ``U``; without, where it goes. If it intersects ``U``
             there, it begins at its place; if it does so there too, at rest.
 
-        Raises
-        ------
-        InputError
-            If the input cannot be used, or obstacles at their places intersect the shape at rest; the
-            message says what to do.
+        Raises InputError, also if obstacles at their places intersect the shape at rest.
         """
-        targets, asked = targets_of(targets, self.rest, self.fixed, self._chosen, self._inverse.ravel())
         U = None if U is None else start_of(U, self.rest)
-        shifts, begin = self._shifts_of(shifts), None if begin is None else self._shifts_of(begin)
-        self._asked, self._targets = asked, targets
+        count = 0 if self.contact is None else len(self.contact.shifts)
+        shifts = shifts_of(shifts, count)
+        begin = shifts if begin is None else shifts_of(begin, count)
+        self._held.ask(targets)
         with cores_for(len(self.rest.shape.V)):
             if self._kept.restore_calm():
                 self._solver.keep(self._kept.goals)
+            if self.contact is not None:
+                self.contact.send(shifts, begin)
             if U is not None:
-                self._restart(U, shifts if begin is None else begin)
+                self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = self.rest.shape.V[self._soft.ids]
             if soft_targets is not None:
                 drawn = numbers(soft_targets, "Soft targets")[self._drawn]
-            goal = np.concatenate([self._asked, drawn]) if len(drawn) else self._asked
-            if self.contact is None:
-                self._solver.aim(goal)
-            else:
-                self.contact.aim(goal, shifts)
+            asked = self._held.asked
+            self._solver.aim(np.concatenate([asked, drawn]) if len(drawn) else asked)
         self._begin()
-
-    def _shifts_of(self, given: np.ndarray | None) -> np.ndarray:
-        count = 0 if self.contact is None else len(self.contact.shifts)
-        shifts = np.zeros((count, 3)) if given is None else numbers(given, tr("Shifts"))
-        if shifts.shape != (count, 3) or not np.isfinite(shifts).all():
-            raise InputError(tr("Shifts must be {n} finite vectors, one for each obstacle.").format(n=count))
-        return shifts
-
-    def _restart(self, U: np.ndarray, begin: np.ndarray) -> None:
-        U = self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first]))
-        if self.contact is None:
-            self._solver.restart(U)
-        else:
-            self.contact.restart(U, begin)
 
     def _begin(self) -> None:
         self._iteration = 0
-        self._steps: deque[float] = deque(maxlen=MEMORY + 1)
+        self._steps = StepLengths()
 
     def step(self) -> Frame:
         """One iteration; the shape after it and its readings."""
@@ -389,25 +338,18 @@ class Deformation:
             iteration=self._iteration,
             **found._asdict(),
             area_error=found.area / self.rest.area - 1.0,
-            handle_drift=self._drift(),
+            handle_drift=self._held.drift(solver.held),
             converged=settled and solver.met and self.share_reached == 1.0,
             settled=settled,
             regions=regions,
             unreached=self._unreached(),
             energy=energy,
             total=self._total,
-            gap=self._step_gap if solver.converged is None else solver.gap,
+            gap=self._steps.gap(self._convergence) if solver.converged is None else solver.gap,
             seconds_left=solver.seconds_left,
             share_reached=self.share_reached,
-            **self._touched(),
+            **({} if self.contact is None else self.contact.readings),
         )
-
-    def _touched(self) -> dict[str, Any]:
-        """The fields of a frame about contact."""
-        if self.contact is None:
-            return {}
-        loads, shifts = frozen(self.contact.loads), frozen(self.contact.shifts.copy())
-        return {"contact": self.contact.touch, "loads": loads, "shifts": shifts}
 
     @property
     def share_reached(self) -> float:
@@ -423,9 +365,7 @@ class Deformation:
         """The positions ``U`` of the vertices of the solve, for all vertices of the file."""
         spread = self.rest.weld.spread(self.loose.carried(U))
         if self.rest.weld.offset is not None and not self._traits.moves_handles:
-            # Vertices welded with a tolerance are held exactly.
-            behind = self._solver.held[: len(self._asked)] - self._asked
-            spread[self.fixed] = self._targets + behind[self._inverse.ravel()]
+            self._held.place(spread, self._solver.held)
         return spread
 
     @property
@@ -444,23 +384,10 @@ class Deformation:
         return self._kept.target(name)
 
     def _still(self) -> bool:
-        if not self._steps:
-            return False
-        last, gap = self._steps[-1], self._step_gap
-        if self._solver.converged is not None:
-            return self._solver.converged or (last <= _ROUNDING and not self._solver.hides)
-        return last <= _ROUNDING or (gap is not None and gap <= 1.0)
-
-    @property
-    def _step_gap(self) -> float | None:
-        """Last step and those to come, in multiples of what counts as settled."""
-        return step_gap(self._steps, self._convergence.step_tolerance)
-
-    def _drift(self) -> float:
-        away = self._solver.held[: len(self._asked)] - self._asked
-        handles = range(1, int(self._handle_of.max(initial=0)) + 1)
-        centres = [away[self._handle_of == k].mean(axis=0) for k in handles]
-        return max((float(np.linalg.norm(centre)) for centre in centres), default=0.0)
+        converged = self._solver.converged
+        if converged is None or not self._steps.taken:
+            return self._steps.end(self._convergence)
+        return converged or (self._steps.are_rounding and not self._solver.hides)
 
     @property
     def missed(self) -> str | None:
@@ -470,9 +397,4 @@ class Deformation:
     def _unreached(self) -> str | None:
         if self.contact is not None and self.contact.is_stopped:
             return stopped_at(self.share_reached, self.contact)
-        missed = self.missed if self._solver.stuck else None
-        if missed is None:
-            return _CALM_GAVE_WAY if self._kept.has_let_calm_go else None
-        return tr(
-            "Out of reach in this pose: {missed}. Move the handle less or choose another target."
-        ).format(missed=missed)
+        return self._kept.out_of_reach(self._solver.values if self._solver.stuck else None)

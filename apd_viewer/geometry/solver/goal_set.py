@@ -19,6 +19,8 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from apd_viewer.geometry.energy.rest_mesh import RestMesh
 
+_CALM_GAVE_WAY = tr("Calm parts give way in this pose: with their areas kept, the targets are out of reach.")
+
 
 class GoalSet:
     """Goals of the area, the volume and of regions.
@@ -150,6 +152,15 @@ class GoalSet:
         """Ask for what was dropped once more."""
         self.restore_calm()
         self._retries = 0
+
+    def out_of_reach(self, values: np.ndarray | None) -> str | None:
+        """Sentence on what cannot be had in this pose; ``values`` of goals that are given up."""
+        missed = None if values is None else self.missed(values)
+        if missed is None:
+            return _CALM_GAVE_WAY if self.has_let_calm_go else None
+        return tr(
+            "Out of reach in this pose: {missed}. Move the handle less or choose another target."
+        ).format(missed=missed)
 
     def missed(self, values: np.ndarray) -> str | None:
         """Goals not met by their ``values``, as a sentence; None if all are met."""

@@ -16,6 +16,8 @@ from apd_viewer.geometry.goals.goals import Goal
 from apd_viewer.geometry.solver.constrained_descent import LATE, ConstrainedDescent
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
 from apd_viewer.geometry.solver.late_metric import gains_from_hessian
+from apd_viewer.geometry.solver.li_hui import LiHui
+from apd_viewer.geometry.solver.methods import Method
 from apd_viewer.geometry.solver.multilevel import Multilevel, gains_from_coarse, multilevel
 
 # A minimum is better, and shown, if it takes so much of the energy away.
@@ -30,6 +32,17 @@ _PATIENCE = 1
 _PATIENCE_BY_HESSIAN, _BEFORE_HESSIAN = 0, LATE
 # Coarse shapes closer than this part of their size are the same: there is no other minimum to follow.
 _SAME = 5e-3
+
+
+def solver_of(
+    elastic: Elastic, goals: tuple[Goal, ...], method: Method, handle_of: np.ndarray, plain: bool
+) -> IterativeSolver:
+    """Solver of a method; ``handle_of`` (k + s,) tells handles from base, from 1."""
+    if method.moves_handles:
+        return LiHui(elastic, handle_of, goals)
+    if plain or method.plain_only or not len(elastic.fixed):
+        return ConstrainedDescent(elastic, goals, plain=True)
+    return minimizer(elastic, goals)
 
 
 def minimizer(elastic: Elastic, goals: tuple[Goal, ...]) -> IterativeSolver:

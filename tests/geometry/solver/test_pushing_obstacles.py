@@ -183,7 +183,7 @@ def test_other_obstacles_need_no_other_factor():
     V, F, fixed, _ = held_tube()
     made = []
 
-    def factored(matrix):
+    def factored(matrix, _):
         made.append(matrix)
         return LinearSolver(matrix())
 
