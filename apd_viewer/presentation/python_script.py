@@ -14,6 +14,7 @@ from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.language import tr
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import on_the_way
 from apd_viewer.session.model.named_obstacle import ObstacleKind, size_for
 from apd_viewer.session.model.targets import targets_of
@@ -153,7 +154,7 @@ def _obstacles(document: Document) -> Iterator[str]:
             given = f"{kind}({', '.join(map(repr, solid.points.tolist()))}, {solid.radius!r})"
         yield f"    apd_viewer.{given},"
     yield "]"
-    yield from _assigned("shifts", _array(document.shifts))
+    yield from _assigned("shifts", _array(shifts_of(document)))
 
 
 def _gripped(document: Document, handles: list[int]) -> Iterator[str]:

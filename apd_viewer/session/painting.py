@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.language import tr
-from apd_viewer.session.model.document_parts import cleared, with_next_region
+from apd_viewer.session.model.document_parts import asks_of_regions, cleared, with_next_region
 from apd_viewer.session.model.status_text import about_lock
 from apd_viewer.session.selecting.part_operation import PartOperation
 from apd_viewer.session.selecting.part_operations import reshaped
@@ -52,7 +52,7 @@ class Painting:
             if number > len(document.regions):
                 document = with_next_region(document)
             document = document.painted_region(ids, number)
-            (self._store.solve if document.asks_of_regions else self._store.set_document)(document)
+            (self._store.solve if asks_of_regions(document) else self._store.set_document)(document)
 
     def end_stroke(self, gesture: str) -> None:
         """Finish painting; relabelled base and handles are gripped at the current shape."""
@@ -84,6 +84,6 @@ class Painting:
     def _repaint(self, document: Document, gesture: str) -> None:
         before = self._store.required().document
         self._gestures.begin()
-        asks = document.member is not before.member and document.asks_of_regions
+        asks = document.member is not before.member and asks_of_regions(document)
         (self._store.solve if asks else self._store.set_document)(document)
         self.end_stroke(gesture)

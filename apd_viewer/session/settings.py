@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
+from apd_viewer.session.model.document_parts import painted_alike
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,7 +124,7 @@ class Settings:
         if all(getattr(state.document, name) == value for name, value in what.items()):
             return
         before = self._gestures.before
-        if before is None or not state.document.painted_like(before.document):
+        if before is None or not painted_alike(state.document, before.document):
             # Vertices painted by an unfinished stroke are not gripped yet, and would jump.
             state = self._gestures.alone()
             self._gestures.record(gesture, state)

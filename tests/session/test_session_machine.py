@@ -14,6 +14,7 @@ from meshes import box, rotation
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
+from apd_viewer.session.model.document_parts import painted_alike
 from apd_viewer.session.model.motions import TypedMotion
 from apd_viewer.session.model.painted_part import Part
 from apd_viewer.session.selecting.part_operation import PartOperation
@@ -281,7 +282,7 @@ class Use(RuleBasedStateMachine):
 
     def _set(self, verb, *values) -> None:
         now = self.session.store.state
-        painted = self.gesture and not now.document.painted_like(self.before.document)
+        painted = self.gesture and not painted_alike(now.document, self.before.document)
         before = self.before if painted else now
         getattr(self.session.settings, verb)(*values)
         if self.session.store.state.document is now.document:

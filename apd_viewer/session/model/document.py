@@ -139,11 +139,6 @@ class Document:
         return solids_of(self.obstacles, self.mesh.V) if self.has_obstacles else ()
 
     @property
-    def shifts(self) -> np.ndarray:
-        """How far each of ``solids`` is moved, (o, 3)."""
-        return np.array([each.shift for each in self.obstacles if self.has_obstacles]).reshape(-1, 3)
-
-    @property
     def counts(self) -> np.ndarray:
         """Number of the vertices with each label, (256,) int array."""
         return memo.counts(self.labels)
@@ -180,7 +175,7 @@ class Document:
     def posed(self) -> bool:
         """True if any handle has been moved from its grip, or an obstacle that pushes."""
         handles = any(not np.array_equal(handle.pose, IDENTITY) for handle in self.handles)
-        return handles or bool(self.shifts.any())
+        return handles or (self.has_obstacles and any(each.shift.any() for each in self.obstacles))
 
     @property
     def winds(self) -> bool:
@@ -205,10 +200,6 @@ class Document:
             return self.rest_areas
         return tuple(region_areas(U, self.mesh.F, self.member, len(self.regions)).tolist())
 
-    def painted_like(self, other: Document) -> bool:
-        """True if both share the same arrays of labels and regions."""
-        return self.labels is other.labels and self.member is other.member
-
     def equals(self, other: Document) -> bool:
         """True if all fields are the same objects, and the paint equal."""
         others = (each.name for each in fields(self) if each.name not in ("labels", "member"))
@@ -221,11 +212,6 @@ class Document:
         """Flags of the base, the handles and the regions."""
         handles, regions = (part.flags for part in self.handles), (part.flags for part in self.regions)
         return DocumentFlags(self.base, tuple(handles), tuple(regions))
-
-    @property
-    def asks_of_regions(self) -> bool:
-        """True if any region has a target area."""
-        return any(region.area is not None for region in self.regions)
 
     # The same document, but for one thing
 

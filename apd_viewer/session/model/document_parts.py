@@ -24,6 +24,21 @@ def with_next_region(document: Document) -> Document:
     return document.with_region(len(document.regions), NamedRegion(name))
 
 
+def asks_of_regions(document: Document) -> bool:
+    """True if any region has a target area."""
+    return any(region.area is not None for region in document.regions)
+
+
+def painted_alike(one: Document, other: Document) -> bool:
+    """True if both share the same arrays of labels and regions."""
+    return one.labels is other.labels and one.member is other.member
+
+
+def shifts_of(document: Document) -> np.ndarray:
+    """Motion of each obstacle that pushes, (o, 3)."""
+    return np.array([each.shift for each in document.obstacles if document.has_obstacles]).reshape(-1, 3)
+
+
 def cleared(document: Document) -> Document:
     """The document with nothing painted, but for locked parts."""
     every = np.arange(len(document.labels))

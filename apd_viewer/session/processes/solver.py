@@ -25,6 +25,7 @@ from apd_viewer.geometry.solver.multilevel import make_ready
 from apd_viewer.geometry.warmup import warm_up
 from apd_viewer.language import tr
 from apd_viewer.session.jobs.mailbox import Mailbox
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.targets import targets_of
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.messages import Message, Order, OrderStage
@@ -250,7 +251,7 @@ def _begins_at_rest(solver: Deformation, request: Request) -> bool:
     if contact is None:
         return False
     if len(shifts) != len(contact.shifts):
-        shifts = request.document.shifts
+        shifts = shifts_of(request.document)
     return not contact.contact.may_enter(request.U[solver.rest.weld.first], shifts)
 
 

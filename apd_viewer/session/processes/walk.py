@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
 from apd_viewer.geometry.solver.contact_descent import whole_way
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import on_the_way
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class _Goal(NamedTuple):
 
     @classmethod
     def of(cls, document: Document) -> _Goal:
-        return cls(document.constraints(), document.shifts)
+        return cls(document.constraints(), shifts_of(document))
 
 
 class Walk:

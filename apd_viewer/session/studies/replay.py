@@ -15,6 +15,7 @@ from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.deform import Result, iterated, result_of
 from apd_viewer.geometry.solver.deformation import Deformation
 from apd_viewer.session.model.document import Document
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.state import State
 from apd_viewer.session.processes.deforming import deformation_of
 from apd_viewer.session.processes.walk import Walk
@@ -51,7 +52,7 @@ def replay(
     held = document.constraints()
     solver = deformation_of(document, held)
     if not from_rest and _has_settled(state, held, solver):
-        solver.aim(held.targets, state.frame.U, held.soft_targets, document.shifts, _come(state))
+        solver.aim(held.targets, state.frame.U, held.soft_targets, shifts_of(document), _come(state))
         frame = replace(state.frame, iteration=0, handle_drift=_drift(held, state.frame.U))
         return document, result_of(solver, frame, time.perf_counter() - started, 0.0)
     walk = Walk(solver, document, None if from_rest else state.frame.U, begin=_come(state))
@@ -78,7 +79,7 @@ def _has_settled(state: State, held: Constraints, solver: Deformation) -> bool:
 def _come(state: State) -> np.ndarray | None:
     """Motion of the obstacles so far; None where that is not known."""
     come = state.frame.shifts
-    return come if len(come) == len(state.document.shifts) else None
+    return come if len(come) == len(shifts_of(state.document)) else None
 
 
 def _drift(held: Constraints, U: np.ndarray) -> float:

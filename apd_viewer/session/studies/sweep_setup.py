@@ -13,6 +13,7 @@ from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.solver.methods import COMPARED, method_named
 from apd_viewer.language import tr
 from apd_viewer.session.model import memo
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import paths_of
 from apd_viewer.session.quantities.expressions import angle
 
@@ -75,7 +76,7 @@ def sweep_of(
     if document.problem:
         raise InputError(document.problem)
     paths = _twisting(document, twists) if twists else paths_of(document)
-    if not any(path.moves for path in paths) and not document.shifts.any():
+    if not any(path.moves for path in paths) and not shifts_of(document).any():
         raise InputError(
             tr("No handle has moved, so there is no motion to sweep; move a handle or give a twist.")
         )

@@ -8,6 +8,7 @@ import numpy as np
 
 from apd_viewer.geometry.pose.constraints import FREE, HANDLE
 from apd_viewer.presentation.palette import drawn_along, label_colors, tinted
+from apd_viewer.session.model.document_parts import painted_alike
 
 if TYPE_CHECKING:
     from apd_viewer.session.model.document import Document
@@ -137,7 +138,7 @@ def drawn(document: Document, ids: np.ndarray | slice) -> tuple[np.ndarray, np.n
 
 
 def _looks_like(old: Document, new: Document) -> bool:
-    return old.painted_like(new) and old.soft is new.soft and old.flags == new.flags
+    return painted_alike(old, new) and old.soft is new.soft and old.flags == new.flags
 
 
 def differing(old: Document, new: Document) -> np.ndarray:
