@@ -190,7 +190,7 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
     steps = list(on_the_way(document))
     yield from _assigned("way", f"[{', '.join(_poses(step, handles) for step in steps)}]")
     if pushes:
-        yield from _assigned("shifts_on_the_way", _array(np.array([step.shifts for step in steps])))
+        yield from _assigned("shifts_on_the_way", _array(np.array([shifts_of(step) for step in steps])))
     yield _IN_STEPS.format(
         settings=settings,
         shifts=shifts,

@@ -12,6 +12,7 @@ from apd_viewer.geometry.mesh.arrays import diagonal
 from apd_viewer.geometry.pose.constraints import transform
 from apd_viewer.geometry.pose.screw_motion import Turn
 from apd_viewer.geometry.pose.winding import WaypointPath
+from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import document_at
 from apd_viewer.session.processes.deforming import deformation_of
 
@@ -147,7 +148,7 @@ class Sweep:
             for number, part in enumerate(self.parts):
                 there = replace(self.document_at(part), method=method)
                 held = there.constraints()
-                solver.aim(held.targets, U, held.soft_targets, there.shifts)
+                solver.aim(held.targets, U, held.soft_targets, shifts_of(there))
                 U = None  # from here on each step continues from the previous one
                 before = m / len(self.methods) + number * each
                 for k in range(self.iterations):
