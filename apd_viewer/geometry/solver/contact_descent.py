@@ -231,7 +231,7 @@ class ContactDescent:
 
     @property
     def moves(self) -> tuple[bool, bool]:
-        """Whether held vertices and obstacles have a way to go."""
+        """True for held vertices, and for obstacles, if they have a way to go."""
         return self._path.moves_held, self._path.moves_obstacles
 
     @property
