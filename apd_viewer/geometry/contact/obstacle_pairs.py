@@ -76,7 +76,7 @@ class ObstaclePairs:
         self.shift_ahead, self.ahead = shift, self.obstacle.points + shift
 
     def enter(self, U: np.ndarray, shift: np.ndarray | None = None) -> None:
-        """List the pairs anew at ``U`` (n, 3), and at ``shift`` (3,) instead of where it is.
+        """List the pairs anew at ``U`` (n, 3), and at ``shift`` (3,) if given.
 
         It must be clear of ``U``. What is nearer than steps go may stay as near.
         """

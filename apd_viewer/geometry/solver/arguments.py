@@ -114,7 +114,7 @@ class HeldVertices:
         self._targets, self.asked = found
 
     def place(self, U: np.ndarray, held: np.ndarray) -> None:
-        """Write the place of those of the file into ``U`` (n, 3), given those of the solve.
+        """Write the places in the file into ``U`` (n, 3), given those of the solve.
 
         Vertices welded with a tolerance are held exactly.
         """

@@ -288,7 +288,7 @@ class ContactDescent:
         self._set_path()
 
     def send(self, shifts: np.ndarray, begin: np.ndarray) -> None:
-        """Let obstacles go to ``shifts`` with :meth:`aim`, from ``begin`` if restarted first.
+        """Let obstacles go to ``shifts`` with :meth:`aim`, after a restart from ``begin``.
 
         Both are (o, 3).
         """

@@ -246,7 +246,7 @@ class Solver:
 
 
 def _begins_at_rest(solver: Deformation, request: Request) -> bool:
-    """True if contact cannot go on from the shape, which crosses itself or an obstacle."""
+    """True if contact cannot go on from a shape that crosses itself or an obstacle."""
     contact, shifts = solver.contact, request.shifts
     if contact is None:
         return False

@@ -60,7 +60,7 @@ def obstacle_of(said: Fields, name: str = "") -> NamedObstacle:
 
 
 def vectors_of(said: Fields, key: str, count: int) -> np.ndarray:
-    """A vector (3,) of each of ``count`` obstacles, (o, 3); (0, 3) where there are none."""
+    """A vector (3,) of each of ``count`` obstacles, (o, 3); (0, 3) without any."""
     if not said.says(key):
         return frozen(np.zeros((0, 3)))
     return frozen(said.numbers(key, count, 3))

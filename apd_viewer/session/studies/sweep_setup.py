@@ -34,7 +34,7 @@ def sweep_of(
     twists: Sequence[float] = (),
     iterations: int | None = None,
 ) -> Sweep:
-    """Sweep of the ways of a document's handles and obstacles, or of ``twists`` instead of poses.
+    """Sweep of the ways of a document's handles and obstacles, or of ``twists``.
 
     Parameters
     ----------
