@@ -141,7 +141,7 @@ def _has_neighbour(graph: tuple[np.ndarray, np.ndarray], v: int, side: np.ndarra
 def _count_borders(
     graph: tuple[np.ndarray, np.ndarray], part: np.ndarray, side: np.ndarray, label: int
 ) -> tuple[int, int]:
-    """Counts of lower and upper half with neighbours in the other one."""
+    """Number of the lower and of the upper half with neighbours in the other one."""
     lower = upper = 0
     for v in part:
         if _has_neighbour(graph, v, side, 2 * label + 1 - side[v]):

@@ -49,9 +49,9 @@ class Supernodes:
         self.order, self.first, parent = _ranked(rank, order, first, parent)
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
-        self.child, self.sibling = _children(parent)
+        self.child, self.sibling = children_of(parent)
         tree = self.first, self.child, self.sibling
-        self.begin, self.later = _couplings(*tree, self.order, self.place, start, column)
+        self.begin, self.later = couplings(*tree, self.order, self.place, start, column)
         self.stack = _stack(np.diff(self.begin), parent, self.task)
 
     @property
@@ -112,7 +112,7 @@ def _ranked(
 
 
 @njit(cache=True, nogil=True)
-def _children(parent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def children_of(parent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A child of each supernode, and the next child of the same parent; -1 for none."""
     child, sibling = np.full_like(parent, -1), np.full_like(parent, -1)
     for s in range(len(parent)):
@@ -122,7 +122,7 @@ def _children(parent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @njit(cache=True, nogil=True)
-def _couplings(
+def couplings(
     first: np.ndarray,
     child: np.ndarray,
     sibling: np.ndarray,
@@ -159,7 +159,7 @@ def _couplings(
 
 @njit(cache=True, nogil=True)
 def _stack(coupled: np.ndarray, parent: np.ndarray, task: np.ndarray) -> np.ndarray:
-    """Offsets of the contributions of tasks and top, each ``coupled`` squared long."""
+    """Bounds of the contributions of tasks and top, each ``coupled`` squared long."""
     begin = np.zeros(len(task) + 1, np.int64)
     waiting = np.zeros(len(coupled), np.int64)
     for t in range(len(task)):
