@@ -12,8 +12,8 @@ from apd_viewer.geometry.measuring.sections import plane_section
 from apd_viewer.geometry.measuring.surface_point import SurfacePoint
 from apd_viewer.geometry.mesh.mesh import Mesh
 from apd_viewer.geometry.pose.frame import Frame
-from apd_viewer.geometry.pressing.plate_press import PressStep
 from apd_viewer.geometry.pressing.press import Pressed, press
+from apd_viewer.geometry.pressing.press_step import PressStep
 from apd_viewer.geometry.solver.convergence import Convergence
 from apd_viewer.geometry.solver.deform import Result, deform
 from apd_viewer.geometry.solver.deformation import Deformation

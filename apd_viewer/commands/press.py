@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.commands.parser import Parser
-from apd_viewer.commands.press_output import report_of, rows_of, summary
+from apd_viewer.commands.press_output import report_of, summary
+from apd_viewer.commands.press_rows import rows_of
 from apd_viewer.commands.press_wall import add_wall_options, gas_of, wall_of
 from apd_viewer.commands.progress import Progress
 from apd_viewer.errors import InputError

@@ -11,8 +11,8 @@ from apd_viewer.language import tr
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from apd_viewer.geometry.pressing.plate_press import PressStep
     from apd_viewer.geometry.pressing.press import Pressed
+    from apd_viewer.geometry.pressing.press_step import PressStep
 
 _SIZE = (9.0, 3.9)
 

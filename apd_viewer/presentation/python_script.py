@@ -12,11 +12,10 @@ from apd_viewer.errors import InputError
 from apd_viewer.geometry.mesh.mesh import Baked
 from apd_viewer.geometry.pose.constraints import BASE, FREE, HANDLE
 from apd_viewer.geometry.pose.held_path import ITERATIONS_A_STEP
-from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
 from apd_viewer.language import tr
+from apd_viewer.presentation.python_arguments import obstacle_lines, settings_of
 from apd_viewer.session.model.document_parts import shifts_of
 from apd_viewer.session.model.handle_paths import on_the_way
-from apd_viewer.session.model.named_obstacle import ObstacleKind, size_for
 from apd_viewer.session.model.targets import targets_of
 
 if TYPE_CHECKING:
@@ -80,7 +79,8 @@ def python_script(document: Document) -> str:
         *_gripped(document, handles),
         *_assigned("poses", _poses(document, handles)),
         *_regions(document),
-        *_obstacles(document),
+        *obstacle_lines(document),
+        *(_assigned("shifts", _array(shifts_of(document))) if document.has_obstacles else ()),
         _TARGETS.rstrip(),
         *_deformed(document, handles),
         f"apd_viewer.save_mesh(mesh, result.U, {_target(document)!r})",
@@ -139,24 +139,6 @@ def _regions(document: Document) -> Iterator[str]:
     yield "]"
 
 
-def _obstacles(document: Document) -> Iterator[str]:
-    """Obstacles that push, and how far they go."""
-    if not document.has_obstacles:
-        return
-    yield "obstacles = ["
-    for obstacle, solid in zip(document.obstacles, document.solids, strict=True):
-        yield f"    # {' '.join(obstacle.name.split())}"
-        if obstacle.kind is ObstacleKind.PLATE:
-            size = size_for(obstacle, document.mesh.V)
-            given = f"plate({obstacle.place.tolist()!r}, {obstacle.axis.tolist()!r}, {size!r})"
-        else:
-            kind = "sphere" if obstacle.kind is ObstacleKind.SPHERE else "capsule"
-            given = f"{kind}({', '.join(map(repr, solid.points.tolist()))}, {solid.radius!r})"
-        yield f"    apd_viewer.{given},"
-    yield "]"
-    yield from _assigned("shifts", _array(shifts_of(document)))
-
-
 def _gripped(document: Document, handles: list[int]) -> Iterator[str]:
     """Positions that base and handles were gripped at."""
     V, grip = document.mesh.V, document.grip
@@ -179,7 +161,7 @@ def _poses(document: Document, handles: list[int]) -> str:
 
 
 def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
-    settings = _settings(document)
+    settings = settings_of(document)
     pushes = document.has_obstacles
     shifts = ", shifts=shifts" if pushes else ""
     if not document.winds:
@@ -200,25 +182,3 @@ def _deformed(document: Document, handles: list[int]) -> Iterator[str]:
         iterations=ITERATIONS_A_STEP,
         most=document.convergence.most_iterations,
     ).strip("\n")
-
-
-def _settings(document: Document) -> str:
-    """Arguments for method, settings and targets."""
-    method, targets = document.traits, targets_of(document)
-    said: dict[str, object] = {"method": document.method, "stiffness": document.stiffness}
-    if method.has_tolerance:
-        said["tolerance"] = document.tolerance
-    if method.has_moduli:
-        said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
-    said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
-    words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
-    if method.keeps_calm_parts and not document.calm:
-        words.append("calm=False")
-    if document.contact and method.may_touch:
-        words.append("contact=True")
-        words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
-    if document.has_obstacles:
-        words.append("obstacles=obstacles")
-    if document.convergence != DEFAULT_CONVERGENCE:
-        words.append(f"convergence=apd_viewer.{document.convergence!r}")
-    return ", ".join([*words, "regions=regions"] if targets.regions else words)

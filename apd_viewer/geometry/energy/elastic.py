@@ -227,7 +227,7 @@ class Elastic:
         return row_ops.placed(self.U, self._place, X, targets)
 
     def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets`` (k, 3)."""
+        """Positions (n, 3) a share of ``way`` (f, 3) on from ``U``, held at ``targets``."""
         return row_ops.placed_ahead(U, self._place, share, way, targets)
 
     def local_step(self, U: np.ndarray) -> None:
@@ -239,7 +239,7 @@ class Elastic:
         self._follow_creases()
 
     def energy_after(self, U: np.ndarray) -> float:
-        """Make ``U`` (n, 3) current; the energy there, without the coupling of the rotations."""
+        """Make ``U`` (n, 3) current; its energy without the coupling of the rotations."""
         q, self.U = self.q, U
         if self.membrane is not None:
             self.membrane.local_step(U)
@@ -295,7 +295,7 @@ class Elastic:
         return self._without_membrane(U, q, arap_cells.energy(*self.rest.graph, self.rest.V, U, q))
 
     def _without_membrane(self, U: np.ndarray, q: np.ndarray, cells: float) -> float:
-        """Energy at ``U`` (n, 3) of bending, springs and ``cells``, with rotations ``q`` (n, 4)."""
+        """Energy at ``U`` (n, 3) of bending, springs and ``cells`` turned by ``q``."""
         E = self.material.rigidity * cells
         if self._bending is not None:
             E += self.material.bending * (self._bending.energy(U, q) + self.rest.area_barrier.energy(U))

@@ -126,7 +126,7 @@ class Projection:
         return parallel_ops.products(self.g, *self._support, self._y)
 
     def lagrangian(self, G: np.ndarray, multipliers: np.ndarray, g: np.ndarray) -> np.ndarray:
-        """Slope ``G - sum_k mult_k g_k`` (f, 3) of gradients ``G`` (f, 3) and ``g`` (g, n, 3)."""
+        """Slope ``G - sum_k mult_k g_k`` (f, 3), by ``G`` (f, 3) and ``g`` (g, n, 3)."""
         return row_ops.less_rows(G, multipliers, g, *self._support, self._elastic.free)
 
     def multipliers(self, G: np.ndarray) -> np.ndarray:

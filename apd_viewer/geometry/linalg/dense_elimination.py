@@ -1,4 +1,4 @@
-"""Elimination of unknowns from dense symmetric matrices, the fronts of sparse factorizations.
+"""Elimination from dense symmetric matrices, the fronts of sparse factorizations.
 
 Only the upper triangle of a front is read and written.
 """
@@ -14,9 +14,10 @@ _BLOCK = 96
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def condense(front: np.ndarray, inverse: np.ndarray) -> bool:
-    """Eliminate as many unknowns of a ``front`` as ``inverse`` has rows; False if it is not definite.
+    """Eliminate as many unknowns of a ``front`` as ``inverse`` has rows.
 
     The upper triangle ``[[A, B], [., C]]`` becomes ``[[., A^-1 B], [., C - B^T A^-1 B]]``; ``inverse``, A^-1.
+    False if A is not positive definite.
     """
     k, w = len(inverse), len(front)
     factor, inverse[:] = np.empty((4, k)), 0.0
@@ -113,7 +114,7 @@ def condense_by_blocks(front: np.ndarray, inverse: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _invert(A: np.ndarray) -> None:
-    """Invert a symmetric positive definite matrix in place, sweep by sweep of some rows."""
+    """Invert a positive definite matrix in place, sweep by sweep of some rows."""
     k = len(A)
     for first in range(0, k, _BLOCK):
         last = min(k, first + _BLOCK)

@@ -28,7 +28,10 @@ def subtract_rows(A: np.ndarray, B: np.ndarray, rows: np.ndarray, out: np.ndarra
 
 @parallel(fastmath=_SUMS)
 def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Write ``A - B`` into ``out``, all (m,); its products with ``step``, of ``step`` and of itself."""
+    """Write ``A - B`` into ``out``, all (m,), and return three products.
+
+    Those of ``A - B`` with ``step`` (m,), of ``step`` with itself, and of ``A - B`` with itself.
+    """
     count = (len(A) + _PORTION - 1) // _PORTION
     sums = np.zeros((count, 3))
     for portion in prange(count):
@@ -47,7 +50,7 @@ def subtract(A: np.ndarray, B: np.ndarray, step: np.ndarray, out: np.ndarray) ->
 
 @parallel(fastmath=_SUMS)
 def products(steps: np.ndarray, changes: np.ndarray, order: np.ndarray, slot: int) -> np.ndarray:
-    """Products (2, k) of all steps with the change in a slot, and of all changes with the step in it."""
+    """Products (2, k) of steps with a slot's change, and of changes with its step."""
     count = (steps.shape[1] + _PORTION - 1) // _PORTION
     sums = np.zeros((count, 2, len(order)))
     for portion in prange(count):
@@ -96,7 +99,7 @@ def opposed(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray) -> n
 
 @parallel(fastmath=_SUMS)
 def add(X: np.ndarray, c: np.ndarray, A: np.ndarray, order: np.ndarray, slope: np.ndarray) -> float:
-    """Add ``sum_k c_k A_k`` to ``X`` (m,) in place; the product of ``slope`` (m,) with it."""
+    """Add ``sum_k c_k A_k`` to ``X`` (m,) in place, and return ``slope . X``."""
     count = (len(X) + _PORTION - 1) // _PORTION
     sums = np.zeros(count)
     for portion in prange(count):

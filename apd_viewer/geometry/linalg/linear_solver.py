@@ -141,7 +141,7 @@ class _Simplicial:
 def _supernodal(
     start: np.ndarray, column: np.ndarray, entry: np.ndarray, V: np.ndarray
 ) -> SupernodalFactor | None:
-    """Supernodal factor; None if it would be nearly dense, or single precision is not enough for it."""
+    """Supernodal factor; None if nearly dense, or too inaccurate in single precision."""
     nodes = Supernodes(V, start, column)
     if nodes.fill > _MOST_FILL * len(column):
         return None

@@ -106,7 +106,7 @@ def _take_sides(
 
 @njit(cache=True, nogil=True)
 def _smallest(x: np.ndarray, k: int) -> float:
-    """The k-th smallest of ``x``, whose order changes [Hoare 1961, Algorithm 65: Find]."""
+    """The k-th smallest of ``x``, reordered [Hoare 1961, Algorithm 65: Find]."""
     low, high = 0, len(x) - 1
     while low < high:
         pivot, i, j = x[(low + high) // 2], low, high

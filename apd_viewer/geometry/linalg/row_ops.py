@@ -38,7 +38,7 @@ def placed(U: np.ndarray, place: np.ndarray, A: np.ndarray, B: np.ndarray) -> np
 
 @parallel()
 def placed_ahead(U: np.ndarray, place: np.ndarray, share: float, A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """``U`` (n, 3) plus a share of rows of ``A``, or rows of ``B``, placed as in :func:`placed`."""
+    """``U`` (n, 3) plus a share of ``A``, or at ``B``, by row as in :func:`placed`."""
     out = np.empty_like(U)
     for i in prange(len(U)):
         k = place[i]

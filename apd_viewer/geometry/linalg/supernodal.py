@@ -14,7 +14,7 @@ from apd_viewer.geometry.linalg.threads import parallel
 
 
 def row_length(width: np.ndarray) -> np.ndarray:
-    """Length of the rows of a panel for so many columns: whole vectors, of any processor but the widest."""
+    """Length of the rows of a panel for so many columns: whole vectors."""
     return (width + 7) // 8 * 8
 
 
@@ -26,7 +26,7 @@ def factorize(
     tasks: tuple[np.ndarray, ...],
     panels: np.ndarray,
 ) -> bool:
-    """Write ``[W | S]`` of all supernodes; False if the matrix is not positive definite.
+    """Write ``[W | S]`` of all supernodes; False if the matrix is not definite.
 
     Parameters
     ----------
@@ -64,7 +64,10 @@ def _eliminate(
     stack: np.ndarray,
     panels: np.ndarray,
 ) -> bool:
-    """Eliminate the supernodes from ``begin_at`` to ``end_at``; their contributions lie on the stack."""
+    """Eliminate the supernodes from ``begin_at`` to ``end_at``.
+
+    What they contribute to later ones lies on the stack; False if the matrix is not definite.
+    """
     first, begin, later, panel = tree
     widest = 0
     for s in range(begin_at, end_at):
@@ -102,7 +105,7 @@ def _eliminate(
 def _add_rows(
     front: np.ndarray, begin_at: int, end_at: int, at: np.ndarray, matrix: tuple[np.ndarray, ...]
 ) -> None:
-    """Write the entries of the places from ``begin_at`` to ``end_at`` into the upper triangle."""
+    """Write the entries from ``begin_at`` to ``end_at`` into the upper triangle."""
     order, place, start, column, entry = matrix
     front[:] = 0.0
     for i in range(begin_at, end_at):

@@ -1,4 +1,4 @@
-"""Supernodes of a sparse symmetric matrix: what is eliminated together, and what that fills.
+"""Supernodes of a sparse symmetric matrix: unknowns eliminated together.
 
 Each group of a nested dissection is a supernode: its unknowns are eliminated at once, from a dense matrix
 [Ng & Peyton 1993, Block Sparse Cholesky Algorithms on Advanced Uniprocessor Computers]. Subtrees of
@@ -72,7 +72,7 @@ class Supernodes:
 
 @njit(cache=True, nogil=True)
 def _tasks(own: np.ndarray, parent: np.ndarray, largest: float) -> tuple[np.ndarray, np.ndarray]:
-    """New rank of each supernode, the top of the tree last, and the bounds of the tasks."""
+    """New ranks of the supernodes, the top of the tree last, and bounds of tasks."""
     unknowns, size = own.copy(), np.ones(len(own), np.int64)
     for s in range(len(own)):
         if parent[s] >= 0:

@@ -10,13 +10,9 @@ import numpy as np
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.mesh.arrays import check_mesh, numbers, whole_numbers
 from apd_viewer.geometry.pressing.load_curve import LoadCurve, load_curve
-from apd_viewer.geometry.pressing.plate_press import (
-    DEFAULT_ITERATIONS,
-    DEFAULT_STEPS,
-    PlatePress,
-    PressStep,
-)
+from apd_viewer.geometry.pressing.plate_press import DEFAULT_ITERATIONS, DEFAULT_STEPS, PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
+from apd_viewer.geometry.pressing.press_step import PressStep
 from apd_viewer.geometry.solver.methods import (
     DEFAULT_AREA_STIFFNESS,
     DEFAULT_METHOD,

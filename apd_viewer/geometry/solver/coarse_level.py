@@ -28,8 +28,7 @@ from apd_viewer.geometry.solver.prolongation import Prolongation
 
 # The pace is the median of the last ones: other work beside it may stop any of them.
 _PACES = 5
-# Width of the collar that previews are smoothed in, in coarse edges: creases of 5.6 times the angles at rest
-# become 2.2 (1.9, 1.7 and 1.6 for 3.7 with two, three and four edges).
+# Width of the collar that previews are smoothed in, coarse edges: 1.9, 1.7, 1.6 of the angles for 2, 3, 4.
 _COLLAR = 3.0
 
 

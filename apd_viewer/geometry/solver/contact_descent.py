@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
@@ -20,8 +20,7 @@ from apd_viewer.geometry.contact.contact import Contact
 from apd_viewer.geometry.contact.mesh_contact import contact_of
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.goals import Goal
-from apd_viewer.geometry.mesh.arrays import frozen
-from apd_viewer.geometry.pose.frame import Frame, Touch
+from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.pose.held_path import HeldPath
 from apd_viewer.geometry.solver.constrained_descent import TOLERANCE
 from apd_viewer.geometry.solver.iterative_solver import IterativeSolver
@@ -60,7 +59,7 @@ def check_obstacles(obstacles: Sequence[Obstacle], contact: bool) -> None:
 
 def stopped_at(share: float, contact: ContactDescent | None = None) -> str:
     """Sentence on what contact stops at a share of its way; by default the handle."""
-    moves = contact.moves if contact else (True, False)
+    moves = (contact.path.moves_held, contact.path.moves_obstacles) if contact else (True, False)
     said = {
         (True, True): tr("Contact stops handle and obstacle at {percent:.0f} % of the way."),
         (False, True): tr("Contact stops the obstacle at {percent:.0f} % of the way."),
@@ -70,7 +69,7 @@ def stopped_at(share: float, contact: ContactDescent | None = None) -> str:
 
 def whole_way(frame: Frame, leg: int, legs: int, contact: ContactDescent | None) -> Frame:
     """The frame of a ``leg``, from 0, with share and sentence of all ``legs``."""
-    share = (leg + (1.0 if contact is None else contact.share_of_path)) / legs
+    share = (leg + (1.0 if contact is None else contact.share)) / legs
     stopped = frame.share_reached < 1.0 and frame.unreached is not None
     said = stopped_at(share, contact) if stopped else frame.unreached
     return replace(frame, share_reached=share, unreached=said)
@@ -134,8 +133,16 @@ class ContactDescent:
     contact : Contact
     held : (k + s, 3) float array
         Positions that the held vertices have reached, then the targets of the soft ones.
+    path : HeldPath
+        From where they were aimed.
+    share : float
+        Of the path, as far as it has been gone.
     shifts : (o, 3) float array
         How far the obstacles have come from their places.
+    destination : (o, 3) float array
+        How far they go from there with :meth:`aim`.
+    origin : (o, 3) float array or None
+        How far they have come at the shape of the next :meth:`restart`; None for as far as now.
     """
 
     def __init__(
@@ -195,44 +202,10 @@ class ContactDescent:
         return (self._touching or self._inner).stuck
 
     @property
-    def share_of_path(self) -> float:
-        """Share of the path from where they were aimed that the held vertices have gone."""
-        return self._share
-
-    @property
     def share_reached(self) -> float:
         """Share of the way from rest to their targets that what moves has gone."""
-        left = (1.0 - self._share) * self._path.length
+        left = (1.0 - self.share) * self.path.length
         return 1.0 - left / max(self._whole, left) if left else 1.0
-
-    @property
-    def touch(self) -> Touch:
-        """Contact at ``U``."""
-        contact = self.contact
-        self._find_forces()
-        least = float(contact.least) if contact.touching else None
-        carried = np.flatnonzero((contact.followers.together > 0).any(axis=0))
-        return Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
-
-    @property
-    def readings(self) -> dict[str, Any]:
-        """The fields of a frame about contact."""
-        return {"contact": self.touch, "loads": frozen(self.loads), "shifts": frozen(self.shifts.copy())}
-
-    @property
-    def loads(self) -> np.ndarray:
-        """Forces on the obstacles at ``U``, (o, 3)."""
-        self._find_forces()
-        return self.contact.loads
-
-    def _find_forces(self) -> None:
-        self.contact.go(self._U)
-        self.contact.gradient(self._U)
-
-    @property
-    def moves(self) -> tuple[bool, bool]:
-        """True for held vertices, and for obstacles, if they have a way to go."""
-        return self._path.moves_held, self._path.moves_obstacles
 
     @property
     def is_stopped(self) -> bool:
@@ -242,7 +215,7 @@ class ContactDescent:
     @property
     def is_on_its_way(self) -> bool:
         """True if the held vertices go on."""
-        return self._share < 1.0 and not self.is_stopped
+        return self.share < 1.0 and not self.is_stopped
 
     @property
     def converged(self) -> bool | None:
@@ -280,19 +253,12 @@ class ContactDescent:
         Without, it enters at rest with the next step.
         """
         self.contact.surround(obstacles)
-        self.shifts = self._shifts = self._places = np.zeros((len(obstacles), 3))
+        self.shifts = self.destination = self._places = np.zeros((len(obstacles), 3))
         self._before = self._U, self.shifts
         self._is_inside = not obstacles
-        self._begin: np.ndarray | None = None
+        self.origin: np.ndarray | None = None
         self._touching = None
         self._set_path()
-
-    def send(self, shifts: np.ndarray, begin: np.ndarray) -> None:
-        """Let obstacles go to ``shifts`` with :meth:`aim`, after a restart from ``begin``.
-
-        Both are (o, 3).
-        """
-        self._shifts, self._begin = shifts, begin
 
     def restart(self, U: np.ndarray) -> None:
         """Continue from positions ``U`` (n, 3), or from rest if those intersect.
@@ -304,7 +270,7 @@ class ContactDescent:
         InputError
             If not even the shape at rest is clear of obstacles at their places.
         """
-        shifts, self._begin = self._begin, None
+        shifts, self.origin = self.origin, None
         if shifts is None:
             # One step back may be asked for.
             shifts = self._before[1] if U is self._before[0] else self.shifts
@@ -315,63 +281,61 @@ class ContactDescent:
             raise InputError(
                 tr("An obstacle intersects the shape to begin from; move it away, or remove it.")
             )
-        self._enter(*(found or (rest, places)))
-
-    def _enter(self, U: np.ndarray, shifts: np.ndarray) -> None:
-        self.contact.enter(U, shifts)
-        self._U, self.shifts, self._is_inside = U, shifts, True
+        U, self.shifts = found or (rest, places)
+        self.contact.enter(U, self.shifts)
+        self._U, self._is_inside = U, True
         self.held = np.concatenate([U[self.elastic.fixed], U[self.elastic.soft.ids]])
         self._release()
         self._set_path()
 
     def aim(self, targets: np.ndarray) -> None:
         """Hold and draw vertices at ``targets`` (k + s, 3), along a path from here."""
-        self._targets, self._begin = targets, None
+        self._targets, self.origin = targets, None
         if self._touching and not self.contact.may_touch:
             self._release()
         self._set_path()
-        if self._touching and self._path.moves_obstacles:
+        if self._touching and self.path.moves_obstacles:
             self._touching.disturb()
 
     def _set_path(self) -> None:
-        ends = np.array([self.shifts, self._shifts])
-        self._path = HeldPath(self.held, self._targets, self._handle_of, ends)
-        ends = np.array([self._places, self._shifts])
+        ends = np.array([self.shifts, self.destination])
+        self.path = HeldPath(self.held, self._targets, self._handle_of, ends)
+        ends = np.array([self._places, self.destination])
         self._whole = HeldPath(self._at_rest, self._targets, self._handle_of, ends).length
-        self._share = self._ahead = 0.0 if self._path.length else 1.0
-        self._part = _PART * self._size / max(self._path.length, _PART * self._size)
+        self.share = self._ahead = 0.0 if self.path.length else 1.0
+        self._part = _PART * self._size / max(self.path.length, _PART * self._size)
         self._steps, self._refused = _STEPS, 0
         if self._touching:
-            self._touching.follow(self._path, self._share)
+            self._touching.follow(self.path, self.share)
         else:
-            self._inner.aim(self._path.at(self._share))
+            self._inner.aim(self.path.at(self.share))
 
     def step(self) -> None:
         """Step to a shape with a free way to it; see :meth:`restart`."""
         if not self._is_inside:
-            self._begin = self._places
+            self.origin = self._places
             self.restart(self.elastic.rest.V)
         self._before = self._U, self.shifts
         if self._touching is None:
             self._step_freely()
         else:
             self._touching.step()
-            self._U, self._share, self.held = self._touching.U, self._touching.share, self._touching.held
-            self.shifts = self._path.shift(self._share)
+            self._U, self.share, self.held = self._touching.U, self._touching.share, self._touching.held
+            self.shifts = self.path.shift(self.share)
 
     def _step_freely(self) -> None:
         """Take the next shape of the inner solver, if the way is free."""
-        if self._ahead < 1.0 and self._share == self._ahead and self._steps >= _STEPS:
+        if self._ahead < 1.0 and self.share == self._ahead and self._steps >= _STEPS:
             self._ahead, self._steps = min(1.0, self._ahead + self._part), 0
-            self._inner.aim(self._path.at(self._ahead))
+            self._inner.aim(self.path.at(self._ahead))
         self._steps += 1
         self._inner.step()
         W = self._inner.U
-        if W is self._U and (self._path.moves_held or self._share == self._ahead):
+        if W is self._U and (self.path.moves_held or self.share == self._ahead):
             return
-        shifts = self._path.shift(self._ahead)
+        shifts = self.path.shift(self._ahead)
         if self.contact.leads_to(W, shifts):
-            self._U, self._share, self.held, self._refused = W, self._ahead, self._inner.held, 0
+            self._U, self.share, self.held, self._refused = W, self._ahead, self._inner.held, 0
             self.shifts = shifts
             return
         self._refused += self.contact.examined
@@ -382,8 +346,8 @@ class ContactDescent:
     def _touch(self) -> None:
         """Descend in contact from the last shape."""
         self._touching = self._descending()
-        self._touching.follow(self._path, self._share)
-        if self._path.moves_obstacles:
+        self._touching.follow(self.path, self.share)
+        if self.path.moves_obstacles:
             self._touching.disturb()
 
     def _descending(self) -> TouchingDescent:

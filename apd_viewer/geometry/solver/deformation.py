@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from apd_viewer.errors import InputError
+from apd_viewer.geometry.contact.contact_readings import contact_readings
 from apd_viewer.geometry.energy.elastic import Elastic
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
 from apd_viewer.geometry.goals.calm_parts import calm_levels
@@ -20,12 +21,7 @@ from apd_viewer.geometry.mesh.arrays import check_mesh, frozen, numbers, whole_n
 from apd_viewer.geometry.pose.constraints import NO_SOFT, Soft
 from apd_viewer.geometry.pose.frame import Frame
 from apd_viewer.geometry.solver.arguments import HeldVertices, shifts_of, soft_of, start_of
-from apd_viewer.geometry.solver.contact_descent import (
-    check_contact,
-    check_obstacles,
-    in_contact,
-    stopped_at,
-)
+from apd_viewer.geometry.solver.contact_descent import check_contact, check_obstacles, in_contact, stopped_at
 from apd_viewer.geometry.solver.convergence import (
     DEFAULT_CONVERGENCE,
     Convergence,
@@ -270,7 +266,7 @@ class Deformation:
             if self._kept.restore_calm():
                 self._solver.keep(self._kept.goals)
             if self.contact is not None:
-                self.contact.send(shifts, begin)
+                self.contact.destination, self.contact.origin = shifts, begin
             if U is not None:
                 self._solver.restart(self.loose.at_rest(np.ascontiguousarray(U[self.rest.weld.first])))
             drawn = self.rest.shape.V[self._soft.ids]
@@ -348,7 +344,7 @@ class Deformation:
             gap=self._steps.gap(self._convergence) if solver.converged is None else solver.gap,
             seconds_left=solver.seconds_left,
             share_reached=self.share_reached,
-            **({} if self.contact is None else self.contact.readings),
+            **(contact_readings(at.contact, at.U, at.shifts) if (at := self.contact) else {}),
         )
 
     @property

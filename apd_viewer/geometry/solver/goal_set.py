@@ -154,7 +154,7 @@ class GoalSet:
         self._retries = 0
 
     def out_of_reach(self, values: np.ndarray | None) -> str | None:
-        """Sentence on what cannot be had in this pose; ``values`` of goals that are given up."""
+        """Sentence on what cannot be had in this pose; ``values`` of goals given up."""
         missed = None if values is None else self.missed(values)
         if missed is None:
             return _CALM_GAVE_WAY if self.has_let_calm_go else None

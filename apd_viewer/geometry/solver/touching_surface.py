@@ -119,7 +119,7 @@ class TouchingSurface:
         return self.elastic.assembled(X, targets)
 
     def ahead(self, U: np.ndarray, share: float, way: np.ndarray, targets: np.ndarray) -> np.ndarray:
-        """``U`` (n, 3), the free a share of ``way`` (f, 3) on, the held at ``targets`` (k, 3)."""
+        """Positions (n, 3) a share of ``way`` (f, 3) on from ``U``, held at ``targets``."""
         return self.elastic.ahead(U, share, way, targets)
 
     def local_step(self, U: np.ndarray) -> None:

@@ -93,7 +93,7 @@ class FarFactor:
         return self._solved(B, refined=False)
 
     def refined(self, B: np.ndarray) -> np.ndarray:
-        """``A^-1 B`` for ``B`` (n, 3), float64, to ten digits or so; raises as :meth:`solve`."""
+        """``A^-1 B`` for ``B`` (n, 3) to ten digits or so; raises as :meth:`solve`."""
         return self._solved(B, refined=True)
 
     def _solved(self, B: np.ndarray, refined: bool) -> np.ndarray:

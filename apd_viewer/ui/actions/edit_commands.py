@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Editing:
-    """Changes of the document by a window; in the middle of a drag most of them only take it back.
+    """Changes of the document by a window; during a drag most only take it back.
 
     Parameters
     ----------

@@ -1,0 +1,30 @@
+"""Readings of a surface in contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from apd_viewer.geometry.contact.contact import Contact
+from apd_viewer.geometry.mesh.arrays import frozen
+from apd_viewer.geometry.pose.frame import Touch
+
+
+def contact_readings(contact: Contact, U: np.ndarray, shifts: np.ndarray) -> dict[str, Any]:
+    """The fields of a frame about contact at ``U`` (n, 3).
+
+    Parameters
+    ----------
+    contact : Contact
+    U : (n, 3) float array
+        Where the last free way ended or began.
+    shifts : (o, 3) float array
+        How far the obstacles have come.
+    """
+    contact.go(U)
+    contact.gradient(U)
+    least = float(contact.least) if contact.touching else None
+    carried = np.flatnonzero((contact.followers.together > 0).any(axis=0))
+    touch = Touch(int(contact.touching), least, len(np.union1d(contact.exempt, carried)))
+    return {"contact": touch, "loads": frozen(contact.loads), "shifts": frozen(shifts.copy())}

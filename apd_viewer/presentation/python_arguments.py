@@ -1,0 +1,52 @@
+"""Obstacles and settings of a document, as Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from apd_viewer.geometry.solver.convergence import DEFAULT_CONVERGENCE
+from apd_viewer.session.model.named_obstacle import ObstacleKind, size_for
+from apd_viewer.session.model.targets import targets_of
+
+if TYPE_CHECKING:
+    from apd_viewer.session.model.document import Document
+
+
+def obstacle_lines(document: Document) -> Iterator[str]:
+    """Lines that make the obstacles; none where none push."""
+    if not document.has_obstacles:
+        return
+    yield "obstacles = ["
+    for obstacle, solid in zip(document.obstacles, document.solids, strict=True):
+        yield f"    # {' '.join(obstacle.name.split())}"
+        if obstacle.kind is ObstacleKind.PLATE:
+            size = size_for(obstacle, document.mesh.V)
+            given = f"plate({obstacle.place.tolist()!r}, {obstacle.axis.tolist()!r}, {size!r})"
+        else:
+            kind = "sphere" if obstacle.kind is ObstacleKind.SPHERE else "capsule"
+            given = f"{kind}({', '.join(map(repr, solid.points.tolist()))}, {solid.radius!r})"
+        yield f"    apd_viewer.{given},"
+    yield "]"
+
+
+def settings_of(document: Document) -> str:
+    """Arguments for method, settings and targets."""
+    method, targets = document.traits, targets_of(document)
+    said: dict[str, object] = {"method": document.method, "stiffness": document.stiffness}
+    if method.has_tolerance:
+        said["tolerance"] = document.tolerance
+    if method.has_moduli:
+        said |= {"area_stiffness": document.area_stiffness, "shear_stiffness": document.shear_stiffness}
+    said |= {"area": targets.area, "volume": targets.volume, "loose": list(document.staying) or None}
+    words = [f"{name}={value!r}" for name, value in said.items() if value is not None]
+    if method.keeps_calm_parts and not document.calm:
+        words.append("calm=False")
+    if document.contact and method.may_touch:
+        words.append("contact=True")
+        words += [] if document.thickness is None else [f"thickness={document.thickness!r}"]
+    if document.has_obstacles:
+        words.append("obstacles=obstacles")
+    if document.convergence != DEFAULT_CONVERGENCE:
+        words.append(f"convergence=apd_viewer.{document.convergence!r}")
+    return ", ".join([*words, "regions=regions"] if targets.regions else words)
