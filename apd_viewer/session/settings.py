@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
+from apd_viewer.session.posing.obstacle_places import out_of_the_shape
 from apd_viewer.session.model.document_parts import painted_alike
 
 if TYPE_CHECKING:
@@ -82,7 +83,14 @@ class Settings:
         on_already = on and self._store.required().document.contact
         switch = tr("Turn contact on") if on else tr("Turn contact off")
         gesture = tr("Change distance of walls") if on_already else switch
-        self._set(gesture, contact=on, thickness=thickness if on else None)
+        state, thickness = self._store.required(), thickness if on else None
+        # Without contact obstacles and the shape pass through each other.
+        obstacles = out_of_the_shape(state, thickness) if on else state.document.obstacles
+        moved = [a.name for a, b in zip(state.document.obstacles, obstacles, strict=True) if a is not b]
+        self._set(gesture, contact=on, thickness=thickness, obstacles=obstacles)
+        if moved:
+            names = ", ".join(moved)
+            self._listener.told(tr("Moved back out of the shape: {names}.").format(names=names))
 
     def set_material(self, area_stiffness: float | None = None, shear_stiffness: float | None = None) -> None:
         """Have the method "local" resist changes of areas and of shapes by other weights."""

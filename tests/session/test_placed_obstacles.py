@@ -266,3 +266,20 @@ def test_what_was_just_added_is_saved_and_opened(opened, tmp_path):
     found, _ = open_session(tmp_path / "a.apd")
     (floor,) = found.document.obstacles
     np.testing.assert_array_equal(floor.place, now(opened).obstacles[0].place)
+
+
+def test_what_stands_in_the_shape_is_moved_out_once_contact_is_on(opened):
+    opened.obstacles.put_floor(UP)
+    opened.settle()
+    opened.settings.keep_apart(False)
+    within = replace(now(opened).obstacles[0], place=frozen(np.array([0.0, 0.0, 0.3])))
+    opened.store.set_document(replace(now(opened), obstacles=(within,)))  # as of another shape
+    before = now(opened)
+    opened.settings.keep_apart(True)
+    opened.settle()
+    (floor,) = now(opened).obstacles
+    assert floor.centre[2] == pytest.approx(opened.U[:, 2].min() - apart(opened), abs=1e-9)
+    assert opened.told[-1] == "Moved back out of the shape: Floor."
+    assert not opened.failed
+    opened.gestures.undo()
+    assert now(opened) is before

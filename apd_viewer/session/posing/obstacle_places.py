@@ -103,6 +103,18 @@ def back_in_place(state: State) -> tuple[NamedObstacle, ...]:
     return tuple(found)
 
 
+def out_of_the_shape(state: State, thickness: float | None) -> tuple[NamedObstacle, ...]:
+    """Obstacles of a state; those put where its shape is now are moved back out of it.
+
+    ``thickness`` is the distance that they keep, as of a document.
+    """
+    apart, found = apart_of(state, thickness), []
+    for obstacle in state.document.obstacles:
+        clear = stands_clear(obstacle, state, apart)
+        found.append(obstacle if clear else pushed_back(obstacle.settled(np.zeros(3)), state, apart))
+    return tuple(found)
+
+
 def touching_plate(name: str, axis: np.ndarray, state: State, apart: float) -> NamedObstacle:
     """Plate that touches the shape from behind, with its normal along ``axis`` (3,)."""
     axis = direction(axis)
