@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from apd_viewer.language import tr
-from apd_viewer.session.posing.obstacle_places import out_of_the_shape
 from apd_viewer.session.model.document_parts import painted_alike
+from apd_viewer.session.posing.obstacle_places import out_of_the_shape
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
