@@ -573,8 +573,8 @@ def test_an_interruption_writes_nothing(bar, command, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["deform"], "required: MESH, --selection, --transform, -o/--output; see apd-viewer deform --help"),
-        (["deform", "a.obj"], "required: --selection, --transform, -o/--output"),
+        (["deform"], "required: MESH, -o/--output; see apd-viewer deform --help"),
+        (["deform", "a.obj"], "required: -o/--output"),
         (["info"], "required: MESH; see apd-viewer info --help"),
         (["replay", "a.apd"], "required: -o/--output; see apd-viewer replay --help"),
         (["info", "a.obj", "b.obj"], "unrecognized arguments: b.obj"),
