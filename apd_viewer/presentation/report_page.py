@@ -113,7 +113,7 @@ def _volume(subject: Subject) -> Iterator[tuple[str, str, str]]:
         touch = readings.contact(subject.state, subject.unit)
         yield tr("Pairs in contact"), touch.pairs, ""
         yield tr("Least gap"), touch.least_gap, ""
-        yield tr("Way of the handle"), touch.share, ""
+        yield tr("Share of the way"), touch.share, ""
 
 
 def _crossing(found: ShapeCheck | None) -> str:

@@ -68,7 +68,7 @@ class VolumeSection(Section):
             ),
             (tr("Least gap"), tr("Least distance of what is in contact")),
             (
-                tr("Way of the handle"),
+                tr("Share of the way"),
                 tr("Share of its way from rest that contact has let the handle go"),
             ),
         )
