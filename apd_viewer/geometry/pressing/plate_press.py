@@ -23,6 +23,8 @@ from apd_viewer.language import tr
 DEFAULT_STEPS, MOST_STEPS = 20, 1000
 # For each step.
 DEFAULT_ITERATIONS = 10_000
+# Plates that are stopped try again so many times.
+_RETRIES = 5
 # Plates that open touch while they carry this part of what they carried.
 _TOUCHES = 1e-9
 
@@ -129,7 +131,18 @@ class PlatePress:
             yield self._step(self.pressing.settled)
 
     def _rest_at(self, share: float, tick: Callable[[float], object]) -> None:
-        """Go to a share of the way, and come to rest there, as far as iterations suffice."""
+        """Go to a share of the way, and come to rest there, as far as iterations suffice.
+
+        Walls in the way of the plates may give way once they have come to rest.
+        """
+        self._go_to(share, tick)
+        for _ in range(_RETRIES):
+            if not self.pressing.is_stopped:
+                return
+            self._go_to(self.pressing.share, tick)
+            self._go_to(share, tick)
+
+    def _go_to(self, share: float, tick: Callable[[float], object]) -> None:
         pressing = self.pressing
         pressing.aim(share)
         while not pressing.settled and pressing.iterations < self._iterations and not pressing.is_stopped:
