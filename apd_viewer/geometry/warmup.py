@@ -17,7 +17,7 @@ from apd_viewer.geometry.solver.methods import DEFAULT_AREA_STIFFNESS, DEFAULT_S
 
 
 def warm_up(enough: Callable[[], bool] = lambda: False) -> None:
-    """Run every kernel once: compiled at first (20 s), then cached (0.5 s).
+    """Run every kernel once: compiled at first (about 100 s), then cached (0.5 s).
 
     Between two methods ``enough()`` may end it. What a window measures of a shape comes last.
     """
