@@ -60,21 +60,6 @@ def _residual(
 
 
 @parallel()
-def dots(A: np.ndarray, X: np.ndarray) -> np.ndarray:
-    """Inner products of each of ``A`` (k, n, 3) with ``X`` (n, 3), (k,)."""
-    count = (len(X) + _PORTION - 1) // _PORTION
-    sums = np.zeros((count, len(A)))
-    for portion in prange(count):
-        end = min(len(X), (portion + 1) * _PORTION)
-        for k in range(len(A)):
-            total = 0.0
-            for i in range(portion * _PORTION, end):
-                total += A[k, i, 0] * X[i, 0] + A[k, i, 1] * X[i, 1] + A[k, i, 2] * X[i, 2]
-            sums[portion, k] = total
-    return sums.sum(axis=0)
-
-
-@parallel()
 def dots_at(A: np.ndarray, rows: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Inner products (k,) of rows of each of ``A`` (k, n, 3) with ``X`` (f, 3)."""
     count = (len(X) + _PORTION - 1) // _PORTION

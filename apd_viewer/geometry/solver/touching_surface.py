@@ -105,11 +105,8 @@ class TouchingSurface:
             return was is not self.metric
         springs = self.contact.springs(self.elastic.U)[self.free]
         # What touches is near now, and was not at rest.
-        matrix, near = (
-            (self.elastic.factored_matrix + springs[:, self.free]).tocsr(),
-            self.elastic.U[self.free],
-        )
-        self.metric = LinearSolver(matrix, near)
+        matrix = self.elastic.factored_matrix + springs[:, self.free]
+        self.metric = LinearSolver(matrix.tocsr(), self.elastic.U[self.free])
         others = np.concatenate([self.elastic.fixed, np.arange(len(self.U), springs.shape[1])])
         self._to_held, self._age = springs[:, others], 0
         return True
