@@ -1,8 +1,9 @@
-"""Turns of a surface as a whole, taken out of forces and of steps.
+"""Turns of a surface as a whole, taken out of forces, of steps and of shapes.
 
-A step has none if it leaves ``sum_i m_i a_i x u_i``, with a the places at first about their centre [Eckart
+A shape has none if it leaves ``sum_i m_i a_i x u_i``, with a the places at first about their centre [Eckart
 1935, Some studies concerning rotating axes and polyatomic molecules]. That is a condition on shapes: told
-from shape to shape instead, by places that change, surfaces would turn as a falling cat does.
+from shape to shape instead, by places that change, surfaces would turn as a falling cat does. What keeps it
+does no work, so that loads stay derivatives of the energy.
 """
 
 from __future__ import annotations
@@ -22,20 +23,37 @@ class WholeTurns:
     masses : (n,) float array
     first : (n, 3) float array
         The shape that it must not turn against.
+    turning : (n,) array, optional
+        How far each place turns when turns are taken out, relative to the others; without, all do alike.
     """
 
-    def __init__(self, X: np.ndarray, masses: np.ndarray, first: np.ndarray) -> None:
-        self._m = masses / masses.sum()
-        self._away, self._first = X - self._m @ X, first - self._m @ first
-        second = np.einsum("i,ij,ik->jk", self._m, self._away, self._first)
+    def __init__(
+        self, X: np.ndarray, masses: np.ndarray, first: np.ndarray, turning: np.ndarray | None = None
+    ) -> None:
+        m = masses / masses.sum()
+        self._away, self._first = X - m @ X, m[:, None] * (first - m @ first)
+        if turning is not None:
+            self._away *= turning[:, None]
+        second = self._away.T @ self._first
         self._per_moment = np.linalg.pinv(np.trace(second) * _AXES - second)
 
     def without(self, step: np.ndarray) -> np.ndarray:
-        """``step`` (n, 3) less its turn of the shape."""
-        turn = self._per_moment @ np.cross(self._first, self._m[:, None] * step).sum(axis=0)
-        return step - np.cross(turn, self._away)
+        """``step`` (n, 3), or the shape itself, less its turn."""
+        turn = self._per_moment @ _moment(self._first, step)
+        return step - self._away @ _turned_by(turn)
 
     def balanced(self, force: np.ndarray) -> np.ndarray:
         """``force`` (n, 3) less what turns the whole: the transpose of :meth:`without`."""
-        turn = self._per_moment.T @ np.cross(self._away, force).sum(axis=0)
-        return force - self._m[:, None] * np.cross(turn, self._first)
+        turn = self._per_moment.T @ _moment(self._away, force)
+        return force - self._first @ _turned_by(turn)
+
+
+def _moment(X: np.ndarray, Y: np.ndarray) -> np.ndarray:
+    """Sum (3,) of the cross products of rows."""
+    P = X.T @ Y
+    return np.array([P[1, 2] - P[2, 1], P[2, 0] - P[0, 2], P[0, 1] - P[1, 0]])
+
+
+def _turned_by(turn: np.ndarray) -> np.ndarray:
+    """The matrix (3, 3) whose products with rows are ``turn x row``."""
+    return np.cross(turn, _AXES)

@@ -74,9 +74,24 @@ class TouchingSurface:
         """
         if len(self.elastic.fixed):
             return self.metric.solve(b_f)
-        masses = self.rest.vertex_areas[self.free]
-        turns = WholeTurns(row_ops.taken(self.U, self.free), masses, self._first)
+        turns = WholeTurns(row_ops.taken(self.U, self.free), self._masses, self._first)
         return turns.without(self.metric.solve(turns.balanced(b_f)))
+
+    def unturned(self, U: np.ndarray, turning: np.ndarray) -> np.ndarray:
+        """``U`` (n, 3) less its turn against the shape at first, where nothing is held.
+
+        What contact pushes along or stops has turned the whole a little. The others turn it back, each by as
+        much as ``turning``, (n,), has it.
+        """
+        if len(self.elastic.fixed):
+            return U
+        X, free = row_ops.taken(U, self.free), self.free
+        turns = WholeTurns(X, self._masses, self._first, turning[free])
+        return self.assembled(turns.without(X), U[:0])
+
+    @property
+    def _masses(self) -> np.ndarray:
+        return self.rest.vertex_areas[self.free]
 
     def following(self, held: np.ndarray, then: np.ndarray) -> np.ndarray:
         """Free positions (f, 3) after a move of all else.
@@ -93,7 +108,8 @@ class TouchingSurface:
             pull -= self._to_held @ np.vstack([then[:k] - held[:k], *moves])
         start = row_ops.taken(self.U, self.free)
         W = self.assembled(start + self.solve(pull), then)
-        return row_ops.taken(self.contact.carried_along(self.U, W), self.free)
+        carried = self.contact.carried_along(self.U, W)
+        return row_ops.taken(self.unturned(carried, (carried == W).all(axis=1)), self.free)
 
     def renew_springs(self) -> bool:
         """Renew the springs of what touches, if due; False if nothing changed."""
@@ -139,6 +155,7 @@ class FreeProjection(Projection):
 
     def __init__(self, surface: TouchingSurface, goals: tuple[Goal, ...]) -> None:
         super().__init__(surface, goals)
+        self._surface = surface
         self._contact, self._held = surface.contact, surface.elastic.fixed
         self._is_free = True
 
@@ -162,5 +179,5 @@ class FreeProjection(Projection):
                 shares[:] = min(_MOST_AT_ONCE, float(shares.min()))
             nearer = start + shares[:, None] * (W - start)
             nearer[self._held] = W[self._held]
-            W, mu = super().onto(nearer)
+            W, mu = super().onto(self._surface.unturned(nearer, shares))
         return W, mu

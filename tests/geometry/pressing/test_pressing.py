@@ -11,6 +11,7 @@ from apd_viewer import press
 from apd_viewer.errors import InputError
 from apd_viewer.geometry.contact.obstacles import capsule, plate
 from apd_viewer.geometry.energy.rest_mesh import RestMesh
+from apd_viewer.geometry.mesh.operators import vertex_areas
 from apd_viewer.geometry.pressing.plate_press import PlatePress
 from apd_viewer.geometry.pressing.press_options import PressOptions
 from apd_viewer.geometry.pressing.pressing import Pressing
@@ -93,6 +94,22 @@ def test_a_tall_tube_yields_and_does_not_topple():
     assert loads[-1] > 0.5 * found.curve.yield_load
     assert not found.stopped
     assert all(step.settled and step.crossings == 0 for step in found.steps)
+
+
+def test_what_lies_askew_does_not_turn_however_it_is_pushed_along():
+    """A tilted egg, whose plates turn it: otherwise loads would not be the slope of the energy."""
+    V, F = sphere(2)
+    V = V * (0.6, 0.6, 1.2) @ rotation(Y, np.radians(60.0)).T
+    plates = PlatePress(RestMesh(V, F), Z, 0.45, 2, options=STIFF)
+    m = vertex_areas(V, F)
+    away, moments = V - m @ V / m.sum(), []
+    for share in (0.5, 1.0):
+        to_rest(plates.pressing, share)
+        moments.append(np.cross(away, m[:, None] * plates.pressing.U).sum(axis=0))
+    low, high = plates.pressing.loads
+    assert low[2] < -1.0
+    assert high[2] > 1.0
+    assert np.abs(moments).max() <= 1e-9 * m.sum()
 
 
 def test_keeping_the_area_does_not_push_against_the_plates():
